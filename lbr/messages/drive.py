@@ -1,0 +1,90 @@
+"""Messages on `drive/*`: what moves the base, and what the base says back."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.messages.units import AngleDeg, IntervalS, Power, RangeCm, SignedPower, TtlS
+
+Direction = Literal["forward", "back", "left", "right"]
+Sensor = Literal["forward", "back", "left", "right", "bottom"]
+LeaseId = Annotated[str, Meta(max_length=64, description="the lease this command renews or changes; empty asks for one")]
+
+
+class DriveCommand(Struct, frozen=True, kw_only=True):
+    """Drive at `power` towards `angle_deg` for as long as the lease is renewed, and no further than the bounds."""
+
+    power: Power
+    angle_deg: AngleDeg = 0.0
+    lease: LeaseId = ""
+    range_cm: RangeCm = 0.0
+    sensor: Sensor = "forward"
+    interval_s: IntervalS = 0.0
+    ttl_s: TtlS | None = None
+    take_over: bool = False
+
+
+class StopCommand(Struct, frozen=True, kw_only=True):
+    """Stop, whoever holds the robot; ends every goal, observer and timer."""
+
+    reason: Annotated[str, Meta(max_length=200)] = ""
+
+
+class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """What became of a command: accepted, with the lease it lives by; or refused, with the reason."""
+
+    accepted: bool
+    reason: str = ""
+    lease: str = ""
+    ttl_s: float | None = None
+    goal: str = ""
+
+
+class GoalResult(Struct, frozen=True, kw_only=True):
+    """How a bounded move ended. `reached` and `interval` are the planned ends; all others carry a reason."""
+
+    goal: str
+    result: Literal["reached", "interval", "stopped", "lapsed", "superseded", "fault"]
+    reason: str
+    range_cm: float | None
+    elapsed_s: float
+
+
+class LoopStatistics(Struct, frozen=True, kw_only=True):
+    """The fixed-rate loop over the last second or so; periods in milliseconds."""
+
+    rate_hz: float
+    period_p99_ms: float
+    period_max_ms: float
+    overruns: int
+
+
+class DriveState(Struct, frozen=True, kw_only=True):
+    """What the base is doing, who holds it, and why it is slower than asked or stands still."""
+
+    moving: bool
+    power: Power
+    angle_deg: AngleDeg
+    left: SignedPower
+    right: SignedPower
+    holder: str | None
+    goal: str | None
+    limited_by: str
+    reason: str
+    estop: bool
+    loop: LoopStatistics | None
+
+
+class CheckRequest(Struct, frozen=True, kw_only=True):
+    """A motion command on its way to being accepted, shown to a check of the user's own."""
+
+    source: str
+    role: str
+    command: DriveCommand
+
+
+class CheckVerdict(Struct, frozen=True, kw_only=True):
+    """What a check says of a command; the reason is told to whoever asked."""
+
+    accepted: bool
+    reason: str = ""

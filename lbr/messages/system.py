@@ -1,0 +1,109 @@
+"""Messages on the system keys `@console`, `@estop`, `@status` and `@event`, and the stamp of every publication."""
+
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta, Struct
+
+Role = Literal["view", "operate", "admin"]
+CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping", "stopped", "failed"]
+
+
+class Stamp(Struct, frozen=True, kw_only=True):
+    """Who published, the how-many-eth since it started, and when by its monotonic and its wall clock.
+
+    `boot` tells whether two monotonic times can be compared: same boot, same clock.
+    """
+
+    source: str
+    seq: int
+    mono_ns: int
+    wall_ns: int
+    boot: str = ""
+    seal: str = ""
+
+
+class Event(Struct, frozen=True, kw_only=True):
+    """Something happened: what (`kind`), to whom (`subject`), in one sentence (`text`)."""
+
+    kind: str
+    subject: str
+    text: str
+    level: Literal["info", "warning", "error"] = "info"
+    wall_ns: int = 0
+    data: dict[str, Any] = {}
+
+
+class EstopRequest(Struct, frozen=True, kw_only=True):
+    """Latch (`engaged` true) the emergency stop of everything that moves."""
+
+    engaged: bool
+    reason: Annotated[str, Meta(max_length=200)] = ""
+
+
+class EstopState(Struct, frozen=True, kw_only=True):
+    """The latch, and which capabilities' devices have acknowledged it."""
+
+    engaged: bool
+    reason: str
+    source: str = ""
+    acknowledged: tuple[str, ...] = ()
+    waiting: tuple[str, ...] = ()
+
+
+class EstopAcknowledgement(Struct, frozen=True, kw_only=True):
+    """One mover's word: `stopped` only once its device has acknowledged."""
+
+    capability: str
+    engaged: bool
+    stopped: bool
+    reason: str = ""
+
+
+class Hold(Struct, frozen=True, kw_only=True):
+    """What a console line's sender repeats to go on moving: put `payload`, which quotes the lease, on `key`."""
+
+    lease: str
+    ttl_s: float
+    key: str
+    stop_key: str
+    payload: dict[str, Any]
+    goal: str = ""
+    max_run_s: float = 30.0
+
+
+class ConsoleResult(Struct, frozen=True, kw_only=True):
+    """The result of a console line: text for a person, an exit code (0 done, 1 refused or failed, 2 bad input)."""
+
+    code: int
+    text: str
+    hold: Hold | None = None
+    data: Any = None
+
+
+class CapabilityStatus(Struct, frozen=True, kw_only=True):
+    """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count."""
+
+    name: str
+    kind: str
+    phase: CapabilityPhase
+    pid: int | None
+    restarts: int
+    uptime_s: float | None
+    reason: str
+    rates_hz: dict[str, float]
+    cpu_percent: float | None = None
+    memory_mb: float | None = None
+
+
+class Status(Struct, frozen=True, kw_only=True):
+    """The whole robot at a glance."""
+
+    robot: str
+    profile: str
+    ready: bool
+    pid: int
+    uptime_s: float
+    estop: EstopState
+    capabilities: tuple[CapabilityStatus, ...]
+    problems: tuple[str, ...] = ()
+    revision: int = 0

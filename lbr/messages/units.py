@@ -1,0 +1,15 @@
+"""Number types with their unit, range and meaning; decoding refuses what is out of range, NaN and infinity."""
+
+from typing import Annotated
+
+from msgspec import Meta
+
+Power = Annotated[float, Meta(ge=0.0, le=1.0, description="fraction of full power, 0 to 1")]
+SignedPower = Annotated[float, Meta(ge=-1.0, le=1.0, description="fraction of full power, forward positive, -1 to 1")]
+AngleDeg = Annotated[
+    float, Meta(ge=-360.0, le=360.0, description="degrees clockwise: 0 ahead, 90 right, 180 back, 270 left")
+]
+RangeCm = Annotated[float, Meta(ge=0.0, le=769.0, description="centimetres; 0 sets no range")]
+IntervalS = Annotated[float, Meta(ge=0.0, le=3600.0, description="seconds; 0 sets no time")]
+TtlS = Annotated[float, Meta(gt=0.0, le=1.0, description="seconds a command lives unless it is renewed")]
+Name = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
