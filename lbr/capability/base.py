@@ -1,0 +1,39 @@
+"""The life of a capability: open, step, close. Subclass it, and the runtime does the rest."""
+
+from typing import Generic, TypeVar
+
+from msgspec import Struct
+
+from lbr.capability.context import Call, Context
+
+S = TypeVar("S", bound=Struct)
+
+
+class Capability(Generic[S]):
+    """A driver, operation or app, running in a process of its own with everything it needs in `self.ctx`.
+
+    The runtime calls `open` once, then `step` at `rate_hz` and whenever something arrived; every call on one thread.
+    A DeviceError out of `open` or `step` makes the capability degraded: the runtime calls `close` and opens again
+    with a capped backoff. Any other exception ends the process, and the executive decides what follows.
+    """
+
+    rate_hz: float = 10.0
+
+    def __init__(self, ctx: Context[S]) -> None:
+        self.ctx = ctx
+
+    def open(self) -> None:
+        """Acquire what the row names; must return within a second or raise DeviceError."""
+
+    def step(self) -> None:
+        """Do one round of work; must not block longer than a few milliseconds."""
+
+    def command(self, call: Call) -> None:
+        """Answer a command with `call.reply`, now or in a later step."""
+        call.refuse(f"{call.name} is not understood here")
+
+    def degraded(self, reason: str) -> None:
+        """Tell the others that the device is away; called when it goes and every half second until it is back."""
+
+    def close(self) -> None:
+        """Stop motion first, then let go of everything; called on every way out that allows it."""

@@ -1,0 +1,112 @@
+"""What a running capability sees of the robot: settings, wiring, bus and emergency stop."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar
+
+from msgspec import Struct
+
+from lbr.messages.system import Role, Stamp
+
+S = TypeVar("S", bound=Struct, covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """A message with its stamp (None: the sender gave none) and its arrival on this process's monotonic clock."""
+
+    message: Any
+    stamp: Stamp | None
+    arrived: float
+    source: str
+
+    def age_s(self, now: float) -> float:
+        """Seconds since it arrived."""
+        return now - self.arrived
+
+
+class Call(Protocol):
+    """A command waiting for its answer; a `put` is one too, whose refusal becomes an event."""
+
+    name: str
+    message: Any
+    source: str
+    role: Role
+    arrived: float
+
+    def reply(self, answer: Struct) -> None:
+        """Answer, once."""
+
+    def refuse(self, reason: str) -> None:
+        """Answer `{"accepted": false, "reason": …}`."""
+
+
+class Asked(Protocol):
+    """A question put to every capability wired to a request."""
+
+    def answers(self) -> Mapping[str, Any] | None:
+        """Return the answer of each asked capability by name (None for one that gave none); None while waiting."""
+
+
+class EmergencyStop(Protocol):
+    """The latch as this process knows it, straight from its own session."""
+
+    engaged: bool
+    reason: str
+
+    def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
+        """Say whether the device has acknowledged the stop; cheap to repeat, published on change."""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A device row: where it is (`address`) and what its type may set."""
+
+    name: str
+    type: str
+    address: str
+    settings: dict[str, Any]
+
+
+class Context(Protocol[S]):
+    """Everything a capability may do; implemented by the process that runs it."""
+
+    robot: str
+    name: str
+    estop: EmergencyStop
+    device: Device | None
+    devices: tuple[Device, ...]
+
+    @property
+    def settings(self) -> S:
+        """The row's settings, checked."""
+
+    def clock(self) -> float:
+        """Monotonic seconds."""
+
+    def publish(self, output: str, message: Struct) -> None:
+        """Publish on an output; it is also the answer to a later `get`. Never blocks, never raises on a dead bus."""
+
+    def latest(self, port: str) -> Received | None:
+        """Return the newest message of an input or setpoint, or None before the first."""
+
+    def take(self, port: str) -> list[Received]:
+        """Return what arrived on an input or setpoint since the last call, oldest first, as deep as its channel."""
+
+    def sources(self, port: str) -> tuple[str, ...]:
+        """Return the names of the capabilities wired to an input or setpoint."""
+
+    def alive(self, capability: str) -> bool:
+        """Say whether another capability's process is on the bus; its death is known within milliseconds."""
+
+    def ask(self, request: str, message: Struct, timeout_s: float) -> Asked:
+        """Ask every capability wired to a request; poll the result in later steps (the loop wakes on answers)."""
+
+    def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
+        """Publish on `@event`; the executive writes it down."""
+
+    def ready(self, reason: str = "") -> None:
+        """Say that this capability works (the runtime does so after `open`)."""
+
+    def warn(self, reason: str) -> None:
+        """Say that it works, but not as it should: degraded, with the reason."""

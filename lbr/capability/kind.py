@@ -1,0 +1,55 @@
+"""Kinds: what a capability row may name. Declared once per driver, operation or app; light to import."""
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import msgspec
+from msgspec import Struct
+
+Family = Literal["driver", "operation", "app", "simulation", "program"]
+
+
+class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
+    """A row of this kind has nothing to set."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Kind:
+    """One kind of driver, operation or app: its settings, its ports and where its code is.
+
+    `entry` names the class that runs (`module:Class`), imported only in its own process, or is that class.
+    `inputs` are streams it reads and `setpoints` streams sent to its own key, which only the wired source may write.
+    `outputs` are streams it publishes, `commands` what it answers, `requests` what it asks of others' commands.
+    `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
+    `device` is the type of the device row that the setting `device` must name; empty if it owns none.
+    """
+
+    name: str
+    summary: str
+    family: Family
+    entry: str | type
+    settings: type[Struct] = NoSettings
+    inputs: Mapping[str, type[Struct]] = field(default_factory=dict)
+    setpoints: Mapping[str, type[Struct]] = field(default_factory=dict)
+    outputs: Mapping[str, type[Struct]] = field(default_factory=dict)
+    commands: Mapping[str, type[Struct]] = field(default_factory=dict)
+    replies: Mapping[str, type[Struct]] = field(default_factory=dict)
+    requests: Mapping[str, type[Struct]] = field(default_factory=dict)
+    moves: bool = False
+    device: str = ""
+
+    def parse(self, settings: str | bytes) -> Any:
+        """Return the settings of a row, checked; raise msgspec.ValidationError naming the field."""
+        return msgspec.json.decode(settings, type=self.settings)
+
+    def load(self) -> type:
+        """Import and return the class that runs."""
+        if isinstance(self.entry, type):
+            return self.entry
+        module, _, name = self.entry.partition(":")
+        found = getattr(importlib.import_module(module), name)
+        if not isinstance(found, type):
+            raise TypeError(f"kind '{self.name}': {self.entry} is no class")
+        return found

@@ -1,0 +1,29 @@
+"""The errors people handle. Each says what is wrong, where, and what to do; the rest are bugs and crash loudly."""
+
+
+class LbrError(Exception):
+    """Any error lbr raises for people to read."""
+
+
+class DeviceError(LbrError, OSError):
+    """A device is missing, busy, wrong or silent; its capability goes degraded and tries again."""
+
+
+class RowError(LbrError, ValueError):
+    """Rows that cannot become a robot; `problems` holds every one, each naming table, row and column."""
+
+    def __init__(self, problems: tuple[str, ...]) -> None:
+        super().__init__("\n".join(problems))
+        self.problems = problems
+
+
+class InputError(LbrError, ValueError):
+    """A line, option or file from a person that cannot be understood; the text says what is allowed."""
+
+
+class BusError(LbrError, ConnectionError):
+    """The bus cannot be reached or did not answer."""
+
+
+class AlreadyRunningError(LbrError, RuntimeError):
+    """This robot already runs here."""
