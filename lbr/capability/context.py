@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from msgspec import Struct
 
 from lbr.messages.system import Role, Stamp
 
-S = TypeVar("S", bound=Struct, covariant=True)
+S_co = TypeVar("S_co", bound=Struct, covariant=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class Device:
     settings: dict[str, Any]
 
 
-class Context(Protocol[S]):
+class Context(Protocol[S_co]):
     """Everything a capability may do; implemented by the process that runs it."""
 
     robot: str
@@ -78,7 +78,7 @@ class Context(Protocol[S]):
     devices: tuple[Device, ...]
 
     @property
-    def settings(self) -> S:
+    def settings(self) -> S_co:
         """The row's settings, checked."""
 
     def clock(self) -> float:

@@ -1,0 +1,1 @@
+"""The one wire between processes. Nothing outside this package imports zenoh."""

@@ -1,0 +1,56 @@
+"""The key space: `<robot>/<capability>/<name>` for streams and commands, `<robot>/@…` for the system."""
+
+
+def port(robot: str, capability: str, name: str) -> str:
+    """Return the key of a capability's stream or command."""
+    return f"{robot}/{capability}/{name}"
+
+
+def console(robot: str) -> str:
+    """Return the key that takes console lines."""
+    return f"{robot}/@console"
+
+
+def estop(robot: str) -> str:
+    """Return the key that latches the emergency stop."""
+    return f"{robot}/@estop"
+
+
+def estop_reset(robot: str) -> str:
+    """Return the key whose query asks the executive to release the emergency stop."""
+    return f"{robot}/@estop/reset"
+
+
+def estop_release(robot: str, capability: str) -> str:
+    """Return the key on which the executive releases one mover's latch."""
+    return f"{robot}/@estop/release/{capability}"
+
+
+def estop_acknowledgement(robot: str, capability: str) -> str:
+    """Return the key on which a mover says that its device has stopped."""
+    return f"{robot}/@estop/ack/{capability}"
+
+
+def status(robot: str) -> str:
+    """Return the key of the robot's status, a stream and a query."""
+    return f"{robot}/@status"
+
+
+def event(robot: str) -> str:
+    """Return the key of the event stream."""
+    return f"{robot}/@event"
+
+
+def alive(robot: str, capability: str) -> str:
+    """Return the key of a capability's liveliness token."""
+    return f"{robot}/@alive/{capability}"
+
+
+def schema(robot: str, capability: str, name: str) -> str:
+    """Return the key that answers with the JSON Schema of a stream or command."""
+    return f"{robot}/@schema/{capability}/{name}"
+
+
+def last_part(key: str) -> str:
+    """Return what follows the last slash."""
+    return key.rpartition("/")[2]

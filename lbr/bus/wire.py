@@ -1,0 +1,268 @@
+"""Publishing, receiving, answering and asking: thin, so that nothing but a slot write happens on Zenoh's threads."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+import zenoh
+
+from lbr.bus import stamp as stamps
+from lbr.errors import BusError
+
+JSON = zenoh.Encoding.APPLICATION_JSON
+MAX_COMMAND_BYTES = 64 * 1024
+MAX_WAITING_COMMANDS = 64
+encode = msgspec.json.Encoder().encode
+NO_ATTACHMENT = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Raw:
+    """A message as it came in: its bytes, its attachment and the key it was published on."""
+
+    key: str
+    payload: bytes
+    attachment: bytes
+
+
+def raw(sample: zenoh.Sample) -> Raw:
+    """Take a sample's bytes out of Zenoh."""
+    attachment = sample.attachment
+    return Raw(
+        str(sample.key_expr), sample.payload.to_bytes(), attachment.to_bytes() if attachment is not None else b""
+    )
+
+
+def direct(handle: Callable[[Any], None]) -> zenoh.handlers.Callback[Any]:
+    """Run `handle` on Zenoh's own thread; it must only store and signal."""
+    return zenoh.handlers.Callback(handle, indirect=False)
+
+
+class Publisher:
+    """One stream: publishes stamped JSON, and answers a `get` with its latest value. One thread publishes."""
+
+    def __init__(self, session: zenoh.Session, key: str, source: str, *, seal: bytes = b"") -> None:
+        self.key = key
+        self.count = 0
+        self._source = source
+        self._seal = seal
+        self._last: tuple[bytes, bytes] | None = None
+        self._publisher = session.declare_publisher(
+            key, encoding=JSON, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA
+        )
+        self._latest = session.declare_queryable(key, direct(self._answer), complete=True)
+
+    def put(self, message: Any) -> None:
+        """Publish; a bus that is away loses it silently, so motion never relies on it alone."""
+        payload = encode(message)
+        self.count += 1
+        attachment = stamps.make(self._source, self.count, payload, self._seal)
+        self._last = (payload, attachment)
+        self._publisher.put(payload, attachment=attachment)
+
+    def close(self) -> None:
+        """Stop publishing and answering."""
+        self._latest.undeclare()
+        self._publisher.undeclare()
+
+    def _answer(self, query: zenoh.Query) -> None:
+        with query:
+            if self._last is not None:
+                payload, attachment = self._last
+                query.reply(self.key, payload, encoding=JSON, attachment=attachment)
+
+
+class Subscription:
+    """The newest `depth` messages of a key expression, written by Zenoh's thread and taken by ours."""
+
+    def __init__(
+        self, session: zenoh.Session, key: str, *, depth: int = 1, wake: Callable[[], None] = lambda: None
+    ) -> None:
+        self._slots: deque[Raw] = deque(maxlen=depth)
+        self._wake = wake
+        self._subscriber = session.declare_subscriber(key, direct(self._store))
+
+    def take(self) -> list[Raw]:
+        """Return what arrived since the last call, oldest first."""
+        taken = []
+        while self._slots:
+            taken.append(self._slots.popleft())
+        return taken
+
+    def close(self) -> None:
+        """Stop receiving."""
+        self._subscriber.undeclare()
+
+    def _store(self, sample: zenoh.Sample) -> None:
+        self._slots.append(raw(sample))
+        self._wake()
+
+
+class Request:
+    """A query, or a `put` on a command key, waiting for an answer."""
+
+    def __init__(self, key: str, payload: bytes, attachment: bytes, query: zenoh.Query | None) -> None:
+        self.key = key
+        self.payload = payload
+        self.attachment = attachment
+        self._query = query
+
+    @property
+    def answerable(self) -> bool:
+        """Say whether somebody waits for the answer; nobody does after a `put`."""
+        return self._query is not None
+
+    def reply(self, message: Any, source: str) -> None:
+        """Answer, once; later answers are ignored."""
+        query, self._query = self._query, None
+        if query is None:
+            return
+        with query:
+            payload = encode(message)
+            query.reply(self.key, payload, encoding=JSON, attachment=stamps.make(source, 0))
+
+
+class Served:
+    """A command key: queries and puts queue here, bounded, until our thread answers them."""
+
+    def __init__(
+        self, session: zenoh.Session, key: str, wake: Callable[[], None], *, puts: bool = True, source: str = ""
+    ) -> None:
+        self.key = key
+        self.dropped = 0
+        self._source = source
+        self._wake = wake
+        self._waiting: deque[Request] = deque()
+        self._queryable = session.declare_queryable(key, direct(self._asked), complete=True)
+        self._subscriber = session.declare_subscriber(key, direct(self._put)) if puts else None
+
+    def take(self) -> list[Request]:
+        """Return the waiting requests, oldest first."""
+        taken = []
+        while self._waiting:
+            taken.append(self._waiting.popleft())
+        return taken
+
+    def close(self) -> None:
+        """Stop answering."""
+        self._queryable.undeclare()
+        if self._subscriber is not None:
+            self._subscriber.undeclare()
+
+    def _asked(self, query: zenoh.Query) -> None:
+        payload, attachment = query.payload, query.attachment
+        self._queue(
+            Request(
+                self.key,
+                payload.to_bytes() if payload is not None else b"",
+                attachment.to_bytes() if attachment is not None else b"",
+                query,
+            )
+        )
+
+    def _put(self, sample: zenoh.Sample) -> None:
+        message = raw(sample)
+        self._queue(Request(self.key, message.payload, message.attachment, None))
+
+    def _queue(self, request: Request) -> None:
+        if len(self._waiting) >= MAX_WAITING_COMMANDS:
+            self.dropped += 1
+            request.reply({"accepted": False, "reason": f"too many commands at once on {self.key}"}, self._source)
+            return
+        self._waiting.append(request)
+        self._wake()
+
+
+class Question:
+    """A query under way; its answers arrive on Zenoh's thread."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        key: str,
+        payload: bytes,
+        *,
+        timeout_s: float,
+        source: str,
+        wake: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.key = key
+        self.replies: list[Raw] = []
+        self.done = False
+        self._wake = wake
+        session.get(
+            key,
+            zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
+            payload=payload,
+            encoding=JSON,
+            attachment=stamps.make(source, 0),
+            timeout=timeout_s,
+            congestion_control=zenoh.CongestionControl.BLOCK,
+            priority=zenoh.Priority.REAL_TIME,
+            express=True,
+        )
+
+    def _reply(self, reply: zenoh.Reply) -> None:
+        if reply.ok is not None:
+            self.replies.append(raw(reply.ok))
+            self._wake()
+
+    def _finished(self) -> None:
+        self.done = True
+        self._wake()
+
+
+def ask(session: zenoh.Session, key: str, message: Any, *, source: str, timeout_s: float = 2.0) -> list[Raw]:
+    """Query a key and wait for all answers; an empty list means that nobody answered in time."""
+    payload = encode(message) if message is not None else b""
+    try:
+        replies = session.get(
+            key,
+            payload=payload,
+            encoding=JSON,
+            attachment=stamps.make(source, 0),
+            timeout=timeout_s,
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+        return [raw(reply.ok) for reply in replies if reply.ok is not None]
+    except zenoh.ZError as err:
+        raise BusError(f"{key}: {err}") from err
+
+
+def put(session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False) -> None:
+    """Publish once, stamped; `urgent` overtakes streams."""
+    payload = encode(message)
+    session.put(
+        key,
+        payload,
+        encoding=JSON,
+        attachment=stamps.make(source, 0),
+        priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
+        congestion_control=zenoh.CongestionControl.BLOCK if urgent else zenoh.CongestionControl.DROP,
+        express=urgent,
+    )
+
+
+class Presence:
+    """Who holds a liveliness token under a robot; a process's death is known within milliseconds."""
+
+    def __init__(
+        self, session: zenoh.Session, robot: str, changed: Callable[[str, bool], None] = lambda _name, _alive: None
+    ) -> None:
+        self.names: set[str] = set()
+        self._changed = changed
+        self._subscriber = session.liveliness().declare_subscriber(
+            f"{robot}/@alive/*", direct(self._note), history=True
+        )
+
+    def close(self) -> None:
+        """Stop watching."""
+        self._subscriber.undeclare()
+
+    def _note(self, sample: zenoh.Sample) -> None:
+        name = str(sample.key_expr).rpartition("/")[2]
+        alive = sample.kind == zenoh.SampleKind.PUT
+        (self.names.add if alive else self.names.discard)(name)
+        self._changed(name, alive)
