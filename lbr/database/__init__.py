@@ -1,0 +1,1 @@
+"""The database: what the robot is, as rows; the only place that opens it."""

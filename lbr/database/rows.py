@@ -1,0 +1,155 @@
+"""The rows as the rest of the program sees them: checked, frozen, free of the database they came from."""
+
+from typing import Any, Literal
+
+from msgspec import Struct
+
+from lbr.messages.system import Role
+
+Restart = Literal["never", "on-failure", "always"]
+
+
+class Problem(Struct, frozen=True):
+    """What is wrong with one row: `row` is its key as people read it, `column` may be empty for the whole row."""
+
+    table: str
+    row: str
+    column: str
+    text: str
+
+    def __str__(self) -> str:
+        where = f"{self.table} '{self.row}'" if self.row else self.table
+        return f"{where}, {self.column}: {self.text}" if self.column else f"{where}: {self.text}"
+
+
+class RobotRow(Struct, frozen=True, kw_only=True):
+    """The robot itself; times are ISO 8601 in UTC, empty before the first. A latch that cannot be read is engaged."""
+
+    name: str
+    model: str = ""
+    description: str = ""
+    owner: str = ""
+    last_start: str = ""
+    last_shutdown: str = ""
+    estop_engaged: bool = True
+    estop_reason: str = ""
+
+
+class CapabilityRow(Struct, frozen=True, kw_only=True):
+    """One process to run: `settings` is the text of a JSON object, for the kind to parse; `needs` start before it."""
+
+    name: str
+    kind: str
+    enabled: bool = True
+    settings: str = "{}"
+    restart: Restart = "on-failure"
+    needs: tuple[str, ...] = ()
+    help: str = ""
+
+
+class ChannelRow(Struct, frozen=True, kw_only=True):
+    """A wire from an output to an input, both `capability.port`; at most `rate_hz` (None: every one)."""
+
+    source: str
+    target: str
+    rate_hz: float | None = None
+    history: int = 1
+    enabled: bool = True
+
+    @property
+    def source_end(self) -> tuple[str, str]:
+        """Capability and port it comes from."""
+        return split_end(self.source)
+
+    @property
+    def target_end(self) -> tuple[str, str]:
+        """Capability and port it goes to."""
+        return split_end(self.target)
+
+
+class DeviceRow(Struct, frozen=True, kw_only=True):
+    """What is plugged in, and where."""
+
+    name: str
+    type: str
+    address: str
+    settings: dict[str, Any] = {}
+
+
+class VerbRow(Struct, frozen=True, kw_only=True):
+    """One console line: `pattern` binds path fields to the target's message, `payload` fixes the others."""
+
+    word: str
+    pattern: str
+    target: str
+    role: Role
+    help: str
+    payload: dict[str, Any] | None = None
+
+    @property
+    def target_end(self) -> tuple[str, str]:
+        """Capability and command it asks; the capability `executive` is built in."""
+        return split_end(self.target)
+
+
+class ExternalCommandRow(Struct, frozen=True, kw_only=True):
+    """A program started by name, without a shell."""
+
+    name: str
+    argv: tuple[str, ...]
+    blocking: bool = False
+    enabled: bool = True
+    help: str = ""
+
+
+class PhraseRow(Struct, frozen=True, kw_only=True):
+    """What the robot says, in one language."""
+
+    name: str
+    language: str
+    text: str
+
+
+class CalibrationRow(Struct, frozen=True, kw_only=True):
+    """One measured number of a device."""
+
+    device: str
+    name: str
+    value: float
+    measured_at: str
+
+
+class RevisionRow(Struct, frozen=True, kw_only=True):
+    """One change of a row, as the triggers kept it."""
+
+    id: int
+    table: str
+    row_key: tuple[str, ...]
+    operation: Literal["insert", "update", "delete"]
+    old: dict[str, Any] | None
+    new: dict[str, Any] | None
+    changed_at: str
+
+
+class RobotRows(Struct, frozen=True, kw_only=True):
+    """One robot's rows out of one transaction: the good ones, and what is wrong with the others.
+
+    Rows of which any column is bad are left out and named in `problems`. `revision` counts the changes of rows.
+    """
+
+    robot: RobotRow
+    capabilities: tuple[CapabilityRow, ...] = ()
+    channels: tuple[ChannelRow, ...] = ()
+    devices: tuple[DeviceRow, ...] = ()
+    verbs: tuple[VerbRow, ...] = ()
+    external_commands: tuple[ExternalCommandRow, ...] = ()
+    phrases: tuple[PhraseRow, ...] = ()
+    calibrations: tuple[CalibrationRow, ...] = ()
+    revision: int = 0
+    problems: tuple[Problem, ...] = ()
+
+
+def split_end(end: str) -> tuple[str, str]:
+    """Split `capability.port`."""
+    capability, _, port = end.partition(".")
+    return capability, port
