@@ -1,0 +1,84 @@
+"""Roboteq SDC21xx two-channel motor controller on a serial line: its kind and its settings."""
+
+import re
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind
+from lbr.messages.drive import CommandReply
+from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.units import Name
+
+FaultName = Literal[
+    "overheat",
+    "overvoltage",
+    "undervoltage",
+    "short_circuit",
+    "emergency_stop",
+    "sensor_or_setup",
+    "mosfet",
+    "default_configuration",
+]
+Pattern = Annotated[str, Meta(max_length=200, description="regular expression to find in the answer; empty: any")]
+Baud = Literal[9600, 19200, 38400, 57600, 115200]
+
+
+class EnableCommand(Struct, frozen=True, kw_only=True):
+    """Let setpoints through to the motors, or hold them at zero."""
+
+    enabled: bool
+
+
+class Wheel(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How one wheel's motor is wired: forward times `direction` goes to `channel`."""
+
+    channel: Literal[1, 2]
+    direction: Literal[-1, 1] = 1
+    trim: Annotated[float, Meta(ge=0.5, le=1.5, description="factor that makes the wheels run alike")] = 1.0
+    max_power: Annotated[float, Meta(gt=0.0, le=1.0, description="limit, applied after everything else")] = 1.0
+
+
+class RoboteqSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of kind `roboteq` may set."""
+
+    device: Name
+    left: Wheel = Wheel(channel=1)
+    right: Wheel = Wheel(channel=2)
+    enabled: bool = True
+    setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
+    watchdog_ms: Annotated[int, Meta(ge=50, le=250, description="the controller's own watchdog, `^RWD`")] = 200
+    reply_timeout_s: Annotated[float, Meta(ge=0.005, le=0.1, description="an answer later than this is lost")] = 0.03
+    echo: bool = True
+    mixing_mode: Annotated[int, Meta(ge=0, le=9, description="what `~MXMD` must answer; 0 is separate")] | None = 0
+    firmware: Pattern = "(?i)roboteq"
+    model: Pattern = ""
+    tolerated_faults: tuple[FaultName, ...] = ("default_configuration",)
+    baud: Baud = 115200
+
+    def __post_init__(self) -> None:
+        """Refuse wheels that share a channel, and tolerance for what must stop the robot."""
+        if self.left.channel == self.right.channel:
+            raise ValueError(f"left and right both use channel {self.left.channel}; give each wheel its own")
+        if "emergency_stop" in self.tolerated_faults:
+            raise ValueError("tolerated_faults must not hold `emergency_stop`")
+        for field, pattern in (("firmware", self.firmware), ("model", self.model)):
+            try:
+                re.compile(pattern)
+            except re.error as err:
+                raise ValueError(f"{field} is no regular expression: {err}") from err
+
+
+KIND = Kind(
+    name="roboteq",
+    summary="Roboteq SDC21xx motor controller driving two wheels",
+    family="driver",
+    entry="lbr.drivers.roboteq.capability:Roboteq",
+    settings=RoboteqSettings,
+    setpoints={"setpoint": MotorSetpoint},
+    outputs={"state": MotorsState},
+    commands={"enable": EnableCommand},
+    replies={"enable": CommandReply},
+    moves=True,
+    device="roboteq",
+)

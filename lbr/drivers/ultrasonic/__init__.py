@@ -1,0 +1,38 @@
+"""Ring of ultrasonic range sensors behind a microcontroller on a serial line: its kind and its settings."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind
+from lbr.messages.sensing import Ranges
+from lbr.messages.units import Name
+
+Board = Literal["arduino", "parallax"]
+SensorName = Literal["forward", "back", "left", "right", "bottom"]
+SENSORS: tuple[SensorName, ...] = ("forward", "back", "left", "right", "bottom")
+
+
+class UltrasonicSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of kind `ultrasonic_ring` may set."""
+
+    device: Name
+    board: Board = "arduino"
+    absent: tuple[SensorName, ...] = ("bottom",)
+    min_cm: Annotated[int, Meta(ge=1, le=100, description="below this the sensor cannot measure")] = 20
+    over_range_cm: Annotated[int, Meta(ge=100, le=768, description="from here on nothing is within reach")] = 758
+    max_cm: Annotated[int, Meta(ge=769, le=2000, description="above this the number is a fault")] = 800
+    timeout_s: Annotated[float, Meta(ge=0.1, le=5.0, description="silence that counts as a fault")] = 0.5
+    start_timeout_s: Annotated[float, Meta(ge=0.1, le=10.0, description="the board's start-up after opening")] = 3.0
+    baud: Literal[9600, 57600, 115200] = 115200
+
+
+KIND = Kind(
+    name="ultrasonic_ring",
+    summary="ring of ultrasonic range sensors on an Arduino or Parallax board",
+    family="driver",
+    entry="lbr.drivers.ultrasonic.capability:UltrasonicRing",
+    settings=UltrasonicSettings,
+    outputs={"readings": Ranges},
+    device="ultrasonic_ring",
+)
