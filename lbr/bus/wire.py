@@ -1,5 +1,7 @@
 """Publishing, receiving, answering and asking: thin, so that nothing but a slot write happens on Zenoh's threads."""
 
+import os
+import traceback
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,9 +37,25 @@ def raw(sample: zenoh.Sample) -> Raw:
     )
 
 
-def direct(handle: Callable[[Any], None]) -> zenoh.handlers.Callback[Any]:
+def _leave(err: BaseException) -> None:
+    traceback.print_exception(err)
+    os._exit(70)
+
+
+on_callback_error: Callable[[BaseException], None] = _leave
+"""What follows an exception on one of Zenoh's threads, where nobody would see it; by default the process ends."""
+
+
+def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # only the stub is generic
     """Run `handle` on Zenoh's own thread; it must only store and signal."""
-    return zenoh.handlers.Callback(handle, indirect=False)
+
+    def guarded(item: Any) -> None:
+        try:
+            handle(item)
+        except BaseException as err:  # noqa: BLE001 - this thread's outermost frame
+            on_callback_error(err)
+
+    return zenoh.handlers.Callback(guarded, indirect=False)
 
 
 class Publisher:
@@ -266,3 +284,18 @@ class Presence:
         alive = sample.kind == zenoh.SampleKind.PUT
         (self.names.add if alive else self.names.discard)(name)
         self._changed(name, alive)
+
+
+class Constant:
+    """A key that answers every query with the same document, made when first asked for."""
+
+    def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:
+        self._key = key
+        self._make = make
+        self._payload = b""
+        self._queryable = session.declare_queryable(key, direct(self._answer), complete=True)
+
+    def _answer(self, query: zenoh.Query) -> None:
+        with query:
+            self._payload = self._payload or encode(self._make())
+            query.reply(self._key, self._payload, encoding=JSON)

@@ -57,6 +57,12 @@ class EmergencyStop(Protocol):
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
         """Say whether the device has acknowledged the stop; cheap to repeat, published on change."""
 
+    def serve(self) -> None:
+        """Answer releases; the runtime's business."""
+
+    def close(self) -> None:
+        """Leave the bus; the runtime's business."""
+
 
 @dataclass(frozen=True, slots=True)
 class Device:
@@ -69,13 +75,19 @@ class Device:
 
 
 class Context(Protocol[S_co]):
-    """Everything a capability may do; implemented by the process that runs it."""
+    """Everything a capability may do; implemented by the process that runs it.
+
+    `on_tick` says that this step is one of the fixed rate, not a wake-up in between.
+    """
 
     robot: str
     name: str
     estop: EmergencyStop
     device: Device | None
     devices: tuple[Device, ...]
+    home: str
+    calibration: Mapping[str, float]
+    on_tick: bool
 
     @property
     def settings(self) -> S_co:

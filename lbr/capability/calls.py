@@ -1,0 +1,68 @@
+"""Commands as a capability sees them: decoded, attributed, and answered exactly once."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+from lbr.bus import stamp, wire
+from lbr.messages.drive import CommandReply
+from lbr.messages.system import Role
+
+UNSTAMPED = "a bus client"
+
+
+class BusCall:
+    """A command from the bus. Refusals of a `put`, which nobody waits for, are told to `refused`."""
+
+    def __init__(
+        self, name: str, message: Any, request: wire.Request, owner: str, refused: Callable[[str, str], None]
+    ) -> None:
+        found = stamp.read(request.attachment)
+        self.name = name
+        self.message = message
+        self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
+        self.role: Role = "operate"
+        self.arrived = time.monotonic()
+        self._request = request
+        self._owner = owner
+        self._refused = refused
+
+    def reply(self, answer: Struct) -> None:
+        """Answer, once."""
+        if isinstance(answer, CommandReply) and not answer.accepted and not self._request.answerable:
+            self._refused(self.source, answer.reason)
+        self._request.reply(answer, self._owner)
+
+    def refuse(self, reason: str) -> None:
+        """Answer that the command is not accepted, and why."""
+        self.reply(CommandReply(accepted=False, reason=reason))
+
+
+def explain(err: Exception) -> str:
+    """Say in one line what is wrong with a message."""
+    if isinstance(err, msgspec.ValidationError):
+        return f"malformed command: {err}"
+    return f"not JSON: {err}"
+
+
+class Answers:
+    """A question to several capabilities; complete once all have answered or run out of time."""
+
+    def __init__(self, questions: dict[str, wire.Question], decoder: msgspec.json.Decoder[Any]) -> None:
+        self._questions = questions
+        self._decoder = decoder
+
+    def answers(self) -> dict[str, Any] | None:
+        """Return each capability's answer (None for one that gave none), or None while waiting."""
+        if not all(question.done for question in self._questions.values()):
+            return None
+        return {name: self._decode(question) for name, question in self._questions.items()}
+
+    def _decode(self, question: wire.Question) -> Any:
+        try:
+            return self._decoder.decode(question.replies[0].payload) if question.replies else None
+        except msgspec.DecodeError:
+            return None

@@ -1,0 +1,64 @@
+"""The one document a capability's process gets at start: settings, wiring, devices, calibration."""
+
+from typing import Any
+
+from msgspec import Raw, Struct
+
+from lbr.messages.system import EstopState
+
+
+class InputWire(Struct, frozen=True, kw_only=True):
+    """A stream that feeds a port: its key, who publishes it, and how much of it is wanted."""
+
+    key: str
+    source: str
+    rate_hz: float | None = None
+    history: int = 1
+    seal: str = ""
+
+
+class OutputWire(Struct, frozen=True, kw_only=True):
+    """A key on which an output is published; sealed if it is somebody's setpoint."""
+
+    key: str
+    seal: str = ""
+
+
+class DeviceConfig(Struct, frozen=True, kw_only=True):
+    """A device row, its address as the profile has it."""
+
+    name: str
+    type: str
+    address: str
+    settings: dict[str, Any] = {}
+
+
+class ProcessConfig(Struct, frozen=True, kw_only=True):
+    """Everything a process needs to know; it reads nothing else.
+
+    `wiring` maps inputs and setpoints to the streams that feed them, `outputs` every output to its keys, `requests`
+    to the capabilities asked and their keys. `release_key` proves that a release of the e-stop is the executive's.
+    """
+
+    robot: str
+    name: str
+    kind: str
+    settings: Raw
+    endpoints: tuple[str, ...]
+    home: str
+    device: str = ""
+    devices: tuple[DeviceConfig, ...] = ()
+    wiring: dict[str, tuple[InputWire, ...]] = {}
+    outputs: dict[str, tuple[OutputWire, ...]] = {}
+    requests: dict[str, dict[str, str]] = {}
+    calibration: dict[str, float] = {}
+    estop: EstopState = EstopState(engaged=False, reason="")
+    release_key: str = ""
+
+
+class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A line from a process to its executive; an empty line is a bare heartbeat."""
+
+    phase: str = ""
+    reason: str = ""
+    counts: dict[str, int] = {}

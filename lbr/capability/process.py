@@ -1,0 +1,187 @@
+"""A capability's process: `python -m lbr.capability.process`, started by the executive.
+
+Its document comes as one line on standard input, which stays open as the lifeline: when it closes, the executive is
+gone, and the process stops its motion and ends. Every way out that is not a requested stop ends in `os._exit(70)`,
+because a thread of the bus library would keep a process alive that Python has left.
+"""
+
+import gc
+import os
+import queue
+import signal
+import sys
+import threading
+import time
+import traceback
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import msgspec
+
+from lbr.bus import wire
+from lbr.capability import registry
+from lbr.capability.base import Capability
+from lbr.capability.config import ProcessConfig
+from lbr.capability.reporter import BEAT_S, HEARTBEAT_VARIABLE, Reporter
+from lbr.capability.runtime import ProcessContext
+from lbr.errors import DeviceError
+
+CRASHED = 70
+CLOSE_LIMIT_S = 0.5
+RETRY_FIRST_S = 0.2
+RETRY_MOST_S = 2.0
+TELL_DEGRADED_S = 0.5
+
+
+class Wake:
+    """Wakes the main loop from any thread or signal handler; a SimpleQueue is safe in both."""
+
+    def __init__(self) -> None:
+        self._queue: queue.SimpleQueue[None] = queue.SimpleQueue()
+        self._set = False
+
+    def set(self) -> None:
+        """Wake the loop, or let its next wait return at once."""
+        if not self._set:
+            self._set = True
+            self._queue.put(None)
+
+    def wait(self, timeout_s: float) -> None:
+        """Sleep until woken, at most `timeout_s`."""
+        try:
+            self._queue.get(timeout=max(timeout_s, 0.0))
+        except queue.Empty:
+            return
+        self._set = False
+
+
+class Process:
+    """The main loop of one capability: opens it, steps it, reopens it when its device comes back, closes it."""
+
+    def __init__(self, config: ProcessConfig, reporter: Reporter) -> None:
+        self._config = config
+        self._reporter = reporter
+        self._wake = Wake()
+        self._stopping = False
+        self._capability: Capability[Any] | None = None
+
+    def stop(self) -> None:
+        """Ask the loop to end; from any thread or a signal handler."""
+        self._stopping = True
+        self._wake.set()
+
+    def run(self) -> None:
+        """Run until asked to stop; raise whatever the capability raises."""
+        kind = registry.find(self._config.kind, Path(self._config.home))
+        make = kind.load()
+        ctx = ProcessContext(self._config, kind, self._reporter, self._wake.set)
+        self._capability = capability = make(ctx)
+        gc.collect()
+        gc.freeze()
+        retry_s = RETRY_FIRST_S
+        while not self._stopping:
+            try:
+                capability.open()
+                ctx.ready()
+                retry_s = RETRY_FIRST_S
+                self._loop(ctx, capability)
+            except DeviceError as err:
+                capability.close()
+                self._wait_degraded(ctx, capability, str(err), retry_s)
+                retry_s = min(retry_s * 2, RETRY_MOST_S)
+        self._reporter.phase("stopping")
+        capability.close()
+        ctx.close()
+
+    def close(self) -> None:
+        """Stop the motion of a capability that crashed, within a bound."""
+        if self._capability is not None:
+            threading.Timer(CLOSE_LIMIT_S, os._exit, (CRASHED,)).start()
+            self._capability.close()
+
+    def _loop(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
+        period = 1.0 / capability.rate_hz
+        due = time.monotonic()
+        while not self._stopping:
+            now = time.monotonic()
+            ctx.on_tick = now >= due
+            if ctx.on_tick:
+                due = due + period if now < due + period else now + period
+            self._round(ctx, capability)
+            self._wake.wait(min(due - time.monotonic(), BEAT_S))
+
+    def _round(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
+        for call in ctx.calls():
+            capability.command(call)
+        capability.step()
+        self._reporter.beat(ctx.counts())
+
+    def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Any], reason: str, wait_s: float) -> None:
+        ctx.warn(reason)
+        ctx.event("degraded", reason, level="warning")
+        tell, until = 0.0, time.monotonic() + wait_s
+        while not self._stopping and time.monotonic() < until:
+            if time.monotonic() >= tell:
+                tell = time.monotonic() + TELL_DEGRADED_S
+                capability.degraded(reason)
+            for call in ctx.calls():
+                call.refuse(f"{ctx.name}: {reason}")
+            self._reporter.beat(ctx.counts())
+            self._wake.wait(min(until - time.monotonic(), BEAT_S))
+
+
+def _read_document() -> bytes:
+    parts: list[bytes] = []
+    while not parts or b"\n" not in parts[-1]:
+        part = os.read(0, 65536)
+        if not part:
+            raise SystemExit("no document on standard input; the executive starts this program")
+        parts.append(part)
+    return b"".join(parts).partition(b"\n")[0]
+
+
+def _watch_lifeline(process: Process) -> None:
+    while os.read(0, 4096):
+        pass
+    threading.Timer(2 * CLOSE_LIMIT_S, os._exit, (CRASHED,)).start()
+    process.stop()
+
+
+def _crash(process: Process | None, reporter: Reporter, err: BaseException) -> None:
+    reason = f"{type(err).__name__}: {err}"
+    traceback.print_exception(err)
+    reporter.phase("failed", reason)
+    try:
+        if process is not None:
+            process.close()
+    finally:
+        sys.stderr.flush()
+        os._exit(CRASHED)
+
+
+def main() -> None:
+    """Read the document, run the capability, and leave for certain."""
+    reporter = Reporter(int(os.environ[HEARTBEAT_VARIABLE]))
+    process: Process | None = None
+    try:
+        process = Process(msgspec.json.decode(_read_document(), type=ProcessConfig), reporter)
+        running = process
+
+        def stop(_signal: int, _frame: FrameType | None) -> None:
+            running.stop()
+
+        wire.on_callback_error = lambda err: _crash(None, reporter, err)
+        threading.excepthook = lambda args: _crash(None, reporter, args.exc_value or RuntimeError("thread died"))
+        signal.signal(signal.SIGTERM, stop)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole terminal; the executive decides
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        threading.Thread(target=_watch_lifeline, args=(process,), daemon=True).start()
+        process.run()
+    except BaseException as err:  # noqa: BLE001 - the outermost frame: whatever it is, stop the motion and leave
+        _crash(process, reporter, err)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,33 @@
+"""Kind `exec`: a program in any language as a capability; its wiring is in its environment."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind
+
+Word = Annotated[str, Meta(min_length=1, max_length=4096, pattern="^[^\\x00]*$")]
+Port = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
+
+
+class ProgramSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How to start the program: `argv` without a shell, and the names of its ports.
+
+    `ready`: `start` counts it ready once it runs, `token` once it declares the liveliness token `LBR_ALIVE`.
+    """
+
+    argv: Annotated[tuple[Word, ...], Meta(min_length=1, max_length=64)]
+    inputs: tuple[Port, ...] = ()
+    outputs: tuple[Port, ...] = ()
+    commands: tuple[Port, ...] = ()
+    env: dict[str, str] = {}
+    ready: Literal["start", "token"] = "start"
+
+
+KIND = Kind(
+    name="exec",
+    summary="a program in any language, started without a shell, wired by its environment",
+    family="program",
+    entry="lbr.capability.tether:main",
+    settings=ProgramSettings,
+)

@@ -1,0 +1,46 @@
+"""A process's line to its executive: heartbeats from the main loop, phases, counts. Never blocks."""
+
+import contextlib
+import os
+import time
+
+import msgspec
+
+from lbr.capability.config import Report
+
+BEAT_S = 0.2
+COUNTS_S = 1.0
+HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
+
+
+class Reporter:
+    """Writes reports to the pipe that the executive gave; one line each."""
+
+    def __init__(self, fd: int) -> None:
+        self._fd = fd
+        self._beat_at = 0.0
+        self._counts_at = 0.0
+        self._said = ("", "")
+        os.set_blocking(fd, False)
+
+    def phase(self, phase: str, reason: str = "") -> None:
+        """Report a change of phase or reason."""
+        if (phase, reason) != self._said:
+            self._said = (phase, reason)
+            self._write(msgspec.json.encode(Report(phase=phase, reason=reason[:500])))
+
+    def beat(self, counts: dict[str, int]) -> None:
+        """Say that the main loop goes round; rate-limited here, so call it freely."""
+        now = time.monotonic()
+        if now < self._beat_at:
+            return
+        self._beat_at = now + BEAT_S
+        if now >= self._counts_at:
+            self._counts_at = now + COUNTS_S
+            self._write(msgspec.json.encode(Report(counts=counts)))
+        else:
+            self._write(b"")
+
+    def _write(self, line: bytes) -> None:
+        with contextlib.suppress(OSError):  # a full or closed pipe: the lifeline tells if the executive is gone
+            os.write(self._fd, line + b"\n")

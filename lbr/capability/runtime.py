@@ -1,0 +1,218 @@
+"""The bus side of a running capability: its ports, commands, presence and emergency stop."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+from lbr.bus import keys, session, stamp, wire
+from lbr.capability.calls import UNSTAMPED, Answers, BusCall, explain
+from lbr.capability.config import InputWire, ProcessConfig
+from lbr.capability.context import Call, Device, EmergencyStop, Received
+from lbr.capability.estop import EstopLatch, NothingToStop
+from lbr.capability.kind import Kind
+from lbr.capability.reporter import Reporter
+from lbr.messages.drive import CheckVerdict
+from lbr.messages.system import Event
+
+COMPLAINTS_PER_S = 2
+
+
+class Port:
+    """One input or setpoint: decodes what its streams bring, drops what is not genuine, too fast or malformed."""
+
+    def __init__(
+        self,
+        bus: session.Session,
+        wires: tuple[InputWire, ...],
+        kind: type[Struct],
+        wake: Callable[[], None],
+        complain: Callable[[str, str], None],
+    ) -> None:
+        self.sources = tuple(wire.source for wire in wires)
+        self.last: Received | None = None
+        self._decoder = msgspec.json.Decoder(kind)
+        self._complain = complain
+        self._fresh: deque[Received] = deque(maxlen=max((wire.history for wire in wires), default=1))
+        self._next: dict[str, float] = {}
+        self._newest: dict[str, int] = {}
+        self._feeds = [(w, wire.Subscription(bus, w.key, depth=w.history, wake=wake)) for w in wires]
+
+    def take(self) -> list[Received]:
+        """Return what is new, oldest first."""
+        self._drain()
+        fresh = list(self._fresh)
+        self._fresh.clear()
+        return fresh
+
+    def latest(self) -> Received | None:
+        """Return the newest message there ever was."""
+        self._drain()
+        return self.last
+
+    def _drain(self) -> None:
+        for feed, subscription in self._feeds:
+            for raw in subscription.take():
+                received = self._check(feed, raw)
+                if received is not None:
+                    self.last = received
+                    self._fresh.append(received)
+
+    def _check(self, feed: InputWire, raw: wire.Raw) -> Received | None:
+        now = time.monotonic()
+        found = stamp.read(raw.attachment)
+        source = found.source if found is not None else UNSTAMPED
+        if feed.seal:
+            if not stamp.genuine(found, raw.payload, bytes.fromhex(feed.seal)) or found is None:
+                self._complain(feed.key, f"'{source}' is not wired to {feed.key}; only '{feed.source}' may write it")
+                return None
+            if found.mono_ns <= self._newest.get(feed.key, -1):
+                self._complain(feed.key, f"a message on {feed.key} came twice or out of order")
+                return None
+            self._newest[feed.key] = found.mono_ns
+        if feed.rate_hz is not None:
+            if now < self._next.get(feed.key, now):
+                return None
+            self._next[feed.key] = now + 0.9 / feed.rate_hz
+        try:
+            return Received(self._decoder.decode(raw.payload), found, now, source)
+        except (msgspec.DecodeError, RecursionError) as err:
+            self._complain(feed.key, f"a message on {feed.key} from '{source}' is malformed: {err}")
+            return None
+
+
+class ProcessContext:
+    """What `Capability.ctx` is in a process of its own."""
+
+    def __init__(self, config: ProcessConfig, kind: Kind, reporter: Reporter, wake: Callable[[], None]) -> None:
+        self.robot = config.robot
+        self.name = config.name
+        self.settings = kind.parse(config.settings)
+        self.home = config.home
+        self.calibration = config.calibration
+        self.devices = tuple(Device(d.name, d.type, d.address, d.settings) for d in config.devices)
+        self.device = next((d for d in self.devices if d.name == config.device), None)
+        self.on_tick = False
+        self.estop: EmergencyStop = EstopLatch(config, wake) if kind.moves else NothingToStop()
+        self._config = config
+        self._kind = kind
+        self._reporter = reporter
+        self._wake = wake
+        self._complained: dict[str, float] = {}
+        self._bus = session.open_client(config.endpoints)
+        self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
+        self._outputs = {
+            name: [wire.Publisher(self._bus, o.key, config.name, seal=bytes.fromhex(o.seal)) for o in wires]
+            for name, wires in config.outputs.items()
+        }
+        ports = {**kind.inputs, **kind.setpoints}
+        self._ports = {
+            name: Port(self._bus, config.wiring.get(name, ()), message, wake, self._refused)
+            for name, message in ports.items()
+        }
+        self._commands = {
+            name: (
+                wire.Served(self._bus, keys.port(config.robot, config.name, name), wake, source=config.name),
+                msgspec.json.Decoder(message),
+            )
+            for name, message in kind.commands.items()
+        }
+        self._schemas = _serve_schemas(self._bus, config, kind)
+        self._presence = wire.Presence(self._bus, config.robot, lambda _name, _alive: wake())
+        self._token = self._bus.liveliness().declare_token(keys.alive(config.robot, config.name))
+
+    def clock(self) -> float:
+        """Monotonic seconds."""
+        return time.monotonic()
+
+    def publish(self, output: str, message: Struct) -> None:
+        """Publish on every key of an output."""
+        for publisher in self._outputs[output]:
+            publisher.put(message)
+
+    def latest(self, port: str) -> Received | None:
+        """Return the newest message of an input or setpoint."""
+        return self._ports[port].latest()
+
+    def take(self, port: str) -> list[Received]:
+        """Return what arrived on an input or setpoint since the last call."""
+        return self._ports[port].take()
+
+    def sources(self, port: str) -> tuple[str, ...]:
+        """Return the capabilities wired to an input or setpoint."""
+        return self._ports[port].sources
+
+    def alive(self, capability: str) -> bool:
+        """Say whether another capability's process is on the bus."""
+        return capability in self._presence.names
+
+    def ask(self, request: str, message: Struct, timeout_s: float) -> Answers:
+        """Ask every capability wired to a request."""
+        payload = wire.encode(message)
+        asked = self._config.requests.get(request, {})
+        questions = {
+            name: wire.Question(self._bus, key, payload, timeout_s=timeout_s, source=self.name, wake=self._wake)
+            for name, key in asked.items()
+        }
+        return Answers(questions, msgspec.json.Decoder(self._kind.replies.get(request, CheckVerdict)))
+
+    def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
+        """Publish on `@event`."""
+        safe = level if level in {"info", "warning", "error"} else "info"
+        event = Event(kind=kind, subject=self.name, text=text, level=safe, wall_ns=time.time_ns(), data=data or {})  # type: ignore[arg-type]
+        self._events.put(event)
+
+    def ready(self, reason: str = "") -> None:
+        """Say that this capability works."""
+        self._reporter.phase("ready", reason)
+
+    def warn(self, reason: str) -> None:
+        """Say that it does not work as it should."""
+        self._reporter.phase("degraded", reason)
+
+    def calls(self) -> list[Call]:
+        """Return the commands that wait; malformed ones are refused here."""
+        self.estop.serve()
+        calls: list[Call] = []
+        for name, (served, decoder) in self._commands.items():
+            for request in served.take():
+                call = BusCall(name, None, request, self.name, lambda who, why: self._refused(f"put {who}", why))
+                if len(request.payload) > wire.MAX_COMMAND_BYTES:
+                    call.refuse(f"a command may have {wire.MAX_COMMAND_BYTES} bytes, not {len(request.payload)}")
+                    continue
+                try:
+                    call.message = decoder.decode(request.payload or b"{}")
+                except (msgspec.DecodeError, RecursionError) as err:
+                    call.refuse(explain(err))
+                    continue
+                calls.append(call)
+        return calls
+
+    def counts(self) -> dict[str, int]:
+        """Return how many messages each output has published."""
+        return {name: publishers[0].count for name, publishers in self._outputs.items() if publishers}
+
+    def close(self) -> None:
+        """Leave the bus; the token goes with it."""
+        self.estop.close()
+        self._bus.close()
+
+    def _refused(self, about: str, text: str) -> None:
+        now = time.monotonic()
+        if now >= self._complained.get(about, 0.0):
+            if len(self._complained) > 256:
+                self._complained.clear()
+            self._complained[about] = now + 1 / COMPLAINTS_PER_S
+            self.event("refused", text, level="warning")
+
+
+def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> list[wire.Constant]:
+    types = {**kind.outputs, **kind.commands, **kind.setpoints}
+    return [
+        wire.Constant(bus, keys.schema(config.robot, config.name, name), partial(msgspec.json.schema, message))
+        for name, message in types.items()
+    ]
