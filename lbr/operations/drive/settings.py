@@ -1,0 +1,57 @@
+"""What a row of kind `drive` may set."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.messages.drive import Direction
+
+Metres = Annotated[float, Meta(gt=0.0, le=10.0)]
+Seconds = Annotated[float, Meta(gt=0.0, le=10.0)]
+
+
+class Rule(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Slow down for what `sensor` sees when moving towards `direction`, and stop `stop_m` before it.
+
+    A stop is held until there are `margin_m` more. A reading counts as an obstacle when it is older than `max_age_s`, or
+    has not changed although the base drove `frozen_after_m` (for side sensors: turned that much at the wheels).
+    """
+
+    direction: Direction
+    sensor: Literal["forward", "back", "left", "right"]
+    stop_m: Metres = 0.25
+    margin_m: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.05
+    max_age_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
+    frozen_after_m: Metres = 0.15
+
+
+DEFAULT_RULES = (
+    Rule(direction="forward", sensor="forward"),
+    Rule(direction="back", sensor="back"),
+    Rule(direction="left", sensor="left", stop_m=0.20, frozen_after_m=0.45),
+    Rule(direction="right", sensor="right", stop_m=0.20, frozen_after_m=0.45),
+)
+
+
+class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How a base with two driven wheels is moved.
+
+    `mixing`: `normalised` keeps the shape of every arc, no wheel faster than the power asked; `clamped` sums and
+    clamps in thousandths. `reverse_steering`: `rotation` keeps the sense of rotation when reversing, `travel` lets
+    the path curve to the side that was asked for. `heading_offset_deg` is added straight ahead and straight back.
+    """
+
+    rate_hz: Annotated[float, Meta(ge=50.0, le=100.0)] = 50.0
+    max_power: Annotated[float, Meta(gt=0.0, le=1.0)] = 1.0
+    accel_per_s: Annotated[float, Meta(gt=0.0, le=50.0, description="growth of each wheel's power")] = 2.0
+    ttl_s: Annotated[float, Meta(gt=0.0, le=1.0, description="life of a lease between renewals")] = 0.3
+    max_run_s: Annotated[float, Meta(gt=0.0, le=3600.0, description="longest motion without a changed command")] = 30.0
+    motors_max_age_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
+    checks_timeout_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.1
+    mixing: Literal["normalised", "clamped"] = "normalised"
+    reverse_steering: Literal["rotation", "travel"] = "rotation"
+    heading_offset_deg: Annotated[float, Meta(ge=-8.0, le=8.0)] = 0.0
+    max_speed_mps: Annotated[float, Meta(gt=0.0, le=10.0, description="speed at full power")] = 1.0
+    reaction_s: Annotated[float, Meta(gt=0.0, le=2.0, description="from something appearing to braking")] = 0.3
+    brake_mps2: Annotated[float, Meta(gt=0.0, le=20.0)] = 1.5
+    rules: tuple[Rule, ...] = DEFAULT_RULES
