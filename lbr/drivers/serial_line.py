@@ -1,0 +1,166 @@
+"""A serial line held by one driver alone: found by a stable name, opened exclusively, never blocking."""
+
+import fcntl
+import os
+import re
+import select
+import termios
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from glob import glob
+from pathlib import Path
+
+import serial
+from serial.tools import list_ports
+
+from lbr.capability.context import Device
+from lbr.errors import DeviceError
+
+BY_ID = "/dev/serial/by-id"
+READ_BYTES = 4096
+
+
+class SerialLine:
+    """An open tty. Every failure is a DeviceError that names the device row, the path and what to do."""
+
+    def __init__(self, device: str, path: str, port: serial.Serial) -> None:
+        self.device = device
+        self.path = path
+        self.short_writes = 0
+        self._port = port
+        self._fd: int = port.fileno()
+        self._poll = select.poll()
+        self._poll.register(self._fd, select.POLLIN)
+
+    def read(self, wait_s: float = 0.0) -> bytes:
+        """Return what has come in, waiting for the first byte for `wait_s` at most; empty if nothing has."""
+        with self._telling("cannot be read"):
+            if not self._poll.poll(max(0.0, wait_s) * 1000.0):
+                return b""
+            try:
+                data = os.read(self._fd, READ_BYTES)
+            except BlockingIOError:
+                return b""
+        if not data:
+            raise self._gone("end of file")
+        return data
+
+    def write(self, data: bytes) -> int:
+        """Hand over what the line takes at once and return how much that was; never waits."""
+        with self._telling("cannot be written"):
+            try:
+                count = os.write(self._fd, data)
+            except BlockingIOError:
+                count = 0
+        self.short_writes += count < len(data)
+        return count
+
+    def drop_output(self) -> None:
+        """Throw away what was written and has not left yet."""
+        with self._telling("cannot be flushed"):
+            termios.tcflush(self._fd, termios.TCOFLUSH)
+
+    def drop_input(self) -> None:
+        """Throw away what has come in and was not read yet."""
+        with self._telling("cannot be flushed"):
+            termios.tcflush(self._fd, termios.TCIFLUSH)
+
+    def close(self) -> None:
+        """Let go of the line; never fails."""
+        with suppress(OSError, termios.error):
+            self._port.close()
+
+    @contextmanager
+    def _telling(self, trouble: str) -> Iterator[None]:
+        try:
+            yield
+        except DeviceError:
+            raise
+        except (OSError, termios.error) as err:
+            raise self._gone(f"{trouble}: {_cause(err)}") from err
+
+    def _gone(self, cause: str) -> DeviceError:
+        return DeviceError(f"device '{self.device}' at {self.path} went away ({cause}); check its cable and power")
+
+
+def open_line(device: Device, baud: int) -> SerialLine:
+    """Open the line of a device row for this process alone."""
+    path = resolve(device)
+    try:
+        port = serial.Serial(path, baudrate=baud, timeout=0, write_timeout=0, exclusive=True)
+    except (OSError, termios.error, ValueError) as err:
+        raise DeviceError(_why_not(device.name, path, err)) from err
+    if not os.path.realpath(path).startswith("/dev/pts/"):  # there the flag would outlive a killed driver
+        with suppress(OSError):
+            fcntl.ioctl(port.fileno(), termios.TIOCEXCL)
+    return SerialLine(device.name, path, port)
+
+
+def resolve(device: Device, ports: Callable[[], list[tuple[str, int | None, int | None, str]]] | None = None) -> str:
+    """Return the path that an address means: a path, `usb:VID:PID[:SERIAL]`, or `by-id:GLOB`."""
+    address = device.address
+    if address.startswith("/"):
+        return address
+    if usb := _USB.fullmatch(address):
+        found = _matching_usb(usb, (ports or _usb_ports)())
+    elif address.startswith("by-id:"):
+        found = sorted(glob(f"{BY_ID}/{address.removeprefix('by-id:')}"))  # noqa: PTH207  a pattern, from a row
+    else:
+        raise DeviceError(
+            f"device '{device.name}': address '{address}' is none of a path (/dev/...), usb:VID:PID[:SERIAL], by-id:GLOB"
+        )
+    return _only_one(device, found)
+
+
+def _only_one(device: Device, found: list[str]) -> str:
+    if not found:
+        raise DeviceError(f"device '{device.name}': nothing matches {device.address}; plug it in, or see {BY_ID}")
+    if len(found) > 1:
+        raise DeviceError(
+            f"device '{device.name}': {device.address} matches {', '.join(found)}; make the address say which"
+        )
+    return found[0]
+
+
+def _usb_ports() -> list[tuple[str, int | None, int | None, str]]:
+    return [(port.device, port.vid, port.pid, port.serial_number or "") for port in list_ports.comports()]
+
+
+def _matching_usb(usb: re.Match[str], ports: list[tuple[str, int | None, int | None, str]]) -> list[str]:
+    vendor, product, number = int(usb[1], 16), int(usb[2], 16), usb[3]
+    return sorted(path for path, vid, pid, own in ports if (vid, pid) == (vendor, product) and number in (None, own))
+
+
+def _why_not(device: str, path: str, err: Exception) -> str:
+    said = f"device '{device}' at {path}"
+    # pyserial words its refusals its own way, but keeps the number
+    match getattr(err, "errno", None):
+        case 2 | 6 | 19:
+            return f"{said} is missing; plug it in, or correct the address in the device row"
+        case 13:
+            return f"{said} may not be opened by this user; join the group dialout and log in anew"
+        case 11 | 16:
+            return f"{said} is busy{_by_whom(path)}; stop the other program"
+        case _:
+            return f"{said} cannot be opened: {_cause(err)}"
+
+
+def _by_whom(path: str) -> str:
+    """Name the process that holds the lock on a tty, as far as the kernel tells."""
+    try:
+        stat = Path(path).stat()
+        node = f"{os.major(stat.st_dev):02x}:{os.minor(stat.st_dev):02x}:{stat.st_ino}"
+        locks = Path("/proc/locks").read_text().splitlines()
+        owners = {line.split()[4] for line in locks if " FLOCK " in line and line.split()[5] == node}
+        names = [f"{Path(f'/proc/{pid}/comm').read_text().strip()} (pid {pid})" for pid in sorted(owners)]
+    except (OSError, IndexError):
+        return ""
+    return f": held by {', '.join(names)}" if names else ""
+
+
+def _cause(err: BaseException) -> str:
+    number = next((value for value in err.args if isinstance(value, int)), None)
+    return os.strerror(number) if number is not None else str(err)
+
+
+_USB = re.compile(r"usb:([0-9a-fA-F]{4}):([0-9a-fA-F]{4})(?::(.+))?")
