@@ -28,11 +28,13 @@ def _seal(key: bytes, payload: bytes, seq: int, mono_ns: int) -> str:
     return hashlib.blake2b(payload + b"|%d|%d" % (seq, mono_ns), key=key, digest_size=16).hexdigest()
 
 
-def make(source: str, seq: int, payload: bytes = b"", key: bytes = b"") -> bytes:
+def make(source: str, seq: int, payload: bytes = b"", key: bytes = b"", *, token: str = "") -> bytes:
     """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it."""
     mono_ns = time.monotonic_ns()
     seal = _seal(key, payload, seq, mono_ns) if key else ""
-    stamp = Stamp(source=source, seq=seq, mono_ns=mono_ns, wall_ns=time.time_ns(), boot=boot_id(), seal=seal)
+    stamp = Stamp(
+        source=source, seq=seq, mono_ns=mono_ns, wall_ns=time.time_ns(), boot=boot_id(), seal=seal, token=token
+    )
     return _encoder.encode(stamp)
 
 

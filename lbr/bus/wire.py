@@ -232,7 +232,16 @@ class Question:
         self._wake()
 
 
-def ask(session: zenoh.Session, key: str, message: Any, *, source: str, timeout_s: float = 2.0) -> list[Raw]:
+def ask(
+    session: zenoh.Session,
+    key: str,
+    message: Any,
+    *,
+    source: str,
+    timeout_s: float = 2.0,
+    token: str = "",
+    seal: bytes = b"",
+) -> list[Raw]:
     """Query a key and wait for all answers; an empty list means that nobody answered in time."""
     payload = encode(message) if message is not None else b""
     try:
@@ -240,7 +249,7 @@ def ask(session: zenoh.Session, key: str, message: Any, *, source: str, timeout_
             key,
             payload=payload,
             encoding=JSON,
-            attachment=stamps.make(source, 0),
+            attachment=stamps.make(source, 0, payload, seal, token=token),
             timeout=timeout_s,
             consolidation=zenoh.ConsolidationMode.NONE,
         )

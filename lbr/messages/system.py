@@ -11,7 +11,8 @@ CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping"
 class Stamp(Struct, frozen=True, kw_only=True):
     """Who published, the how-many-eth since it started, and when by its monotonic and its wall clock.
 
-    `boot` tells whether two monotonic times can be compared: same boot, same clock.
+    `boot` tells whether two monotonic times can be compared: same boot, same clock. `seal` proves the writer of a
+    setpoint; `token` the rights of whoever asks.
     """
 
     source: str
@@ -20,6 +21,7 @@ class Stamp(Struct, frozen=True, kw_only=True):
     wall_ns: int
     boot: str = ""
     seal: str = ""
+    token: str = ""
 
 
 class Event(Struct, frozen=True, kw_only=True):
@@ -66,6 +68,7 @@ class Hold(Struct, frozen=True, kw_only=True):
     ttl_s: float
     key: str
     stop_key: str
+    result_key: str
     payload: dict[str, Any]
     goal: str = ""
     max_run_s: float = 30.0

@@ -1,0 +1,112 @@
+"""`$LBR_HOME` (default `~/.lbr`): database, logs, sockets and what says which robots run here."""
+
+import fcntl
+import os
+import tempfile
+from hashlib import blake2b
+from pathlib import Path
+
+import msgspec
+from msgspec import Struct
+
+from lbr.errors import AlreadyRunningError
+
+SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a suffix for its lock file
+
+
+class Running(Struct, frozen=True, kw_only=True):
+    """A robot that runs on this machine, and how to reach it; `token` proves a caller who may read this home."""
+
+    robot: str
+    pid: int
+    endpoints: tuple[str, ...]
+    profile: str
+    database: str
+    token: str
+
+
+def home() -> Path:
+    """Return the home, created for its owner alone if need be."""
+    path = Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute()
+    path.mkdir(mode=0o700, parents=True, exist_ok=True)
+    return path
+
+
+def directory(name: str) -> Path:
+    """Return a subdirectory of the home, created for its owner alone if need be."""
+    path = home() / name
+    path.mkdir(mode=0o700, parents=True, exist_ok=True)
+    return path
+
+
+def default_database() -> Path:
+    """Return where the database is unless told otherwise."""
+    return home() / "robot.db"
+
+
+def socket_path(robot: str) -> Path:
+    """Return the robot's socket: in the home, or in a private temporary directory where the home's path is too long."""
+    path = directory("run") / f"{robot}.sock"
+    if len(str(path)) <= SOCKET_PATH_LIMIT:
+        return path
+    short = Path(tempfile.gettempdir()) / f"lbr-{os.getuid()}-{blake2b(str(path).encode(), digest_size=6).hexdigest()}"
+    short.mkdir(mode=0o700, exist_ok=True)
+    if short.stat().st_uid != os.getuid():
+        raise PermissionError(f"{short} belongs to somebody else; set TMPDIR or LBR_HOME to a place of your own")
+    return short / f"{robot}.sock"
+
+
+def running() -> list[Running]:
+    """Return the robots that run here, by name."""
+    found = []
+    for path in sorted((home() / "run").glob("*.json")):
+        try:
+            robot = msgspec.json.decode(path.read_bytes(), type=Running)
+        except (OSError, msgspec.DecodeError):
+            continue
+        if _is_locked(path.with_suffix(".lock")):
+            found.append(robot)
+    return found
+
+
+class RunLock:
+    """One `lbr run` per robot and home: held by the kernel for as long as the process lives, however it ends."""
+
+    def __init__(self, robot: str) -> None:
+        self._robot = robot
+        self._record = directory("run") / f"{robot}.json"
+        self._fd = os.open(self._record.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        try:
+            fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(self._fd)
+            raise AlreadyRunningError(
+                f"robot '{robot}' already runs here; 'lbr status' shows it and 'lbr stop' ends it"
+            ) from None
+
+    def publish(self, record: Running) -> None:
+        """Say how to reach the robot; readable by the owner alone."""
+        new = self._record.with_suffix(".new")
+        with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
+            file.write(msgspec.json.encode(record))
+        new.replace(self._record)
+
+    def release(self) -> None:
+        """Let go."""
+        self._record.unlink(missing_ok=True)
+        os.close(self._fd)
+
+
+def _is_locked(path: Path) -> bool:
+    try:
+        fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    else:
+        return False
+    finally:
+        os.close(fd)
