@@ -1,0 +1,176 @@
+"""Raw rows to rows, one at a time; what concerns several rows is in checks.py."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar, get_args
+
+from lbr.database import patterns
+from lbr.database.reader import RowReader
+from lbr.database.rows import (
+    CalibrationRow,
+    CapabilityRow,
+    ChannelRow,
+    DeviceRow,
+    ExternalCommandRow,
+    PhraseRow,
+    Problem,
+    Restart,
+    RobotRow,
+    VerbRow,
+)
+from lbr.messages.system import Role
+
+RawRow = Mapping[str, Any]
+RawTables = Mapping[str, Sequence[RawRow]]
+"""Table name to rows, each column name to what SQLite holds."""
+
+KEYS: dict[str, tuple[str, ...]] = {
+    "robot": ("name",),
+    "capability": ("robot", "name"),
+    "channel": ("robot", "source", "target"),
+    "device": ("robot", "name"),
+    "verb": ("robot", "word", "pattern"),
+    "external_command": ("robot", "name"),
+    "phrase": ("name", "language"),
+    "calibration": ("robot", "device", "name"),
+}
+"""The primary keys of the tables that make a robot."""
+
+_LANGUAGE = re.compile(r"[a-z]{2}[a-z0-9-]{0,18}")
+_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+
+R = TypeVar("R")
+
+
+def decode(
+    table: str, raw: Sequence[RawRow], reading: Callable[[RowReader, RawRow], R], problems: list[Problem]
+) -> tuple[R, ...]:
+    """Decode a table's rows, leaving out and noting those with a fault."""
+    good: list[R] = []
+    for values in raw:
+        reader = RowReader(table, KEYS[table], values, problems)
+        row = reading(reader, values)
+        if reader.good:
+            good.append(row)
+    return tuple(good)
+
+
+def robot(reader: RowReader, values: RawRow) -> RobotRow:
+    """Read a robot's row; a latch that is not exactly 0 is engaged."""
+    reader.flag("estop_engaged")
+    return RobotRow(
+        name=reader.name("name"),
+        model=reader.text("model"),
+        description=reader.text("description"),
+        owner=reader.text("owner"),
+        last_start=reader.text("last_start", null=True),
+        last_shutdown=reader.text("last_shutdown", null=True),
+        estop_engaged=values.get("estop_engaged") != 0,
+        estop_reason=reader.text("estop_reason"),
+    )
+
+
+def capability(reader: RowReader, values: RawRow) -> CapabilityRow:
+    """Read a capability's row."""
+    name = reader.name("name")
+    if name == "executive":
+        reader.wrong("name", "'executive' is lbr itself: choose another name")
+    reader.json_object("settings")
+    return CapabilityRow(
+        name=name,
+        kind=reader.name("kind"),
+        enabled=reader.flag("enabled"),
+        settings=str(values.get("settings")),
+        restart=reader.choice("restart", get_args(Restart)),
+        needs=reader.json_texts("needs"),
+        help=reader.text("help"),
+    )
+
+
+def channel(reader: RowReader, _: RawRow) -> ChannelRow:
+    """Read a channel's row."""
+    return ChannelRow(
+        source=reader.end("source"),
+        target=reader.end("target"),
+        rate_hz=reader.rate("rate_hz"),
+        history=reader.whole("history", 1, 64),
+        enabled=reader.flag("enabled"),
+    )
+
+
+def device(reader: RowReader, _: RawRow) -> DeviceRow:
+    """Read a device's row."""
+    address = reader.text("address", empty=False)
+    if len(address) > 500 or not address.isprintable():
+        reader.wrong("address", "is not an address (printable, at most 500 characters)")
+    return DeviceRow(
+        name=reader.name("name"),
+        type=reader.name("type"),
+        address=address,
+        settings=reader.json_object("settings"),
+    )
+
+
+def verb(reader: RowReader, values: RawRow) -> VerbRow:
+    """Read a verb's row."""
+    word = reader.matching("word", _WORD, "a word (letters, digits, underscores; at most 40)")
+    payload = None if values.get("payload") is None else reader.json_object("payload")
+    pattern = reader.text("pattern")
+    if pattern:
+        _check_pattern(reader, word, pattern, payload or {})
+    elif reader.good:
+        reader.wrong("pattern", "is empty")
+    return VerbRow(
+        word=word,
+        pattern=pattern,
+        target=reader.end("target"),
+        role=reader.choice("role", get_args(Role)),
+        help=reader.text("help"),
+        payload=payload,
+    )
+
+
+def _check_pattern(reader: RowReader, word: str, text: str, payload: dict[str, Any]) -> None:
+    try:
+        pattern = patterns.parse(text)
+    except ValueError as err:
+        reader.wrong("pattern", f"'{text[:60]}': {err}")
+        return
+    if pattern.word != word:
+        reader.wrong("pattern", f"begins with '{pattern.word}', but the word of this row is '{word}'")
+    for field in pattern.fields:
+        if field in payload:
+            reader.wrong("payload", f"sets '{field}', which the pattern binds: leave it out of one of them")
+
+
+def external_command(reader: RowReader, _: RawRow) -> ExternalCommandRow:
+    """Read an external command's row."""
+    argv = reader.json_texts("argv")
+    if reader.good and not (argv and argv[0]):
+        reader.wrong("argv", "names no program")
+    return ExternalCommandRow(
+        name=reader.name("name"),
+        argv=argv,
+        blocking=reader.flag("blocking"),
+        enabled=reader.flag("enabled"),
+        help=reader.text("help"),
+    )
+
+
+def phrase(reader: RowReader, _: RawRow) -> PhraseRow:
+    """Read a phrase's row."""
+    return PhraseRow(
+        name=reader.name("name"),
+        language=reader.matching("language", _LANGUAGE, "a language tag in small letters, such as en"),
+        text=reader.text("text", empty=False),
+    )
+
+
+def calibration(reader: RowReader, _: RawRow) -> CalibrationRow:
+    """Read a calibration's row."""
+    return CalibrationRow(
+        device=reader.name("device"),
+        name=reader.name("name"),
+        value=reader.number("value"),
+        measured_at=reader.text("measured_at"),
+    )
