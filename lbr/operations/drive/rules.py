@@ -1,0 +1,192 @@
+"""Range rules: how fast the base may move towards what its sensors see. Rules only ever slow down."""
+
+from collections.abc import Iterable, Mapping
+from math import inf, isfinite, isnan, nan, sqrt
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.drive import Direction, Sensor
+from lbr.messages.sensing import Ranges
+from lbr.operations.drive.settings import DriveSettings, Rule
+
+SENSORS: tuple[Sensor, ...] = ("forward", "back", "left", "right", "bottom")
+ALONG: tuple[Sensor, ...] = ("forward", "back", "bottom")
+LONGEST_M = 8.0
+JUMP_M = 0.3
+PLAUSIBLE_MPS = 3.0
+SPIN_SHARE = 0.15
+TRACE_SHARE = 0.02
+FROZEN_REPEATS = 2
+
+
+class Odometer(Struct, frozen=True, kw_only=True):
+    """How far the base was driven by its own estimate, forwards and backwards alike; turning at the wheels."""
+
+    along_m: float = 0.0
+    turned_m: float = 0.0
+
+    def driven(self, left: float, right: float, dt_s: float, max_speed_mps: float) -> "Odometer":
+        """Return the odometer after `dt_s` at these wheel powers."""
+        step_m = dt_s * max_speed_mps / 2
+        return Odometer(
+            along_m=self.along_m + abs(left + right) * step_m, turned_m=self.turned_m + abs(left - right) * step_m
+        )
+
+
+class View(Struct, frozen=True, kw_only=True):
+    """What is believed of one sensor: `distance_m` is infinite when nothing is near, NaN when it is not known.
+
+    `pending_m` is a farther value that waits for a second one like it. `idle_m` is how far the base was driven
+    while `raw_m` came `repeats` times in a row unchanged.
+    """
+
+    distance_m: float
+    trouble: str
+    seen: float
+    raw_m: float
+    pending_m: float = nan
+    changed_at_m: float = 0.0
+    idle_m: float = 0.0
+    repeats: int = 0
+
+
+class Limit(Struct, frozen=True, kw_only=True):
+    """What the rules do to a motion: both wheels times `scale`; 0 stops. `text` names sensor and distance."""
+
+    scale: float = 1.0
+    direction: Direction | None = None
+    text: str = ""
+    detail: str = ""
+    blocked: tuple[Direction, ...] = ()
+
+
+FREE = Limit()
+
+
+def measured_m(ranges: Ranges, sensor: Sensor) -> tuple[float, str]:
+    """Return a reading in metres (infinite: over range; NaN: none) and what is wrong with it."""
+    value: float | None = getattr(ranges, f"{sensor}_m")
+    status = ranges.status.get(sensor, "missing" if value is None else "ok")
+    if status == "over_range":
+        return inf, ""
+    if status != "ok":
+        return nan, status
+    if value is None or not 0.0 < value <= LONGEST_M:
+        return nan, f"implausible ({value} m)"
+    return value, ""
+
+
+def see(views: Mapping[Sensor, View], ranges: Ranges, now: float, odometer: Odometer) -> dict[Sensor, View]:
+    """Return what is believed of every sensor after new readings."""
+    return {sensor: _see(views.get(sensor), sensor, ranges, now, odometer) for sensor in SENSORS}
+
+
+def limit(
+    settings: DriveSettings,
+    views: Mapping[Sensor, View],
+    wheels: tuple[float, float],
+    now: float,
+    blocked: Iterable[Direction] = (),
+) -> Limit:
+    """Return the strictest limit on this motion of the wheels; `blocked` are directions it already stopped for."""
+    parts = towards(*wheels)
+    held = frozenset(blocked)
+    found = [_apply(settings, rule, views, parts[rule.direction], now, held) for rule in settings.rules]
+    strictest = min(found, key=lambda each: each.scale, default=FREE)
+    stopped = tuple(each.direction for each in found if each.direction is not None and not each.scale > 0.0)
+    return replace(strictest, blocked=stopped) if strictest.scale < 1.0 else FREE
+
+
+def towards(left: float, right: float) -> dict[Direction, float]:
+    """Return how much of a motion of the wheels goes towards each side, as a fraction of full speed.
+
+    Ahead and back count unless it is a spin, the sides only in arcs and spins: an arc sweeps the side it curves to, a
+    spin both. So a base beside a wall can still drive along it and curve away from it.
+    """
+    ahead, turn = (left + right) / 2, (left - right) / 2
+    whole = abs(ahead) + abs(turn)
+    along = abs(ahead) > TRACE_SHARE * whole
+    spin = abs(ahead) < SPIN_SHARE * whole
+    side = abs(turn) if abs(turn) > SPIN_SHARE * whole else 0.0
+    return {
+        "forward": ahead if along and ahead > 0.0 else 0.0,
+        "back": -ahead if along and ahead < 0.0 else 0.0,
+        "right": side if spin or ahead * turn > 0.0 else 0.0,
+        "left": side if spin or ahead * turn < 0.0 else 0.0,
+    }
+
+
+def allowed_mps(room_m: float, settings: DriveSettings) -> float:
+    """Return the speed from which the base still stops within `room_m`, reaction included; 0 when there is no room."""
+    if not room_m > 0.0:  # this way round, NaN means stop
+        return 0.0
+    if room_m == inf:
+        return inf
+    reaction_s, brake = settings.reaction_s, settings.brake_mps2
+    return max(0.0, brake * (sqrt(reaction_s**2 + 2 * room_m / brake) - reaction_s))
+
+
+def _apply(
+    settings: DriveSettings,
+    rule: Rule,
+    views: Mapping[Sensor, View],
+    part: float,
+    now: float,
+    held: frozenset[Direction],
+) -> Limit:
+    if part <= 0.0:
+        return FREE
+    distance_m, trouble = _believed(views.get(rule.sensor), rule, now)
+    keep_m = rule.stop_m + (rule.margin_m if rule.direction in held else 0.0)
+    share = allowed_mps(distance_m - keep_m, settings) / settings.max_speed_mps
+    scale = min(share / part, 1.0)
+    text = f"{rule.sensor} {trouble}" if trouble else f"{rule.sensor} {distance_m:.2f} m"
+    return Limit(
+        scale=max(0.0, scale),
+        direction=rule.direction,
+        text=text,
+        detail=text if trouble else f"{text} is inside {keep_m:.2f} m",
+    )
+
+
+def _believed(view: View | None, rule: Rule, now: float) -> tuple[float, str]:
+    if view is None:
+        return nan, "was never measured"
+    age_s = now - view.seen
+    if not age_s <= rule.max_age_s:
+        return nan, f"reading is {age_s:.2f} s old"
+    if view.trouble:
+        return nan, f"reading is {view.trouble}"
+    if view.repeats >= FROZEN_REPEATS and view.idle_m > rule.frozen_after_m:
+        return nan, f"reading is frozen at {view.raw_m:.2f} m"
+    return view.distance_m, ""
+
+
+def _see(view: View | None, sensor: Sensor, ranges: Ranges, now: float, odometer: Odometer) -> View:
+    raw_m, trouble = measured_m(ranges, sensor)
+    travel_m = odometer.along_m if sensor in ALONG else odometer.turned_m
+    if view is None or isnan(raw_m):
+        return View(distance_m=raw_m, trouble=trouble, seen=now, raw_m=raw_m, changed_at_m=travel_m)
+    distance_m, pending_m = _trust(view, raw_m, now - view.seen)
+    same = raw_m == view.raw_m and isfinite(raw_m)
+    since_m = view.changed_at_m if same else travel_m
+    return View(
+        distance_m=distance_m,
+        trouble="",
+        seen=now,
+        raw_m=raw_m,
+        pending_m=pending_m,
+        changed_at_m=since_m,
+        idle_m=travel_m - since_m,
+        repeats=view.repeats + 1 if same else 0,
+    )
+
+
+def _trust(view: View, raw_m: float, dt_s: float) -> tuple[float, float]:
+    """Take a nearer value at once, a much farther one only when a second reading confirms it."""
+    step_m = JUMP_M + PLAUSIBLE_MPS * max(0.0, dt_s)
+    first = isnan(view.distance_m)
+    if first or raw_m <= view.distance_m + step_m or raw_m >= view.pending_m - step_m:
+        return raw_m, nan
+    return view.distance_m, raw_m
