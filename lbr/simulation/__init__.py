@@ -1,0 +1,17 @@
+"""The simulated world: physics, emulated devices that speak the real bytes, and a view from above."""
+
+from lbr.capability.kind import Kind
+from lbr.messages.simulation import WorldPose, WorldScene
+from lbr.simulation.requests import FaultReply, FaultRequest, PictureReply, PictureRequest
+from lbr.simulation.settings import WorldSettings
+
+KIND = Kind(
+    name="world",
+    summary="a simulated room and robot, and an emulated twin on a pseudo-terminal for each of its devices",
+    family="simulation",
+    entry="lbr.simulation.capability:World",
+    settings=WorldSettings,
+    outputs={"pose": WorldPose, "scene": WorldScene},
+    commands={"picture": PictureRequest, "fault": FaultRequest},
+    replies={"picture": PictureReply, "fault": FaultReply},
+)

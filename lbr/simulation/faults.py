@@ -1,0 +1,82 @@
+"""What can be made to go wrong with an emulated device: its row's setting `faults`, and changed while it runs."""
+
+from typing import Annotated, Any, Literal, TypeVar
+
+import msgspec
+from msgspec import Meta, Struct
+
+from lbr.errors import InputError
+
+Probability = Annotated[float, Meta(ge=0.0, le=1.0, description="how often it happens, 0 never, 1 always")]
+Side = Literal["forward", "left", "right", "back"]
+PinnedM = Annotated[float, Meta(ge=0.0, le=7.65, description="metres a sensor is made to see; null sees the world")]
+FaultValue = bool | float | str | tuple[str, ...] | None
+
+F = TypeVar("F", bound=Struct)
+
+
+class RoboteqFaults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of the motor controller.
+
+    `silent`: it obeys but says nothing. `drop`, `bit_flip`, `garbage`: a reply is lost, has a bit wrong, has noise
+    before it. `refuse`: a command is answered `-` and not obeyed. `stop_reading`: bytes pile up in the port.
+    `undervoltage`, `overheat`: the fault bit, with the power stage off. `unplug`: the USB cable is out while the
+    controller goes on. `brown_out`: its supply is gone, and with it all that was not saved.
+    """
+
+    silent: bool = False
+    drop: Probability = 0.0
+    bit_flip: Probability = 0.0
+    garbage: Probability = 0.0
+    refuse: Probability = 0.0
+    stop_reading: bool = False
+    undervoltage: bool = False
+    overheat: bool = False
+    unplug: bool = False
+    brown_out: bool = False
+
+
+class UltrasonicFaults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a ring of ultrasonic sensors.
+
+    `frozen`: the same numbers for ever. `garbage`, `half_lines`: a report has noise before it, or ends early without
+    its line end. `noise_cm`: standard deviation added. `missing`: sensors that are not there. `over_range`, `error`:
+    sensors that read 758 or 0. `range_*_m` pins a sensor to a distance. `unplug`: cable out, board without power.
+    """
+
+    silent: bool = False
+    frozen: bool = False
+    garbage: Probability = 0.0
+    half_lines: Probability = 0.0
+    noise_cm: Annotated[float, Meta(ge=0.0, le=200.0)] = 0.0
+    missing: tuple[Side, ...] = ()
+    over_range: tuple[Side, ...] = ()
+    error: tuple[Side, ...] = ()
+    unplug: bool = False
+    range_forward_m: PinnedM | None = None
+    range_left_m: PinnedM | None = None
+    range_right_m: PinnedM | None = None
+    range_back_m: PinnedM | None = None
+
+
+def changed(faults: F, name: str, value: FaultValue) -> F:
+    """Return the faults with one of them set; `replug` undoes `unplug`; raise InputError saying what is allowed.
+
+    A list of sensors may be one string with commas, and null puts a fault back to its default.
+    """
+    if name == "replug":
+        name, value = "unplug", not (True if value is None else value)
+    known = faults.__struct_fields__
+    if name not in known:
+        raise InputError(f"no fault '{name}'; allowed here: {', '.join((*known, 'replug'))}")
+    fields: dict[str, Any] = msgspec.structs.asdict(faults)
+    if value is None:
+        del fields[name]
+    elif isinstance(fields[name], tuple) and isinstance(value, str):
+        fields[name] = [part.strip() for part in value.split(",") if part.strip()]
+    else:
+        fields[name] = value
+    try:
+        return msgspec.convert(fields, type(faults))
+    except msgspec.ValidationError as err:
+        raise InputError(f"fault '{name}': {err}") from err

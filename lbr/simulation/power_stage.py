@@ -1,0 +1,52 @@
+"""The motor side of an emulated Roboteq: two channels behind a watchdog, a stop latch and a mixing mode."""
+
+FULL = 1000
+"""A command's full scale."""
+
+DEFAULT_WATCHDOG_MS = 1000
+
+
+class PowerStage:
+    """What the two outputs do, as a function of the commands heard and the time.
+
+    Only `feed` keeps the watchdog from expiring. Expiry takes the outputs to zero but forgets nothing: the next
+    `feed` brings back whatever the channels' commands then are.
+    """
+
+    def __init__(self) -> None:
+        self.commands = [0, 0]
+        self.watchdog_ms = DEFAULT_WATCHDOG_MS
+        self.mixing = 0
+        self.latched = False
+        self._fed_at = 0.0
+        self._expired = True
+
+    def feed(self, now: float) -> None:
+        """Take note of a valid runtime command."""
+        self._fed_at = now
+        self._expired = False
+
+    def expired(self, now: float) -> bool:
+        """Say whether the watchdog has cut the outputs; it stays so until fed."""
+        if self.watchdog_ms and not now - self._fed_at < self.watchdog_ms / 1000:  # this way round, NaN means stop
+            self._expired = True
+        return self._expired
+
+    def expires_at(self) -> float | None:
+        """Return when the watchdog will cut the outputs unless fed, or None if it will not."""
+        if self._expired or not self.watchdog_ms:
+            return None
+        return self._fed_at + self.watchdog_ms / 1000
+
+    def outputs(self, now: float) -> tuple[float, float]:
+        """Return both channels' power, -1 to 1."""
+        if self.expired(now) or self.latched:
+            return (0.0, 0.0)
+        first, second = self.commands
+        if self.mixing:
+            first, second = _clamp(first + second), _clamp(first - second)
+        return (first / FULL, second / FULL)
+
+
+def _clamp(value: int) -> int:
+    return max(-FULL, min(FULL, value))

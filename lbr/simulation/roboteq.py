@@ -1,0 +1,302 @@
+"""An emulated Roboteq SDC21xx motor controller: bytes in, bytes out, no I/O.
+
+Where the manual leaves room, this device assumes: a value outside -1000..1000, an unknown command, a wrong number of
+arguments or a bare prefix is refused with `-` and changes nothing; a refused command does not feed the watchdog;
+while the emergency stop is latched, motor commands are answered `+` and remembered without effect; an empty line and
+`#` get no answer; commands take effect when their last byte is handed in, and only answers take wire time.
+"""
+
+from collections.abc import Callable, Sequence
+from random import Random
+
+from lbr.simulation.faults import RoboteqFaults
+from lbr.simulation.measured import Measured
+from lbr.simulation.power_stage import DEFAULT_WATCHDOG_MS, FULL, PowerStage
+from lbr.simulation.wire import Outbox, flip_one_bit, noise
+
+TURNAROUND_S = 0.0005
+REBOOT_S = 0.5
+
+_RESET_KEY = 321_654_987
+_HISTORY = 16
+_LINE_LIMIT = 64
+_QRY, _ACK = 0x05, b"\x06"
+_FACTORY = {"RWD": DEFAULT_WATCHDOG_MS, "MXMD": 0, "ECHOF": 0}
+_LIMITS = {"RWD": 65_000, "MXMD": 2, "ECHOF": 1}
+_IDENTITY = {"FID": "Roboteq v1.8 SDC2130 08/20/2016", "TRN": "RCB500:SDC2130"}
+
+
+class RoboteqDevice:
+    """The controller from power-up on; `heard` is told each runtime command line just after it took effect."""
+
+    def __init__(
+        self,
+        *,
+        faults: RoboteqFaults | None = None,
+        seed: int = 0,
+        heard: Callable[[str, float], None] | None = None,
+    ) -> None:
+        self.measured = Measured()
+        self._faults = faults or RoboteqFaults()
+        self._heard = heard
+        self._random = Random(seed)
+        self._saved = dict(_FACTORY)
+        self._away = (0.0, 0.0)
+        self._now = 0.0
+        self._repeat_s = 0.0
+        self._repeat_at = 0.0
+        self._outbox = Outbox()
+        self._boot()
+
+    @property
+    def faults(self) -> RoboteqFaults:
+        """What is made to go wrong; setting it takes effect at once."""
+        return self._faults
+
+    @faults.setter
+    def faults(self, faults: RoboteqFaults) -> None:
+        if self._faults.brown_out and not faults.brown_out:
+            self._boot()
+        self._faults = faults
+
+    def feed(self, data: bytes, now: float) -> bytes:
+        """Take bytes from the host; return what has crossed the line back by now."""
+        self._now = now
+        if self.present(now):
+            self._stage.expired(now)
+            for byte in data:
+                self._take(byte, now)
+            self._echo_partial(now)
+        return self.poll(now)
+
+    def poll(self, now: float) -> bytes:
+        """Return what has crossed the line to the host by now."""
+        self._now = now
+        if self._faults.brown_out:
+            self._outbox.clear()
+        while self._repeat_s > 0 and now >= self._repeat_at and self.present(now):
+            self._repeat_at = max(self._repeat_at + self._repeat_s, now - 10 * self._repeat_s)
+            if self._history:
+                self._history.append(self._history.pop(0))
+                self._answer(self._query(self._history[-1]), now)
+        return self._outbox.due(now)
+
+    def next_due(self) -> float | None:
+        """Return when this device next has something to do by itself: an answer, a repeat, the watchdog."""
+        repeat = self._repeat_at if self._repeat_s > 0 and self._history else None
+        times = (self._outbox.next_due(), self._stage.expires_at(), repeat)
+        return min((at for at in times if at is not None), default=None)
+
+    def present(self, now: float) -> bool:
+        """Say whether the host sees the port: not while unplugged, without power or restarting."""
+        gone, back = self._away
+        return not (self._faults.unplug or self._faults.brown_out or gone <= now < back)
+
+    def outputs(self, now: float) -> tuple[float, float]:
+        """Return both channels' power, -1 to 1; zero while latched, expired, faulty or without power."""
+        if self._power_stage_off() or self._away[0] <= now < self._away[1]:
+            return (0.0, 0.0)
+        return self._stage.outputs(now)
+
+    def cause(self, now: float) -> str:
+        """Say what the outputs come from: command, watchdog, emergency_stop, reset or fault."""
+        if self._power_stage_off():
+            return "fault"
+        if self._stage.latched:
+            return "emergency_stop"
+        if self._fresh:
+            return "reset"
+        return "watchdog" if self._stage.expired(now) else "command"
+
+    def _power_stage_off(self) -> bool:
+        return self._faults.brown_out or self._faults.undervoltage or self._faults.overheat
+
+    def _boot(self) -> None:
+        """Start with what was saved; all else is forgotten."""
+        self._stage = PowerStage()
+        self._stage.watchdog_ms = self._saved["RWD"]
+        self._stage.mixing = self._saved["MXMD"]
+        self._echo = not self._saved["ECHOF"]
+        self._line = bytearray()
+        self._echoed = 0
+        self._history: list[str] = []
+        self._repeat_s = 0.0
+        self._fresh = True
+        self._count_zero = [0, 0]
+
+    # Bytes to lines, and answers to bytes.
+
+    def _take(self, byte: int, now: float) -> None:
+        self._outbox.received(1, now)
+        if byte == _QRY:
+            self._send(_ACK, now)
+        elif byte in b"\r_":
+            self._line.append(byte)
+            self._echo_partial(now)
+            line = self._line[:-1].decode("ascii").strip()
+            self._line.clear()
+            self._echoed = 0
+            self._execute(line, now)
+        elif 0x20 <= byte < 0x7F:
+            self._line.append(byte)
+            if len(self._line) > _LINE_LIMIT:
+                self._line.clear()
+                self._echoed = 0
+                self._answer("-", now)
+
+    def _echo_partial(self, now: float) -> None:
+        if self._echo and len(self._line) > self._echoed:
+            self._send(bytes(self._line[self._echoed :]), now)
+        self._echoed = len(self._line)
+
+    def _answer(self, text: str | None, now: float) -> None:
+        if text is None or self._hit(self._faults.drop):
+            return
+        if self._hit(self._faults.garbage):
+            self._send(noise(self._random), now)
+        self._send(text.encode("ascii") + b"\r", now)
+
+    def _send(self, data: bytes, now: float) -> None:
+        if self._faults.silent:
+            return
+        if self._hit(self._faults.bit_flip):
+            data = flip_one_bit(data, self._random)
+        self._outbox.send(data, now, TURNAROUND_S)
+
+    def _hit(self, probability: float) -> bool:
+        return probability > 0 and self._random.random() < probability
+
+    # Lines to meaning.
+
+    def _execute(self, line: str, now: float) -> None:
+        if not line:
+            return
+        kind, rest = line[0], line[1:].upper()
+        if kind == "#":
+            self._repeat(rest.split(), now)
+        elif kind == "?":
+            self._history = [*(q for q in self._history if q != rest), rest][-_HISTORY:]
+            self._answer(self._query(rest), now)
+        elif kind == "~":
+            self._answer(self._read_setting(rest.split()), now)
+        else:
+            act = {"!": self._runtime, "^": self._configure, "%": self._maintain}.get(kind)
+            obeyed = act is not None and not self._hit(self._faults.refuse) and act(rest, now)
+            self._answer("+" if obeyed else "-", now)
+        if kind == "!" and self._heard:
+            self._heard(line, now)
+
+    def _runtime(self, rest: str, now: float) -> bool:
+        name, numbers = _split(rest)
+        if numbers is None or not self._obey(name, numbers):
+            return False
+        self._stage.feed(now)
+        self._fresh = False
+        return True
+
+    def _obey(self, name: str, numbers: Sequence[int]) -> bool:
+        stage = self._stage
+        match name, numbers:
+            case "M", [first, second] if _in_scale(first) and _in_scale(second):
+                stage.commands = [first, second]
+            case "G", [1 | 2 as channel, value] if _in_scale(value):
+                stage.commands[channel - 1] = value
+            case "MS", [1 | 2 as channel]:
+                stage.commands[channel - 1] = 0
+            case "EX", []:
+                stage.latched = True
+            case "MG", []:
+                stage.latched = False
+            case "C", [1 | 2 as channel, value]:
+                self._count_zero[channel - 1] = self.measured.counts[channel - 1] - value
+            case "D0" | "D1" | "DS", [_]:
+                pass  # digital outputs: nothing is wired to them, but the watchdog is fed all the same
+            case _:
+                return False
+        return True
+
+    def _configure(self, rest: str, _now: float) -> bool:
+        name, numbers = _split(rest)
+        if name not in _LIMITS or numbers is None or len(numbers) != 1 or not 0 <= numbers[0] <= _LIMITS[name]:
+            return False
+        self._apply(name, numbers[0])
+        return True
+
+    def _apply(self, name: str, value: int) -> None:
+        match name:
+            case "RWD":
+                self._stage.watchdog_ms = value
+            case "MXMD":
+                self._stage.mixing = value
+            case _:
+                self._echo = not value
+
+    def _settings(self) -> dict[str, int]:
+        return {"RWD": self._stage.watchdog_ms, "MXMD": self._stage.mixing, "ECHOF": int(not self._echo)}
+
+    def _read_setting(self, words: Sequence[str]) -> str:
+        settings = self._settings()
+        return f"{words[0]}={settings[words[0]]}" if words and words[0] in settings else "-"
+
+    def _maintain(self, rest: str, now: float) -> bool:
+        name, numbers = _split(rest)
+        if name == "EESAV" and not numbers:
+            self._saved = self._settings()
+            return True
+        if name == "RESET" and numbers == [_RESET_KEY]:
+            self._boot()
+            self._away = (now, now + REBOOT_S)
+            self._outbox.clear()
+            return True
+        return False
+
+    def _repeat(self, words: Sequence[str], now: float) -> None:
+        if words == ["C"]:
+            self._history.clear()
+        period_ms = int(words[0]) if len(words) == 1 and words[0].isdigit() and len(words[0]) < 6 else 0
+        self._repeat_s = period_ms / 1000
+        self._repeat_at = now + self._repeat_s
+
+    # Queries.
+
+    def _query(self, rest: str) -> str:
+        words = rest.split()
+        if not words or len(words) > 2:
+            return "-"
+        if words[0] in _IDENTITY:
+            return f"{words[0]}={_IDENTITY[words[0]]}"
+        values = self._states().get(words[0]) or self.measured.registers().get(words[0])
+        if values is None:
+            return "-"
+        if len(words) > 1:
+            index = int(words[1]) if words[1] in "123456789" else 0
+            values = values[index - 1 : index] if 1 <= index <= len(values) else ()
+        return f"{words[0]}={':'.join(str(value) for value in values)}" if values else "-"
+
+    def _states(self) -> dict[str, tuple[int, ...]]:
+        faults, latched = self._faults, self._stage.latched
+        off = self._power_stage_off() or latched
+        first, second = self.outputs(self._now)
+        counts = [count - zero for count, zero in zip(self.measured.counts, self._count_zero, strict=True)]
+        return {
+            "FF": (faults.overheat | faults.undervoltage << 2 | latched << 4,),
+            "FS": (1 | off << 3,),
+            "FM": (0, 0),
+            "M": (round(FULL * first), round(FULL * second)),
+            "C": tuple(counts),
+        }
+
+
+def _split(rest: str) -> tuple[str, list[int] | None]:
+    """Return the name and its whole-number arguments, or None for arguments that are no such numbers."""
+    name, *words = rest.split() or [""]
+    if any(len(word) > 10 for word in words):
+        return name, None
+    try:
+        return name, [int(word) for word in words]
+    except ValueError:
+        return name, None
+
+
+def _in_scale(value: int) -> bool:
+    return -FULL <= value <= FULL

@@ -1,0 +1,119 @@
+"""The two emulated ultrasonic boards: rings of MaxBotix MB1220 that report as lines of JSON; no I/O."""
+
+from collections.abc import Mapping
+from random import Random
+from typing import Literal
+
+from lbr.simulation.faults import Side, UltrasonicFaults
+from lbr.simulation.wire import Outbox, noise
+
+Board = Literal["arduino", "parallax"]
+
+ORDER: tuple[Side, ...] = ("forward", "left", "right", "back")
+"""The order in which the sensors take their turn, so that they do not hear each other."""
+
+MINIMUM_CM = 20
+MAXIMUM_CM = 765
+
+_STARTUP_S = 0.5
+_PAUSE_S = 0.05
+_TRIGGER_S = 0.001
+_ECHO_S_PER_CM = 58e-6
+_NO_ECHO_S = 0.1
+_TICKS_PER_S = {"arduino": 1_000, "parallax": 80_000_000}
+_BOTTOM = {"arduino": 0, "parallax": -1}
+_OVER_RANGE_CM = 758
+_ERROR_CM = 0
+
+
+class UltrasonicBoard:
+    """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach)."""
+
+    def __init__(
+        self, board: Board, *, faults: UltrasonicFaults | None = None, seed: int = 0, powered_at: float = 0.0
+    ) -> None:
+        self.board = board
+        self.faults = faults or UltrasonicFaults()
+        self.distances_m: Mapping[str, float | None] = {}
+        self._random = Random(seed)
+        self._outbox = Outbox()
+        self.power_cycle(powered_at)
+
+    def power_cycle(self, now: float) -> None:
+        """Start anew: sensors settle for half a second; the Arduino then waits for its `g`."""
+        self._ranging = self.board == "parallax"
+        self._cycle_s = 0.0
+        self._next_at = now + _STARTUP_S
+        self._last: dict[Side, int] | None = None
+        self._outbox.clear()
+
+    def feed(self, data: bytes, now: float) -> bytes:
+        """Take bytes from the host; return what has crossed the line back by now."""
+        if self.board == "arduino":
+            for byte in data:
+                self._outbox.received(1, now)
+                self._send(b"received: " + bytes((byte,)) + b"\n", now)
+                self._obey(byte, now)
+        return self.poll(now)
+
+    def poll(self, now: float) -> bytes:
+        """Return what has crossed the line to the host by now."""
+        if self._ranging and now >= self._next_at and not self._blocked():
+            self._report(self._measure(), now)
+        return self._outbox.due(now)
+
+    def next_due(self) -> float | None:
+        """Return when this board next has something to say by itself."""
+        report = self._next_at if self._ranging and not self._blocked() else None
+        return min((at for at in (self._outbox.next_due(), report) if at is not None), default=None)
+
+    def _obey(self, byte: int, now: float) -> None:
+        if byte == ord("g") and not self._ranging:
+            self._ranging = True
+            self._next_at = max(self._next_at, now + len(ORDER) * _TRIGGER_S)
+        elif byte == ord("s"):
+            self._ranging = False
+
+    def _blocked(self) -> bool:
+        """Say whether the board waits for an echo that never comes; only the Arduino's firmware gives up."""
+        return self.board == "parallax" and bool(self.faults.missing)
+
+    def _measure(self) -> dict[Side, int]:
+        if not (self.faults.frozen and self._last):
+            self._last = {side: self._sense(side) for side in ORDER}
+        return self._last
+
+    def _sense(self, side: Side) -> int:
+        faults = self.faults
+        if side in faults.missing or side in faults.error:
+            return _ERROR_CM
+        if side in faults.over_range:
+            return _OVER_RANGE_CM
+        pinned: float | None = getattr(faults, f"range_{side}_m")
+        faced = self.distances_m.get(side) if pinned is None else pinned
+        if faced is None:
+            return MAXIMUM_CM
+        spread_cm = self._random.gauss(0.0, faults.noise_cm) if faults.noise_cm else 0.0
+        return max(MINIMUM_CM, min(MAXIMUM_CM, round(faced * 100 + spread_cm)))
+
+    def _report(self, ranges_cm: Mapping[Side, int], now: float) -> None:
+        ticks = round(self._cycle_s * _TICKS_PER_S[self.board])
+        fields = ", ".join(f'"{side.capitalize()}": {ranges_cm[side]}' for side in ORDER)
+        line = f'{{ "Ranges": {{ {fields}, "Bottom": {_BOTTOM[self.board]}, "Deltat": {ticks}}}}}\r\n'.encode("ascii")
+        if self._hit(self.faults.garbage):
+            self._send(noise(self._random), now)
+        if self._hit(self.faults.half_lines):
+            line = line[: self._random.randrange(1, len(line) - 2)]
+        self._send(line, now)
+        self._cycle_s = _PAUSE_S + sum(self._turn_s(side, ranges_cm[side]) for side in ORDER)
+        self._next_at = max(self._next_at + self._cycle_s, now)
+
+    def _turn_s(self, side: Side, range_cm: int) -> float:
+        return _TRIGGER_S + (_NO_ECHO_S if side in self.faults.missing else range_cm * _ECHO_S_PER_CM)
+
+    def _send(self, data: bytes, now: float) -> None:
+        if not self.faults.silent:
+            self._outbox.send(data, now)
+
+    def _hit(self, probability: float) -> bool:
+        return probability > 0 and self._random.random() < probability
