@@ -1,0 +1,161 @@
+"""The fields of a verb's message: a typed piece of text becomes a checked value, or a sentence saying what is allowed."""
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+from lbr.console.printable import listed, shown
+from lbr.errors import InputError
+
+Schema = Mapping[str, Any]
+MessageType = type[Struct] | Schema
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)", re.ASCII)
+_WHOLE = re.compile(r"[+-]?[0-9]{1,18}", re.ASCII)
+_UNITS = {
+    "deg": "degrees",
+    "rad": "radians",
+    "cm": "cm",
+    "m": "m",
+    "s": "seconds",
+    "ms": "ms",
+    "v": "volts",
+    "hz": "Hz",
+    "percent": "percent",
+}
+_FLAGS = {"true": True, "yes": True, "1": True, "on": True, "false": False, "no": False, "0": False, "off": False}
+
+
+class Field(Struct, frozen=True):
+    """One field as JSON Schema describes it."""
+
+    name: str
+    schema: dict[str, Any]
+
+    @property
+    def word(self) -> str:
+        """The name as people say it, without its unit."""
+        stem, _, unit = self.name.rpartition("_")
+        return stem if stem and unit in _UNITS else self.name
+
+    @property
+    def unit(self) -> str:
+        """The unit in words; empty if it has none."""
+        return _UNITS.get(self.name.rpartition("_")[2], "") if self.word != self.name else ""
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The texts it may be; empty if it is no choice."""
+        return tuple(str(value) for value in self.schema.get("enum", ()))
+
+    @property
+    def allowed(self) -> str:
+        """What it may be, in words: `0 to 1`, `-360 to 360 degrees`, `forward, back or left`."""
+        if self.choices:
+            return listed(list(self.choices))
+        low, high = _bound(self.schema, "inimum"), _bound(self.schema, "aximum")
+        kind = self.schema.get("type")
+        if kind not in {"number", "integer"}:
+            return {"boolean": "yes or no"}.get(str(kind), "a text")
+        bounds = f"{low} to {high}" if low and high else ""
+        open_ended = (low and f"at least {low}") or (high and f"at most {high}")
+        whole = "a whole number" if kind == "integer" else "a number"
+        return " ".join(filter(None, [bounds or open_ended or whole, self.unit]))
+
+    def read(self, text: str) -> Any:
+        """Return the value that a piece of a line means; raise InputError saying what is allowed."""
+        if self.choices:
+            return self._choice(text)
+        kind = self.schema.get("type")
+        if kind in {"number", "integer"}:
+            return self._number(text, whole=kind == "integer")
+        if kind == "boolean":
+            if text.lower() not in _FLAGS:
+                raise self._wrong(text)
+            return _FLAGS[text.lower()]
+        return self._text(text)
+
+    def _wrong(self, text: str) -> InputError:
+        quoted = text if _NUMBER.fullmatch(text) and len(text) < 20 else f"'{shown(text)}'"
+        return InputError(f"{self.word} is {self.allowed}, not {quoted}")
+
+    def _choice(self, text: str) -> Any:
+        for value in self.schema["enum"]:
+            if str(value).lower() == text.lower():
+                return value
+        raise self._wrong(text)
+
+    def _number(self, text: str, *, whole: bool) -> float:
+        if not (_WHOLE if whole else _NUMBER).fullmatch(text):
+            raise self._wrong(text)
+        value = int(text) if whole else float(text)
+        schema = self.schema
+        fits = (
+            math.isfinite(value)
+            and schema.get("minimum", -math.inf) <= value <= schema.get("maximum", math.inf)
+            and schema.get("exclusiveMinimum", -math.inf) < value < schema.get("exclusiveMaximum", math.inf)
+        )
+        if not fits:
+            raise self._wrong(text)
+        return value
+
+    def _text(self, text: str) -> str:
+        longest = self.schema.get("maxLength")
+        if longest is not None and len(text) > longest:
+            raise InputError(f"{self.word} has {len(text)} characters; {longest} are allowed")
+        if len(text) < self.schema.get("minLength", 0):
+            raise InputError(f"{self.word} is too short; at least {self.schema['minLength']} characters")
+        pattern = self.schema.get("pattern")
+        if pattern is not None and not re.search(pattern, text):
+            raise InputError(f"{self.word} '{shown(text)}' does not fit the pattern {shown(pattern)}")
+        return text
+
+
+class Message:
+    """What a target takes: its fields, and the check of the whole."""
+
+    def __init__(self, of: MessageType | None) -> None:
+        self._type = of if isinstance(of, type) else None
+        self._known = of is not None
+        schema = msgspec.json.schema(of) if isinstance(of, type) else dict(of or {})
+        self._properties, self._required, self._definitions = _properties(schema)
+
+    def field(self, name: str) -> Field:
+        """Return a field; one that no type describes is a text."""
+        return Field(name, _resolved(self._properties.get(name, {"type": "string"}), self._definitions))
+
+    def check(self, payload: Mapping[str, Any]) -> None:
+        """Raise InputError if the whole does not make a message."""
+        if self._type is not None:
+            try:
+                msgspec.convert(payload, self._type)
+            except msgspec.ValidationError as err:
+                raise InputError(f"this makes no valid message: {shown(err)}") from None
+        missing = [name for name in self._required if name not in payload]
+        if missing:
+            raise InputError(f"this makes no valid message: {listed(missing, 'and')} is missing in the verb's row")
+
+
+def _bound(schema: Schema, which: str) -> str:
+    for key in (f"m{which}", f"exclusiveM{which}"):
+        if key in schema:
+            return f"{schema[key]:g}"
+    return ""
+
+
+def _properties(schema: Schema) -> tuple[Schema, tuple[str, ...], Schema]:
+    definitions = schema.get("$defs", {})
+    body = _resolved(schema, definitions)
+    return body.get("properties", {}), tuple(body.get("required", ())), definitions
+
+
+def _resolved(schema: Schema, definitions: Schema) -> dict[str, Any]:
+    reference = schema.get("$ref", "")
+    if reference:
+        return dict(definitions.get(reference.rpartition("/")[2], {}))
+    options = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"]
+    return _resolved(options[0], definitions) if options else dict(schema)

@@ -1,0 +1,47 @@
+"""What may stand in a line, and how a value is shown back to the person who typed it."""
+
+import unicodedata
+
+from lbr.errors import InputError
+
+MAX_LINE = 4096
+SHOWN = 60
+_REFUSED = frozenset({"Cc", "Cs", "Cn", "Zl", "Zp"})
+_TURNERS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")  # they reorder text
+
+
+def clean(line: str | bytes) -> str:
+    """Return a line without the blanks around it; raise InputError if it is no line that a person would type."""
+    if len(line) > MAX_LINE:
+        raise InputError(f"the line is too long: {MAX_LINE} characters are allowed")
+    if isinstance(line, bytes):
+        try:
+            line = line.decode()
+        except UnicodeDecodeError:
+            raise InputError("the line is not valid UTF-8; send text") from None
+    line = line.strip(" \t\r\n")
+    for char in line:
+        category = unicodedata.category(char)
+        if category == "Cs":
+            raise InputError("the line is not valid UTF-8; send text")
+        if category in _REFUSED or char in _TURNERS:
+            raise InputError(
+                f"the line contains the control character U+{ord(char):04X}; one line of plain text is allowed"
+            )
+    return line.strip()
+
+
+def shown(value: object) -> str:
+    """Return a value as one short printable piece of text."""
+    text = str(value)
+    return "".join(c if c.isprintable() else "?" for c in text[:SHOWN]) + ("…" if len(text) > SHOWN else "")
+
+
+def one_line(text: str) -> str:
+    """Return a text as one printable line of any length."""
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
+def listed(items: list[str], word: str = "or") -> str:
+    """Return `a, b or c`."""
+    return f" {word} ".join(filter(None, [", ".join(items[:-1]), items[-1]])) if items else "nothing"

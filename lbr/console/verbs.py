@@ -1,0 +1,197 @@
+"""The one grammar: a line becomes what it asks for, or one sentence saying what is allowed. Pure."""
+
+import difflib
+import shlex
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from msgspec import Struct
+
+from lbr.console.fields import Field, Message, MessageType
+from lbr.console.printable import clean, listed, shown
+from lbr.database import patterns
+from lbr.database.rows import ExternalCommandRow, VerbRow
+from lbr.errors import InputError
+
+
+class VerbCall(Struct, frozen=True, kw_only=True):
+    """A verb with its message: ask `capability`'s `command` with `payload`; `executive` is built in."""
+
+    verb: VerbRow
+    capability: str
+    command: str
+    payload: dict[str, Any]
+
+
+class ExternalCall(Struct, frozen=True, kw_only=True):
+    """Start an external command with these arguments after its own."""
+
+    command: ExternalCommandRow
+    arguments: tuple[str, ...] = ()
+
+
+class ExternalStop(Struct, frozen=True, kw_only=True):
+    """End an external command."""
+
+    command: ExternalCommandRow
+
+
+class PythonLine(Struct, frozen=True, kw_only=True):
+    """Python to run, for the local console alone."""
+
+    code: str
+
+
+Parsed = VerbCall | ExternalCall | ExternalStop | PythonLine
+
+
+class Vocabulary:
+    """What can be said to one robot.
+
+    `messages` gives the type (a Struct or a JSON Schema) of a target's message, by target (`drive.command`);
+    fields of a target that it does not name are texts.
+    """
+
+    def __init__(
+        self,
+        verbs: Iterable[VerbRow],
+        external: Iterable[ExternalCommandRow] = (),
+        messages: Mapping[str, MessageType] | None = None,
+    ) -> None:
+        self._verbs = [_Verb(row, patterns.parse(row.pattern), messages or {}) for row in verbs]
+        self._external = {row.name: row for row in external if row.enabled}
+        self._bare = {verb.pattern.word: verb for verb in self._verbs if verb.pattern.alias}
+
+    def parse(self, line: str | bytes) -> Parsed | None:
+        """Return what a line asks for, None if it is empty; raise InputError with one line saying what is allowed."""
+        line = clean(line)
+        if not line:
+            return None
+        if line.startswith("!"):
+            return PythonLine(code=line[1:].strip())
+        return self._path(line) if line.startswith("/") else self._words(line)
+
+    def entries(self, choices: Mapping[str, Iterable[str]] | None = None) -> list[dict[str, Any]]:
+        """Return what can be said as plain data, for completion; `choices` are the values of a target's first field."""
+        known = choices or {}
+        said = [verb.entry(known.get(verb.row.target)) for verb in self._verbs]
+        return said + [
+            {"word": row.name, "pattern": row.name, "role": "operate", "help": row.help, "target": "external"}
+            for row in self._external.values()
+        ]
+
+    def help(self) -> str:
+        """Return what can be said, as aligned lines for a person."""
+        lines = [(verb.plain, verb.row.help) for verb in self._verbs]
+        lines += [(row.name, row.help or "An external command") for row in self._external.values()]
+        width = min(max((len(said) for said, _ in lines), default=0), 44)
+        return "\n".join(f"{said:<{width}}  {text}".rstrip() for said, text in lines)
+
+    def _path(self, line: str) -> VerbCall:
+        parts = [part for part in line.split("/") if part]
+        word = parts[0].strip() if parts else ""
+        known = [verb for verb in self._verbs if not verb.pattern.alias and verb.pattern.word == word]
+        if not known:
+            raise self._unknown(f"/{word}")
+        fitting = [verb for verb in known if verb.takes(parts[1:])]
+        if not fitting:
+            allowed = listed([verb.plain for verb in known])
+            raise InputError(f"'{shown(line)}' has {_count(len(parts) - 1)} after '/{word}'; say {allowed}")
+        return min(fitting, key=_Verb.looseness).bind(line, parts[1:])
+
+    def _words(self, line: str) -> Parsed:
+        word, _, rest = line.partition(" ")
+        rest = rest.strip()
+        verb = self._bare.get(word) or self._bare.get(word.lower())
+        if rest and word.lower() == "stop" and word not in self._external:
+            return self._stop_external(rest)
+        if verb and not rest:
+            return verb.bind(line, [])
+        if word in self._external:
+            return ExternalCall(command=self._external[word], arguments=_arguments(rest))
+        if verb:
+            raise InputError(f"nothing may follow '{word}', but '{shown(rest)}' does")
+        raise self._unknown(word)
+
+    def _stop_external(self, name: str) -> ExternalStop:
+        if name in self._external:
+            return ExternalStop(command=self._external[name])
+        there = f"there is {listed(sorted(self._external), 'and')}" if self._external else "there is none"
+        raise InputError(f"no external command is called '{shown(name)}' ({there}); 'stop' alone stops the robot")
+
+    def _unknown(self, word: str) -> InputError:
+        words = {verb.pattern.word if verb.pattern.alias else f"/{verb.pattern.word}" for verb in self._verbs}
+        words |= set(self._external)
+        exact = [known for known in sorted(words) if known.lower().lstrip("/") == word.lower().lstrip("/")]
+        near = exact or difflib.get_close_matches(word[:80], sorted(words), n=1, cutoff=0.5)
+        hint = f"did you mean '{near[0]}'? " if near else ""
+        return InputError(f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said")
+
+
+class _Verb:
+    """A row with its pattern taken apart and its message's fields."""
+
+    def __init__(self, row: VerbRow, pattern: patterns.Pattern, messages: Mapping[str, MessageType]) -> None:
+        self.row = row
+        self.pattern = pattern
+        self._message = Message(messages.get(row.target))
+
+    @property
+    def plain(self) -> str:
+        """The pattern as people read it: `/r/power/angle`."""
+        if self.pattern.alias:
+            return self.pattern.word
+        return "/".join(("", self.pattern.word, *(field.word if field else part for part, field in self._parts())))
+
+    def looseness(self) -> tuple[bool, int]:
+        """Order patterns that fit one line: the one with the most fixed words first."""
+        return self.pattern.rest, len(self.pattern.fields)
+
+    def takes(self, parts: list[str]) -> bool:
+        """Say whether the number of parts and the fixed words fit."""
+        wanted = self.pattern.parts
+        enough = len(parts) >= len(wanted) if self.pattern.rest else len(parts) == len(wanted)
+        return enough and all(want[0] == "{" or want == part.strip() for want, part in zip(wanted, parts, strict=False))
+
+    def bind(self, line: str, parts: list[str]) -> VerbCall:
+        """Return the call with its message; raise InputError naming the first field that is wrong."""
+        texts = [part.strip() for part in parts]
+        if self.pattern.rest:
+            texts[len(self.pattern.parts) - 1] = _rest(line, len(self.pattern.parts))
+        payload = dict(self.row.payload or {})
+        for (_, field), text in zip(self._parts(), texts, strict=False):
+            if field is not None:
+                payload[field.name] = field.read(text)
+        self._message.check(payload)
+        capability, command = self.row.target_end
+        return VerbCall(verb=self.row, capability=capability, command=command, payload=payload)
+
+    def entry(self, choices: Iterable[str] | None) -> dict[str, Any]:
+        """Return the row as plain data, with what each field may be."""
+        fields = [{"name": f.word, "hint": f.allowed, "choices": list(f.choices)} for _, f in self._parts() if f]
+        row = self.row
+        said: dict[str, Any] = {"word": row.word, "pattern": row.pattern, "role": row.role, "help": row.help}
+        said |= {"target": row.target, "fields": fields}
+        return said | ({"choices": sorted(choices)} if choices is not None else {})
+
+    def _parts(self) -> list[tuple[str, Field | None]]:
+        fields = iter(self.pattern.fields)
+        return [(part, self._message.field(next(fields)) if part[0] == "{" else None) for part in self.pattern.parts]
+
+
+def _rest(line: str, count: int) -> str:
+    """Return what follows the word and `count - 1` parts, with its slashes."""
+    for _ in range(count):
+        line = line.lstrip("/").partition("/")[2]
+    return line.lstrip("/").strip()
+
+
+def _arguments(text: str) -> tuple[str, ...]:
+    try:
+        return tuple(shlex.split(text))
+    except ValueError:
+        raise InputError("a quotation mark or backslash in the arguments has no partner") from None
+
+
+def _count(number: int) -> str:
+    return f"{number} field{'' if number == 1 else 's'}" if number else "nothing"

@@ -1,0 +1,172 @@
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from lbr.console.verbs import ExternalCall, ExternalStop, PythonLine, VerbCall, Vocabulary
+from lbr.database.rows import ExternalCommandRow, VerbRow
+from lbr.errors import InputError
+from lbr.messages.drive import DriveCommand, StopCommand
+
+
+def verb(pattern: str, target: str, payload: dict | None = None) -> VerbRow:
+    word = pattern.lstrip("/").partition("/")[0]
+    return VerbRow(word=word, pattern=pattern, target=target, role="operate", help=f"does {word}", payload=payload)
+
+
+CLOCK = ExternalCommandRow(name="clock", argv=("/bin/date",), blocking=True)
+SONG_SCHEMA = {
+    "type": "object",
+    "properties": {"song": {"type": "string", "maxLength": 20}, "times": {"type": "integer", "minimum": 1}},
+    "required": ["song"],
+}
+VOCABULARY = Vocabulary(
+    [
+        verb("/r/{power}/{angle_deg}", "drive.command"),
+        verb("/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}", "drive.command"),
+        verb("s", "drive.stop"),
+        verb("S", "drive.stop"),
+        verb("stop", "drive.stop"),
+        verb("f", "drive.command", {"power": 0.25, "angle_deg": 0}),
+        verb("/s/{text...}", "speech.say"),
+        verb("/d/{song}", "dance.play"),
+        verb("/d/{song}/{times}", "dance.play"),
+        verb("/report/{name}", "executive.report"),
+        verb("/report/all", "executive.report", {"name": "*"}),
+        verb("Shutdown", "executive.shutdown"),
+    ],
+    [CLOCK, ExternalCommandRow(name="gone", argv=("/bin/true",), enabled=False)],
+    {"drive.command": DriveCommand, "drive.stop": StopCommand, "dance.play": SONG_SCHEMA},
+)
+
+
+@pytest.mark.parametrize(
+    ("line", "target", "payload"),
+    [
+        ("/r/0.2/0", "drive.command", {"power": 0.2, "angle_deg": 0.0}),
+        ("//r//0.2///0", "drive.command", {"power": 0.2, "angle_deg": 0.0}),
+        ("  /r/.5/-90/ \n", "drive.command", {"power": 0.5, "angle_deg": -90.0}),
+        (
+            "/r/0.2/0/40/Forward/0",
+            "drive.command",
+            {"power": 0.2, "angle_deg": 0.0, "range_cm": 40.0, "sensor": "forward", "interval_s": 0.0},
+        ),
+        ("S", "drive.stop", {}),
+        ("s", "drive.stop", {}),
+        ("stop", "drive.stop", {}),
+        ("STOP", "drive.stop", {}),
+        ("f", "drive.command", {"power": 0.25, "angle_deg": 0}),
+        ("F", "drive.command", {"power": 0.25, "angle_deg": 0}),
+        ("/s/a/b", "speech.say", {"text": "a/b"}),
+        ("/s/see http://x//y", "speech.say", {"text": "see http://x//y"}),
+        ("/d/waltz/3", "dance.play", {"song": "waltz", "times": 3}),
+        ("/report/telemetry", "executive.report", {"name": "telemetry"}),
+        ("/report/all", "executive.report", {"name": "*"}),
+        ("Shutdown", "executive.shutdown", {}),
+    ],
+)
+def test_a_line_becomes_its_message(line, target, payload):
+    call = VOCABULARY.parse(line)
+    assert isinstance(call, VerbCall)
+    assert f"{call.capability}.{call.command}" == target
+    assert call.payload == payload
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ("/r/3/0", "power is 0 to 1, not 3"),
+        ("/r/nan/0", "power is 0 to 1, not 'nan'"),
+        ("/r/inf/0", "power is 0 to 1, not 'inf'"),
+        ("/r/0x1/0", "power is 0 to 1, not '0x1'"),
+        ("/r/1_0/0", "power is 0 to 1, not '1_0'"),
+        ("/r/1e-1/0", "power is 0 to 1, not '1e-1'"),
+        ("/r/\u0660.\u0662/0", "power is 0 to 1, not '\u0660.\u0662'"),
+        ("/r/-0.1/0", "power is 0 to 1, not -0.1"),
+        ("/r/0.2/400", "angle is -360 to 360 degrees, not 400"),
+        ("/r/0.2/0/900/forward/0", "range is 0 to 769 cm, not 900"),
+        ("/r/0.2/0/40/up/0", "sensor is back, bottom, forward, left or right, not 'up'"),
+        ("/d/" + "a" * 30, "song has 30 characters; 20 are allowed"),
+        ("/d/waltz/0", "times is at least 1, not 0"),
+        ("/d/waltz/1.5", "times is at least 1, not 1.5"),
+        ("/r/0.2", "has 1 field after '/r'; say /r/power/angle or /r/power/angle/range/sensor/interval"),
+        ("/r", "has nothing after '/r'; say /r/power/angle"),
+        ("/x/1", "'/x' is not a word of this robot"),
+        ("stpo", "did you mean 'stop'?"),
+        ("shutdown", "did you mean 'Shutdown'?"),
+        ("/stop", "did you mean 'stop'?"),
+        ("s now", "nothing may follow 's'"),
+        ("stop it", "'stop' alone stops the robot"),
+        ("gone", "is not a word"),
+        ("clock 'a", "no partner"),
+        ("/" * 9, "is not a word"),
+        ("x" * 5000, "4096 characters are allowed"),
+        ("/s/a\x1b[2Jb", "control character U+001B"),
+        ("/s/a\nS", "control character U+000A"),
+        ("/s/\u202egnp", "control character U+202E"),
+        (b"/s/\xff", "not valid UTF-8"),
+        ("/s/\udcff", "not valid UTF-8"),
+    ],
+)
+def test_bad_input_gets_one_line_that_says_what_is_allowed(line, complaint):
+    with pytest.raises(InputError) as err:
+        VOCABULARY.parse(line)
+    assert complaint in str(err.value)
+    assert str(err.value).isprintable()
+
+
+def test_an_external_command_takes_arguments_and_is_stopped_by_name():
+    assert VOCABULARY.parse("clock -u '+%H %M'") == ExternalCall(command=CLOCK, arguments=("-u", "+%H %M"))
+    assert VOCABULARY.parse("Stop clock") == ExternalStop(command=CLOCK)
+
+
+def test_python_and_empty_lines_are_told_apart():
+    assert VOCABULARY.parse("!1 + 1") == PythonLine(code="1 + 1")
+    assert VOCABULARY.parse(" \t\n") is None
+
+
+def test_a_row_that_leaves_out_a_field_is_refused_naming_it():
+    with pytest.raises(InputError, match="power"):
+        Vocabulary([verb("g", "drive.command")], (), {"drive.command": DriveCommand}).parse("g")
+
+
+def test_entries_tell_completion_the_fields_and_their_choices():
+    entries = VOCABULARY.entries({"executive.report": ["drive", "battery"]})
+    assert entries[1]["fields"][3] == {
+        "name": "sensor",
+        "hint": "back, bottom, forward, left or right",
+        "choices": ["back", "bottom", "forward", "left", "right"],
+    }
+    assert next(entry for entry in entries if entry["word"] == "report")["choices"] == ["battery", "drive"]
+    assert entries[-1] == {
+        "word": "clock", "pattern": "clock", "role": "operate", "help": "", "target": "external",
+    }  # fmt: skip
+
+
+def test_help_shows_every_pattern_as_people_say_it():
+    assert "/r/power/angle/range/sensor/interval" in VOCABULARY.help()
+
+
+pieces = st.sampled_from(["/", "r", "s", "stop", " ", "0.2", "forward", "!", "'", "\\", "clock", "\x00", "é", "\uff19"])
+lines = st.one_of(st.text(max_size=60), st.lists(pieces | st.text(max_size=3), max_size=20).map("".join), st.binary())
+
+
+@given(lines)
+@example("/r/" + "9" * 400 + "/0")
+@example("/d/a/" + "9" * 400)
+def test_any_line_parses_or_is_refused_in_one_printable_line(line):
+    assert refusal(line).isprintable()
+
+
+def refusal(line: str | bytes) -> str:
+    try:
+        VOCABULARY.parse(line)
+    except InputError as err:
+        return str(err) or "\n"
+    return ""
+
+
+@given(st.floats(0, 1), st.floats(-360, 360))
+def test_every_number_in_range_comes_through(power, angle):
+    call = VOCABULARY.parse(f"/r/{power:.6f}/{angle:.6f}")
+    assert call.payload["power"] == pytest.approx(power, abs=1e-6)
+    assert call.payload["angle_deg"] == pytest.approx(angle, abs=1e-6)
