@@ -1,0 +1,145 @@
+"""The chain a drive command passes before it moves anything; the first link that objects refuses it."""
+
+from collections.abc import Callable
+from math import inf, isfinite
+from typing import Literal, get_args
+
+from lbr.messages.drive import DriveCommand, Sensor
+from lbr.operations.drive.goals import not_plausible
+from lbr.operations.drive.mixing import mix
+from lbr.operations.drive.rules import Limit, limit
+from lbr.operations.drive.state import Command, State, motors_trouble, why_dead
+
+Intent = Literal["stop", "new", "renewal", "change"]
+Link = Callable[[State, Command, float], str]
+INSISTING_S = 0.25
+
+
+def intent(state: State, command: DriveCommand) -> Intent:
+    """Return what a command wants of this state: power 0 without a lease is a stop, by whomever."""
+    if command.power == 0.0 and not command.lease:
+        return "stop"
+    if state.hold is None or command.lease != state.hold.lease:
+        return "new"
+    return "renewal" if what(command) == what(state.hold.command) else "change"
+
+
+def what(command: DriveCommand) -> tuple[float | str, ...]:
+    """Return what a command asks for, whoever asks, under whichever lease and for how long."""
+    return (command.power, command.angle_deg, command.range_cm, command.sensor, command.interval_s)
+
+
+def refusal(state: State, event: Command, now: float, *, checked: bool = True) -> str:
+    """Return why a command is refused, or nothing; `checked` false leaves out the user's own checks."""
+    links = CHAIN if checked else CHAIN[:-1]
+    return next((why for link in links if (why := link(state, event, now))), "")
+
+
+def insists(state: State, source: str, now: float) -> bool:
+    """Say whether a source has been sending motion through an emergency stop until just now."""
+    return now - state.insisting.get(source, -inf) < INSISTING_S
+
+
+def limited_by_rules(state: State, command: DriveCommand, now: float) -> Limit:
+    """Return what the rules would do to a command now, were it at its full speed."""
+    wheels = mix(min(command.power, state.settings.max_power), command.angle_deg, state.settings)
+    return limit(state.settings, state.views, wheels, now)
+
+
+def notes(state: State, command: DriveCommand, now: float) -> str:
+    """Return what the asker of an accepted command should know: how far it is limited, and by what."""
+    found = []
+    if command.power > state.settings.max_power:
+        found.append(f"limited to {state.settings.max_power:g}")
+    rule = limited_by_rules(state, command, now)
+    if not rule.scale > 0.0:
+        found.append(f"stopped by {rule.detail}")
+    elif rule.scale < 1.0:
+        power = min(command.power, state.settings.max_power) * rule.scale
+        found.append(f"slowed to {power:.2f} by {rule.text}")
+    return ", ".join(found)
+
+
+def _form(state: State, event: Command, now: float) -> str:
+    """Numbers are finite and within their bounds; decoding saw to it, and it is seen to again."""
+    del state, now
+    command = event.command
+    bounds = {
+        "power": (command.power, 0.0, 1.0),
+        "angle_deg": (command.angle_deg, -360.0, 360.0),
+        "range_cm": (command.range_cm, 0.0, 769.0),
+        "interval_s": (command.interval_s, 0.0, 3600.0),
+        "ttl_s": (1.0 if command.ttl_s is None else command.ttl_s, 0.0, 1.0),
+    }
+    for name, (value, low, high) in bounds.items():
+        if not (isfinite(value) and low <= value <= high):
+            return f"{name} {value:g} is outside {low:g} to {high:g}"
+    if command.ttl_s == 0.0:
+        return "ttl_s 0 is no life; leave it out or give up to 1"
+    if command.sensor not in get_args(Sensor):
+        return f"sensor '{command.sensor}' is none of {', '.join(get_args(Sensor))}"
+    return ""
+
+
+def _rights(state: State, event: Command, now: float) -> str:
+    """Whoever may only look may not drive."""
+    del state, now
+    return "" if event.role in {"operate", "admin"} else f"role '{event.role}' may stop the robot but not drive it"
+
+
+def _holder(state: State, event: Command, now: float) -> str:
+    """One holder: a quoted lease must be the live one; without a lease nobody may hold the base, or it is taken over."""
+    lease, hold = event.command.lease, state.hold
+    if lease:
+        alive = hold is not None and lease == hold.lease and now < hold.expires  # this way round, NaN means dead
+        return "" if alive else f"lease is dead: {why_dead(state, lease)}"
+    if hold is not None and not event.command.take_over:
+        return f"held by {hold.source}"
+    if not event.received > state.stopped:
+        return "a stop came after this command"
+    return ""
+
+
+def _state(state: State, event: Command, now: float) -> str:
+    """Nothing but standing still while the emergency stop is latched or the motors would not follow."""
+    if event.command.power == 0.0:
+        return ""
+    if state.estop:
+        return f"emergency stop: {state.estop_reason or 'no reason given'}"
+    if trouble := motors_trouble(state, now):
+        return trouble
+    if insists(state, event.source, now):
+        return "commands went on through the emergency stop: send power 0, or pause, before driving again"
+    return ""
+
+
+def _limits(state: State, event: Command, now: float) -> str:
+    """Bounds make sense: a range within the sensor's reach and not there yet, a time within the longest run."""
+    command = event.command
+    if command.power == 0.0 or intent(state, command) == "renewal":
+        return ""
+    if command.interval_s > state.settings.max_run_s:
+        return f"interval_s {command.interval_s:g} is longer than max_run_s {state.settings.max_run_s:g}"
+    return not_plausible(command, state.views, state.settings, now)
+
+
+def _rules(state: State, event: Command, now: float) -> str:
+    """A new motion towards an obstacle does not start."""
+    if event.command.power == 0.0 or intent(state, event.command) == "renewal":
+        return ""
+    found = limited_by_rules(state, event.command, now)
+    return "" if found.scale > 0.0 else found.detail
+
+
+def _checks(state: State, event: Command, now: float) -> str:
+    """The user's own checks all agree."""
+    del state, now
+    for name, verdict in event.checks.items():
+        if verdict is None:
+            return f"check {name} did not answer"
+        if not verdict.accepted:
+            return f"check {name}: {verdict.reason or 'refused without a reason'}"
+    return ""
+
+
+CHAIN: tuple[Link, ...] = (_form, _rights, _holder, _state, _limits, _rules, _checks)

@@ -1,0 +1,111 @@
+"""Bounded moves: until a sensor has come to a distance, or a time is over; whichever is first."""
+
+from collections.abc import Mapping
+from math import inf, isnan, nan
+
+from msgspec.structs import replace
+
+from lbr.messages.drive import DriveCommand, GoalResult, Sensor
+from lbr.messages.sensing import Ranges
+from lbr.operations.drive.mixing import mix
+from lbr.operations.drive.rules import View, measured_m, towards
+from lbr.operations.drive.settings import DriveSettings
+from lbr.operations.drive.state import Ending, Goal
+
+NEAREST_CM = 17.0
+FARTHEST_CM = 768.0
+LOST_AFTER_S = 0.3
+
+
+def bounded(command: DriveCommand) -> bool:
+    """Say whether a command is a bounded move."""
+    return command.power > 0.0 and (command.range_cm > 0.0 or command.interval_s > 0.0)
+
+
+def not_plausible(command: DriveCommand, views: Mapping[Sensor, View], settings: DriveSettings, now: float) -> str:
+    """Return why a range cannot be driven to, or nothing."""
+    if not command.range_cm > 0.0:
+        return ""
+    if not NEAREST_CM <= command.range_cm <= FARTHEST_CM:
+        return f"range_cm {command.range_cm:g} is outside {NEAREST_CM:g} to {FARTHEST_CM:g}"
+    view = views.get(command.sensor)
+    if view is None or not now - view.seen <= LOST_AFTER_S or isnan(view.raw_m):
+        return f"sensor {command.sensor} has no reading to watch"
+    goal = start(command, "", views, settings, now)
+    if _reached(goal, view.raw_m):
+        return f"{command.sensor} is {_words(view.raw_m)} already, range_cm is {command.range_cm:g}"
+    return _out_of_reach(goal, command, settings)
+
+
+def start(command: DriveCommand, name: str, views: Mapping[Sensor, View], settings: DriveSettings, now: float) -> Goal:
+    """Return the goal of a bounded move that starts now."""
+    view = views.get(command.sensor)
+    present_m = nan if view is None else view.raw_m
+    target_m = command.range_cm / 100 if command.range_cm > 0.0 else nan
+    return Goal(
+        goal=name,
+        sensor=command.sensor,
+        target_m=target_m,
+        closing=_closing(command, present_m, target_m, settings),
+        started=now,
+        ends=now + command.interval_s if command.interval_s > 0.0 else inf,
+        last_m=present_m,
+        last_seen=nan if view is None else view.seen,
+    )
+
+
+def watch(goal: Goal, ranges: Ranges, now: float) -> Goal:
+    """Return the goal with its sensor's newest reading; one without a value is passed over until it is too long ago."""
+    value_m, _ = measured_m(ranges, goal.sensor)
+    return goal if isnan(value_m) else replace(goal, last_m=value_m, last_seen=now)
+
+
+def ending(goal: Goal, now: float) -> tuple[Ending, str] | None:
+    """Return how a goal ends now and why, or None while it goes on."""
+    if not isnan(goal.target_m):
+        if _reached(goal, goal.last_m):
+            return "reached", f"{goal.sensor} is {_words(goal.last_m)}"
+        if not now - goal.last_seen <= LOST_AFTER_S:
+            return "fault", f"sensor {goal.sensor} was lost"
+    if not now < goal.ends:
+        return "interval", f"the {goal.ends - goal.started:g} s are over"
+    return None
+
+
+def result(goal: Goal, how: Ending, why: str, now: float) -> GoalResult:
+    """Return the message that says how a goal ended."""
+    known = goal.last_m < inf and not isnan(goal.target_m)
+    return GoalResult(
+        goal=goal.goal,
+        result=how,
+        reason=why,
+        range_cm=round(goal.last_m * 100, 1) if known else None,
+        elapsed_s=round(now - goal.started, 3),
+    )
+
+
+def _closing(command: DriveCommand, present_m: float, target_m: float, settings: DriveSettings) -> bool:
+    """Say whether the distance shrinks: the sensor at the end that leads, or else by where the target lies."""
+    parts = towards(*mix(command.power, command.angle_deg, settings))
+    if command.sensor in {"forward", "back"} and parts["forward"] + parts["back"] > 0.0:
+        return parts[command.sensor] > 0.0
+    return present_m > target_m
+
+
+def _reached(goal: Goal, value_m: float) -> bool:
+    return value_m <= goal.target_m if goal.closing else value_m >= goal.target_m
+
+
+def _out_of_reach(goal: Goal, command: DriveCommand, settings: DriveSettings) -> str:
+    if not goal.closing:
+        return ""
+    parts = towards(*mix(command.power, command.angle_deg, settings))
+    for rule in settings.rules:
+        if rule.sensor == goal.sensor and parts[rule.direction] > 0.0 and goal.target_m < rule.stop_m:
+            stop_cm = rule.stop_m * 100
+            return f"range_cm {command.range_cm:g} is out of reach: the {rule.direction} rule stops at {stop_cm:g} cm"
+    return ""
+
+
+def _words(value_m: float) -> str:
+    return "beyond its reach" if value_m == inf else f"at {value_m * 100:.0f} cm"

@@ -1,0 +1,178 @@
+"""What the drive kernel knows, what can happen to it, and what it says in return."""
+
+from collections.abc import Mapping
+from math import inf, nan
+from typing import Literal
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.drive import CheckVerdict, CommandReply, DriveCommand, GoalResult, Sensor
+from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.sensing import Ranges
+from lbr.messages.system import Role
+from lbr.operations.drive.rules import FREE, Limit, Odometer, View
+from lbr.operations.drive.settings import DriveSettings
+
+Ending = Literal["reached", "interval", "stopped", "lapsed", "superseded", "fault"]
+Level = Literal["info", "warning", "error"]
+DEAD_LEASES_KEPT = 32
+NOT_KNOWN = "it is not known here; ask for a new one without quoting a lease"
+
+
+class Command(Struct, frozen=True, kw_only=True):
+    """A drive command that came in at `received`, with fresh ids in case it is accepted, and what the checks said."""
+
+    command: DriveCommand
+    source: str
+    role: Role
+    new_lease: str
+    new_goal: str
+    received: float
+    checks: Mapping[str, CheckVerdict | None] = {}
+
+
+class Stop(Struct, frozen=True, kw_only=True):
+    """Somebody wants it to stand still."""
+
+    source: str
+    received: float
+    reason: str = ""
+
+
+class EstopChanged(Struct, frozen=True, kw_only=True):
+    """The emergency stop was latched or reset."""
+
+    engaged: bool
+    reason: str = ""
+
+
+class MotorsSeen(Struct, frozen=True, kw_only=True):
+    """The motor driver said how it is."""
+
+    motors: MotorsState
+    arrived: float
+
+
+class MotorsLost(Struct, frozen=True, kw_only=True):
+    """The motor driver is gone."""
+
+    reason: str
+
+
+class RangesSeen(Struct, frozen=True, kw_only=True):
+    """New distances came in."""
+
+    ranges: Ranges
+    arrived: float
+
+
+class Tick(Struct, frozen=True, kw_only=True):
+    """Time for the next setpoint."""
+
+
+Event = Command | Stop | EstopChanged | MotorsSeen | MotorsLost | RangesSeen | Tick
+
+
+class Reply(Struct, frozen=True, kw_only=True):
+    """The answer to the command or stop that was just decided."""
+
+    message: CommandReply
+
+
+class Setpoint(Struct, frozen=True, kw_only=True):
+    """What the motors are to do now."""
+
+    message: MotorSetpoint
+
+
+class Happened(Struct, frozen=True, kw_only=True):
+    """Something people should be told."""
+
+    kind: str
+    text: str
+    level: Level = "info"
+    source: str = ""
+
+
+class Result(Struct, frozen=True, kw_only=True):
+    """How a bounded move ended."""
+
+    message: GoalResult
+
+
+Output = Reply | Setpoint | Happened | Result
+Outputs = tuple[Output, ...]
+
+
+class Goal(Struct, frozen=True, kw_only=True):
+    """The bounds of a move: until `sensor` has come to `target_m` (NaN: none), and no longer than until `ends`."""
+
+    goal: str
+    sensor: Sensor
+    target_m: float
+    closing: bool
+    started: float
+    ends: float = inf
+    last_m: float = nan
+    last_seen: float = nan
+
+
+class Hold(Struct, frozen=True, kw_only=True):
+    """Who has the base: a live lease, the command it was given for, and the bounds of that command."""
+
+    lease: str
+    source: str
+    command: DriveCommand
+    power: float
+    ttl_s: float
+    expires: float
+    changed: float
+    goal: Goal | None = None
+
+
+class State(Struct, frozen=True, kw_only=True):
+    """Everything the kernel remembers. `left` and `right` are the setpoint now; `reason` says why it stands."""
+
+    settings: DriveSettings
+    hold: Hold | None = None
+    left: float = 0.0
+    right: float = 0.0
+    ticked: float = nan
+    estop: bool = False
+    estop_reason: str = ""
+    motors: MotorsState | None = None
+    motors_at: float = nan
+    motors_gone: str = "the motor driver was not heard yet"
+    views: Mapping[Sensor, View] = {}
+    odometer: Odometer = Odometer()
+    limited: Limit = FREE
+    told: str = ""
+    told_at: float = nan
+    dead: tuple[tuple[str, str], ...] = ()
+    stopped: float = -inf
+    insisting: Mapping[str, float] = {}
+    reason: str = "nobody drives"
+
+
+def why_dead(state: State, lease: str) -> str:
+    """Return why a lease that is not live died."""
+    return dict(state.dead).get(lease, NOT_KNOWN)
+
+
+def bury(state: State, lease: str, why: str) -> State:
+    """Return the state with nobody holding the base, and this lease dead for ever."""
+    dead = (*state.dead, (lease, why))[-DEAD_LEASES_KEPT:]
+    return replace(state, hold=None, dead=dead, reason=why)
+
+
+def motors_trouble(state: State, now: float) -> str:
+    """Return why the motors would not follow, or nothing."""
+    if state.motors is None:
+        return state.motors_gone
+    age_s = now - state.motors_at
+    if not age_s <= state.settings.motors_max_age_s:
+        return f"the motor driver was last heard {age_s:.2f} s ago"
+    if not state.motors.armed:
+        return f"the motors are not armed: {state.motors.reason or 'no reason given'}"
+    return ""

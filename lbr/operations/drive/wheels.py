@@ -1,0 +1,69 @@
+"""From what is held to the next setpoint: mixing, then rules, then slew, then the limit."""
+
+from msgspec.structs import replace
+
+from lbr.operations.drive.mixing import mix
+from lbr.operations.drive.rules import FREE, Limit, limit
+from lbr.operations.drive.state import Happened, Outputs, State
+
+LONGEST_STEP_S = 0.1
+TELL_AGAIN_S = 1.0
+
+Wheels = tuple[float, float]
+
+
+def next_wheels(state: State, now: float) -> State:
+    """Return the state with the wheels' next powers, and the base's own estimate of how far it came meanwhile."""
+    elapsed_s = max(0.0, now - state.ticked)  # this way round, NaN is no time
+    settings = state.settings
+    odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps)
+    state = replace(state, odometer=odometer, ticked=now)
+    if state.hold is None:
+        return replace(state, left=0.0, right=0.0, limited=FREE, told="")
+    asked = mix(state.hold.power, state.hold.command.angle_deg, settings)
+    limited = limit(settings, state.views, asked, now, state.limited.blocked)
+    step = settings.accel_per_s * min(elapsed_s, LONGEST_STEP_S)
+    wheels = slew((state.left, state.right), _scaled(asked, limited), step)
+    between = limit(settings, state.views, wheels, now, limited.blocked)
+    left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))
+    return replace(state, left=left, right=right, limited=limited)
+
+
+def slew(wheels: Wheels, target: Wheels, step: float) -> Wheels:
+    """Go towards the target: slower at once, faster by `step` at most and both alike; a new sense begins at zero."""
+    goals = [0.0 if wheel * goal < 0.0 else goal for wheel, goal in zip(wheels, target, strict=True)]
+    kept = [goal if abs(goal) < abs(wheel) else wheel for wheel, goal in zip(wheels, goals, strict=True)]
+    growth = max(abs(goal - wheel) for wheel, goal in zip(kept, goals, strict=True))
+    share = step / growth if growth > step else 1.0
+    left, right = (wheel + (goal - wheel) * share for wheel, goal in zip(kept, goals, strict=True))
+    return left, right
+
+
+def tell(state: State, now: float) -> tuple[State, Outputs]:
+    """Say that a rule began or ceased to limit or stop the base, without a flood when it is on the edge."""
+    limited = state.limited
+    stops = limited.direction is not None and not limited.scale > 0.0
+    key = f"{'stop' if stops else 'slow'} {limited.direction}" if limited.direction else ""
+    newly_stopped = stops and not state.told.startswith("stop")
+    if key == state.told or not (state.told == "" or newly_stopped or now - state.told_at >= TELL_AGAIN_S):
+        return state, ()
+    said = Happened(kind="rule", text=_sentence(limited, stops=stops), level="warning" if stops else "info")
+    return replace(state, told=key, told_at=now), (said,)
+
+
+def _sentence(limited: Limit, *, stops: bool) -> str:
+    if limited.direction is None:
+        return "no rule limits the base any more"
+    if stops:
+        return f"the {limited.direction} rule stops the base: {limited.detail}"
+    return f"the {limited.direction} rule slows the base to {limited.scale:.0%}: {limited.text}"
+
+
+def _scaled(wheels: Wheels, limited: Limit) -> Wheels:
+    return wheels[0] * limited.scale, wheels[1] * limited.scale
+
+
+def _within(power: float, highest: float) -> float:
+    if not -highest <= power <= highest:
+        return highest if power > highest else -highest if power < -highest else 0.0
+    return power
