@@ -1,0 +1,254 @@
+"""The motor driver as a capability: setpoints in, power at the wheels, and the last word on whether they turn."""
+
+import time
+from dataclasses import replace
+
+from lbr.bus.stamp import boot_id
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context, Received
+from lbr.drivers.roboteq import EnableCommand, RoboteqSettings
+from lbr.drivers.roboteq.arming import Arming, Inhibit, Setpoint, receive, tick
+from lbr.drivers.roboteq.controller import Controller
+from lbr.drivers.serial_line import open_line
+from lbr.errors import DeviceError
+from lbr.messages.drive import CommandReply
+from lbr.messages.motors import MotorsState
+
+PUBLISH_PERIOD_S = 0.05
+RESEND_S = 0.015
+IDLE_QUERY_S = 0.04
+REPORT_PERIOD_S = 5.0
+UNASKED = (
+    "the controller's emergency stop is engaged and nobody here asked for it: "
+    "release it at the controller, or engage and reset the emergency stop"
+)
+
+
+class Roboteq(Capability[RoboteqSettings]):
+    """Applies fresh setpoints to the wheels; in every doubt writes zero and waits for a neutral one."""
+
+    rate_hz = 50.0
+
+    def __init__(self, ctx: Context[RoboteqSettings]) -> None:
+        super().__init__(ctx)
+        self._controller: Controller | None = None
+        self._arming = Arming()
+        self._enabled = ctx.settings.enabled
+        self._latched = False  # an emergency stop was asked for and is not released yet
+        self._held_since: float | None = None  # the controller acknowledged it then
+        self._source = ""
+        self._stepped: float | None = None
+        self._queried = 0.0
+        self._published = 0.0
+        self._shown: tuple[object, ...] = ()
+        self._faults: tuple[str, ...] = ()
+        self._unanswered = 0
+        self._reported = 0.0
+
+    def open(self) -> None:
+        """Open the line and bring the controller up, at zero."""
+        settings = self.ctx.settings
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        line = open_line(self.ctx.device, settings.baud)
+        self._controller = Controller(line, settings, self.ctx.clock)
+        self._controller.open()
+        self._held_since = None
+        self._stepped = None
+        self._faults = ()
+        self._unanswered = 0
+        self._publish()
+
+    def step(self) -> None:
+        """Decide, write the wheels once, ask the controller one thing, tell the others."""
+        controller = self._controller
+        assert controller is not None
+        self._heed_estop(controller)
+        stopping = self._decide(controller)
+        self._act(controller, stopping=stopping)
+        self._ask(controller)
+        self._report(controller)
+        self._publish_when_due(controller)
+
+    def command(self, call: Call) -> None:
+        """Switch execution on or off; on waits for a zero setpoint."""
+        if not isinstance(call.message, EnableCommand):
+            super().command(call)
+            return
+        self._enabled = call.message.enabled
+        if self._controller is not None and not self._enabled:
+            self._act(self._controller, stopping=self._decide(self._controller))
+            self._publish()
+        call.reply(CommandReply(accepted=True))
+
+    def degraded(self, reason: str) -> None:
+        """Tell that the controller is away."""
+        if self.ctx.estop.engaged:
+            self._latched = True
+            self.ctx.estop.acknowledge(stopped=False, reason=reason)
+        self._disarm(reason)
+        self._publish(reason)
+
+    def close(self) -> None:
+        """Write zero, then let go."""
+        controller, self._controller = self._controller, None
+        self._held_since = None
+        try:
+            if controller is not None:
+                controller.close()
+        finally:
+            self._disarm("the line was closed")
+
+    def _heed_estop(self, controller: Controller) -> None:
+        estop = self.ctx.estop
+        if estop.engaged:
+            self._latched = True
+            if self._held_since is not None:
+                faults = controller.telemetry.faults_after(self._held_since)
+                if faults is not None and "emergency_stop" not in faults:
+                    self._held_since = None  # it was reset, or released elsewhere
+            if self._held_since is None and controller.emergency_stop():
+                self._held_since = self.ctx.clock()
+            held = self._held_since is not None
+            estop.acknowledge(stopped=held, reason="" if held else "the controller has not acknowledged")
+        elif self._latched and controller.release():
+            self._latched = False
+            self._held_since = None
+            estop.acknowledge(stopped=False, reason="released")
+
+    def _decide(self, controller: Controller) -> bool:
+        """Bring the arming up to date; return whether motion ends with this."""
+        before, valid_s = self._arming, self.ctx.settings.setpoint_valid_s
+        state = before
+        for received in self.ctx.take("setpoint"):
+            if received.source in self.ctx.sources("setpoint"):
+                self._source = received.source
+                state = receive(state, self._setpoint(received), self.ctx.clock(), valid_s)
+        now = self.ctx.clock()
+        self._arming = tick(state, self._inhibit(controller, now), now, valid_s)
+        self._stepped = now
+        self._tell_trip(before)
+        return before.moving and not self._arming.armed
+
+    def _setpoint(self, received: Received) -> Setpoint:
+        message, stamp, born = received.message, received.stamp, received.arrived
+        if stamp is not None and stamp.boot and stamp.boot == boot_id():
+            # the same clock as ours, whatever moment the context's clock counts from
+            born = min(born, self.ctx.clock() - (time.monotonic_ns() - stamp.mono_ns) * 1e-9)
+        return Setpoint(message.left, message.right, message.lease, born)
+
+    def _inhibit(self, controller: Controller, now: float) -> Inhibit | None:
+        if self.ctx.estop.engaged:
+            return Inhibit(f"emergency stop: {self.ctx.estop.reason or 'no reason given'}", fault=False)
+        if self._latched:
+            return Inhibit("emergency stop: the controller has not acknowledged the release", fault=False)
+        if not self._enabled:
+            return Inhibit("execution is disabled", fault=False)
+        return self._without_source() or self._with_fault(controller) or self._held_up(now)
+
+    def _without_source(self) -> Inhibit | None:
+        sources = self.ctx.sources("setpoint")
+        if not sources:
+            return Inhibit("no source is wired to the setpoint", fault=False)
+        source = self._source or sources[0]
+        return None if self.ctx.alive(source) else Inhibit(f"'{source}' is not on the bus", fault=True)
+
+    def _with_fault(self, controller: Controller) -> Inhibit | None:
+        faults = controller.telemetry.faults
+        if faults is None:
+            return Inhibit("the controller's fault bits are not known", fault=True)
+        if "emergency_stop" in faults:
+            return Inhibit(UNASKED, fault=True)
+        grave = [name for name in faults if name not in self.ctx.settings.tolerated_faults]
+        return Inhibit(f"the controller reports {', '.join(grave)}", fault=True) if grave else None
+
+    def _held_up(self, now: float) -> Inhibit | None:
+        """After a pause as long as the watchdog the controller has stopped by itself, and so do we."""
+        if self._stepped is None or now - self._stepped < self.ctx.settings.watchdog_ms / 1000.0:
+            return None
+        return Inhibit(f"the driver was held up for {now - self._stepped:.2f} s", fault=True)
+
+    def _act(self, controller: Controller, *, stopping: bool) -> None:
+        ago_s = controller.fed_s_ago
+        if stopping:
+            controller.stop()
+        elif self._arming.armed:
+            if self._arming.applied != controller.applied or ago_s is None or not ago_s < RESEND_S:
+                controller.drive(*self._arming.applied)
+        elif controller.applied != (0.0, 0.0):
+            controller.stop()
+        elif self._held_since is None and (ago_s is None or not ago_s < self.ctx.settings.watchdog_ms / 2000.0):
+            controller.stop()  # keeps the controller from turning to another source of commands
+
+    def _ask(self, controller: Controller) -> None:
+        now = self.ctx.clock()
+        if now - self._queried < (RESEND_S if self._arming.armed else IDLE_QUERY_S):
+            return
+        self._queried = now
+        controller.query_next()
+
+    def _report(self, controller: Controller) -> None:
+        faults = controller.telemetry.faults
+        if faults is not None and faults != self._faults and not self._latched:
+            self._tell_faults(faults)
+        unanswered = controller.lost + controller.refused
+        if unanswered > self._unanswered and self.ctx.clock() - self._reported > REPORT_PERIOD_S:
+            self._unanswered, self._reported = unanswered, self.ctx.clock()
+            data = {"lost": controller.lost, "refused": controller.refused}
+            text = f"the controller has left {controller.lost} commands unanswered and refused {controller.refused}"
+            self.ctx.event("unanswered", text, level="warning", data=data)
+
+    def _tell_faults(self, faults: tuple[str, ...]) -> None:
+        self._faults = faults
+        if faults:
+            text = UNASKED if "emergency_stop" in faults else f"the controller reports {', '.join(faults)}"
+            self.ctx.event("fault", text, level="error", data={"faults": list(faults)})
+            self.ctx.warn(text)
+        else:
+            self.ctx.event("fault", "the controller reports no fault any more")
+            self.ctx.ready()
+
+    def _tell_trip(self, before: Arming) -> None:
+        if self._arming.trips > before.trips:
+            data = {"trips": self._arming.trips}
+            self.ctx.event("trip", f"motors stopped: {self._arming.reason}", level="warning", data=data)
+
+    def _disarm(self, reason: str) -> None:
+        before = self._arming
+        self._arming = tick(before, Inhibit(reason, fault=True), self.ctx.clock(), self.ctx.settings.setpoint_valid_s)
+        self._tell_trip(before)
+
+    def _publish_when_due(self, controller: Controller) -> None:
+        shown = (
+            self._arming.armed,
+            self._arming.reason,
+            self._arming.trips,
+            self.ctx.estop.engaged,
+            controller.telemetry.faults,
+        )
+        if shown != self._shown or not self.ctx.clock() - self._published < PUBLISH_PERIOD_S:
+            self._shown = shown
+            self._publish()
+
+    def _publish(self, away: str = "") -> None:
+        self._published = self.ctx.clock()
+        state = self._arming
+        if self._controller is None:
+            reason = away or state.reason
+            self.ctx.publish("state", _at_rest(replace(state, reason=reason), estop=self.ctx.estop.engaged))
+            return
+        left, right = self._controller.applied
+        message = MotorsState(
+            left=left,
+            right=right,
+            armed=state.armed,
+            reason=state.reason,
+            estop=self.ctx.estop.engaged,
+            trips=state.trips,
+            **self._controller.telemetry.measured(),
+        )
+        self.ctx.publish("state", message)
+
+
+def _at_rest(state: Arming, *, estop: bool) -> MotorsState:
+    return MotorsState(left=0.0, right=0.0, armed=False, reason=state.reason, estop=estop, trips=state.trips)

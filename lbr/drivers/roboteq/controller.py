@@ -1,0 +1,243 @@
+"""The controller as a device: brought up in a safe order, driven one command at a time, stopped whatever comes."""
+
+import re
+from collections.abc import Callable
+from contextlib import suppress
+from math import isfinite
+
+from lbr.drivers.roboteq import RoboteqSettings, Wheel
+from lbr.drivers.roboteq import protocol as wire
+from lbr.drivers.roboteq.exchange import Exchange, Line, Outcome
+from lbr.drivers.roboteq.readings import Setting, Text, decode
+from lbr.drivers.roboteq.telemetry import Telemetry
+from lbr.errors import DeviceError
+
+PATIENCE_S = 0.005
+SETUP_TIMEOUT_S = 0.1
+CLOSING_TIMEOUT_S = 0.02
+SETUP_TRIES = 3
+LOST_IN_A_ROW = 4
+REFUSED_IN_A_ROW = 5
+ROTATION: tuple[bytes, ...] = (
+    *(wire.query(name) for name in ("FF", "A", "C", "V", "FF", "A", "C", "T", "FF", "FS")),
+    wire.read_setting("RWD"),
+)
+
+
+class Controller:
+    """One Roboteq on an open line. Whatever is wrong with it is a DeviceError that says what to do."""
+
+    def __init__(self, line: Line, settings: RoboteqSettings, clock: Callable[[], float]) -> None:
+        self.firmware = ""
+        self.model = ""
+        self.applied = (0.0, 0.0)
+        self.refused = 0
+        self.lost = 0
+        self.telemetry = Telemetry(settings, clock)
+        self._line = line
+        self._settings = settings
+        self._clock = clock
+        self._exchange = Exchange(line, clock)
+        self._lost_in_a_row = 0
+        self._refused_in_a_row = 0
+        self._fed: float | None = None
+        self._turn = 0
+
+    def open(self) -> None:
+        """Identify it, write zero, then set and read back what safety rests on."""
+        self._line.drop_output()
+        self._line.drop_input()
+        self._identify()
+        self._insist(wire.STOP, "did not acknowledge zero")
+        self._insist(wire.write_setting("ECHOF", 0 if self._settings.echo else 1), "refuses to set its echo")
+        self._exchange.learn_echo()
+        self._insist(wire.write_setting("RWD", self._settings.watchdog_ms), "refuses to set its watchdog")
+        self._verify("RWD", self._settings.watchdog_ms, "watchdog, in ms")
+        if self._settings.mixing_mode is not None:
+            self._verify("MXMD", self._settings.mixing_mode, "mixing mode; set it with Roboteq's utility")
+        self._ask(wire.query("FF"), SETUP_TRIES)
+
+    def drive(self, left: float, right: float) -> None:
+        """Write the power of both wheels, unless an answer is still due; after a gap, zero first."""
+        if not self._settle(PATIENCE_S):
+            return
+        if self._gap():
+            self.stop()
+            return
+        self._send(self._motors(left, right))
+        self._settle(PATIENCE_S)
+
+    def stop(self) -> bool:
+        """Write zero as soon as the line is free; return whether it was acknowledged."""
+        stopped = self._urgent(wire.STOP)
+        self._complain()
+        return stopped
+
+    def emergency_stop(self) -> bool:
+        """Cut the power stage and write zero; return whether the cut was acknowledged."""
+        cut = self._urgent(wire.EMERGENCY_STOP)
+        self._urgent(wire.STOP)
+        self._complain()
+        return cut
+
+    def release(self) -> bool:
+        """Write zero, then end the emergency stop; return whether both were acknowledged."""
+        if not self.stop() or not self._urgent(wire.RELEASE):
+            return False
+        self.telemetry.forget_faults()
+        self._ask(wire.query("FF"), 1)
+        return True
+
+    def query_next(self) -> None:
+        """Ask for the next value of the rotation, if no answer is due."""
+        if not self._settle(0.0):
+            return
+        self._send(ROTATION[self._turn % len(ROTATION)])
+        self._turn += 1
+        self._settle(PATIENCE_S)
+
+    @property
+    def fed_s_ago(self) -> float | None:
+        """Seconds since a motor command was last written; None before the first."""
+        return None if self._fed is None else self._clock() - self._fed
+
+    def close(self) -> None:
+        """Write zero, wait shortly for it to be acknowledged, and let go of the line."""
+        with suppress(DeviceError):
+            if not any(self._urgent(wire.STOP, CLOSING_TIMEOUT_S) for _ in range(3)):
+                self._line.drop_output()  # closing a line waits for its output, for half a minute
+        self._line.close()
+
+    def _identify(self) -> None:
+        said = self._ask(wire.query("FID"), SETUP_TRIES)
+        if said is None or said.value is None:
+            raise DeviceError(self._sentence("does not answer ?FID; check cable, power and address"))
+        self.firmware = _text(said)
+        self.model = _text(self._ask(wire.query("TRN"), 1))
+        for what, found, pattern in (
+            ("firmware", self.firmware, self._settings.firmware),
+            ("model", self.model, self._settings.model),
+        ):
+            if not re.search(pattern, found):
+                raise DeviceError(
+                    self._sentence(f"says {what} '{found}', expected /{pattern}/; correct the address or `{what}`")
+                )
+
+    def _insist(self, command: bytes, trouble: str) -> None:
+        for _ in range(SETUP_TRIES):
+            if self._urgent(command, SETUP_TIMEOUT_S):
+                return
+        raise DeviceError(self._sentence(f"{trouble} ({command.decode('ascii').strip()})"))
+
+    def _verify(self, name: str, expected: int, meaning: str) -> None:
+        outcome = self._ask(wire.read_setting(name), SETUP_TRIES)
+        found = decode(outcome.value) if outcome and outcome.value else None
+        value = found.value if isinstance(found, Setting) else None
+        if value != expected:
+            said = "no number" if value is None else str(value)
+            raise DeviceError(self._sentence(f"answers ~{name} with {said}, expected {expected} ({meaning})"))
+
+    def _ask(self, query: bytes, tries: int) -> Outcome | None:
+        """A first question may end a line that somebody left half written, and be refused with it."""
+        for _ in range(tries):
+            self._send(query, SETUP_TIMEOUT_S)
+            outcome = self._exchange.wait(SETUP_TIMEOUT_S * 2)
+            if outcome is not None and outcome.value is not None:
+                self._note(outcome)
+                return outcome
+        return None
+
+    def _urgent(self, command: bytes, timeout_s: float | None = None) -> bool:
+        self._line.drop_output()
+        limit = self._settings.reply_timeout_s if timeout_s is None else timeout_s
+        if self._exchange.busy and (before := self._exchange.wait(limit)) is not None:
+            self._note(before)
+        if self._exchange.busy:
+            return False
+        self._send(command, limit)
+        outcome = self._exchange.wait(limit * 2)
+        if outcome is not None:
+            self._note(outcome)
+        return outcome is not None and outcome.result == "acknowledged"
+
+    def _send(self, command: bytes, timeout_s: float | None = None) -> None:
+        if command[:1] == b"!":
+            self._fed = self._clock()
+        self._exchange.send(command, self._settings.reply_timeout_s if timeout_s is None else timeout_s)
+
+    def _settle(self, budget_s: float) -> bool:
+        """Finish what is under way, within the budget; return whether the line is free."""
+        outcome = self._exchange.wait(budget_s)
+        if outcome is not None:
+            self._note(outcome)
+            self._complain()
+        return not self._exchange.busy
+
+    def _note(self, outcome: Outcome) -> None:
+        if outcome.result == "lost":
+            self.lost += 1
+            self._lost_in_a_row += 1
+            self._line.drop_output()
+            return
+        self._lost_in_a_row = 0
+        if outcome.value is not None:
+            self.telemetry.take(outcome.value)
+        elif outcome.command.startswith(b"!"):
+            self._note_command(outcome)
+
+    def _note_command(self, outcome: Outcome) -> None:
+        if outcome.result == "refused":
+            self.refused += 1
+            self._refused_in_a_row += 1
+            return
+        self._refused_in_a_row = 0
+        if outcome.command.startswith(b"!M "):
+            self.applied = self._powers(outcome.command)
+
+    def _complain(self) -> None:
+        if self._lost_in_a_row >= LOST_IN_A_ROW:
+            raise DeviceError(self._sentence(f"left {self._lost_in_a_row} commands unanswered; check cable and power"))
+        latched = "emergency_stop" in (self.telemetry.faults or ())
+        if self._refused_in_a_row >= REFUSED_IN_A_ROW and not latched:
+            raise DeviceError(self._sentence(f"refused {self._refused_in_a_row} commands in a row; check its set-up"))
+        watchdog_ms = self.telemetry.watchdog_ms
+        if watchdog_ms is not None and watchdog_ms != self._settings.watchdog_ms:
+            raise DeviceError(
+                self._sentence(f"has a watchdog of {watchdog_ms} ms, expected {self._settings.watchdog_ms}: was reset")
+            )
+
+    def _gap(self) -> bool:
+        return self.fed_s_ago is None or not self.fed_s_ago < self._settings.watchdog_ms / 1000.0
+
+    def _motors(self, left: float, right: float) -> bytes:
+        values = {wheel.channel: wire_value(power, wheel) for power, wheel in self._wheels(left, right)}
+        return wire.motors(values[1], values[2])
+
+    def _powers(self, command: bytes) -> tuple[float, float]:
+        values = [int(field) for field in command.split()[1:]]
+        left, right = (
+            values[wheel.channel - 1] * wheel.direction / wire.FULL_SCALE
+            for wheel in (self._settings.left, self._settings.right)
+        )
+        return left, right
+
+    def _wheels(self, left: float, right: float) -> tuple[tuple[float, Wheel], tuple[float, Wheel]]:
+        if not (isfinite(left) and isfinite(right)):
+            left = right = 0.0
+        return (left, self._settings.left), (right, self._settings.right)
+
+    def _sentence(self, what: str) -> str:
+        return f"device '{self._settings.device}': the controller {what}"
+
+
+def wire_value(power: float, wheel: Wheel) -> int:
+    """Return what goes to a wheel's channel for a power, forward positive; the last limit before the wire."""
+    if not isfinite(power):
+        return 0
+    limited = max(-wheel.max_power, min(wheel.max_power, power * wheel.trim))
+    return round(limited * wire.FULL_SCALE) * wheel.direction
+
+
+def _text(outcome: Outcome | None) -> str:
+    found = decode(outcome.value) if outcome and outcome.value else None
+    return found.text if isinstance(found, Text) else ""

@@ -1,0 +1,138 @@
+"""One command on the line at a time, and the answer that belongs to it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from lbr.drivers.roboteq.protocol import Ack, Echo, Nak, Noise, Reply, ReplyParser, Value
+
+Result = Literal["acknowledged", "value", "refused", "lost"]
+
+
+class Line(Protocol):
+    """The bytes to and from the controller."""
+
+    def read(self, wait_s: float = 0.0) -> bytes:
+        """Return what has come in, waiting `wait_s` at most."""
+
+    def write(self, data: bytes) -> int:
+        """Hand over what the line takes at once and return how much."""
+
+    def drop_output(self) -> None:
+        """Throw away what has not left yet."""
+
+    def drop_input(self) -> None:
+        """Throw away what was not read yet."""
+
+    def close(self) -> None:
+        """Let go."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How an exchange ended."""
+
+    command: bytes
+    result: Result
+    value: Value | None = None
+
+
+class Exchange:
+    """Sends a command and finds its answer, whether the controller echoes or not.
+
+    Answers carry no number. With the echo on, an answer counts only after the echo of its own command; without it,
+    an answer that may still come for a command given up as lost is never taken for the next one's.
+    """
+
+    def __init__(self, line: Line, clock: Callable[[], float]) -> None:
+        self.noise = 0
+        self._line = line
+        self._clock = clock
+        self._parser = ReplyParser()
+        self._echoes: bool | None = None
+        self._owed = 0
+        self._command = b""
+        self._deadline = 0.0
+        self._echoed = False
+
+    @property
+    def busy(self) -> bool:
+        """Whether an answer is due."""
+        return bool(self._command)
+
+    def learn_echo(self) -> None:
+        """Find out from the next value answered whether the controller echoes."""
+        self._echoes = None
+
+    def send(self, command: bytes, timeout_s: float) -> None:
+        """Write a command whose answer is lost after `timeout_s`; nothing else may be under way."""
+        assert not self.busy
+        self._command = command
+        self._echoed = False
+        self._deadline = self._clock() + timeout_s
+        self._line.write(command)  # what did not fit is answered with `-` or not at all
+
+    def wait(self, budget_s: float) -> Outcome | None:
+        """Return how the exchange ended, waiting `budget_s` at most; None while its answer is still due."""
+        until = self._clock() + budget_s
+        while self.busy:
+            now = self._clock()
+            data = self._line.read(min(until, self._deadline) - now)
+            if (outcome := self._take(self._parser.feed(data))) is not None:
+                return outcome
+            if data:
+                continue
+            if not now < self._deadline:
+                self._owed += not self._is_query()
+                return self._end("lost")
+            if not now < until:
+                break
+        return None
+
+    def _take(self, replies: list[Reply]) -> Outcome | None:
+        found = [outcome for reply in replies if (outcome := self._match(reply)) is not None]
+        return found[0] if found else None
+
+    def _match(self, reply: Reply) -> Outcome | None:
+        if not self.busy:
+            return None
+        match reply:
+            case Echo(command):
+                self._echoed = self._echoed or command == self._command.rstrip(b"\r")
+            case Value(name):
+                if self._is_query() and name == self._name():
+                    return self._answered(reply)
+            case Ack() | Nak():
+                return self._signed(reply)
+            case Noise():
+                self.noise += 1
+        return None
+
+    def _answered(self, value: Value) -> Outcome:
+        """Answers keep their order, so nothing older is still to come."""
+        if self._echoes is None:
+            self._echoes = self._echoed
+        self._owed = 0
+        return self._end("value", value)
+
+    def _signed(self, reply: Ack | Nak) -> Outcome | None:
+        if not self._echoed:
+            if self._echoes:
+                return None
+            if self._owed:
+                self._owed -= 1
+                return None
+        if isinstance(reply, Nak):
+            return self._end("refused")
+        return None if self._is_query() else self._end("acknowledged")
+
+    def _end(self, result: Result, value: Value | None = None) -> Outcome:
+        outcome = Outcome(self._command, result, value)
+        self._command = b""
+        return outcome
+
+    def _is_query(self) -> bool:
+        return self._command[:1] in {b"?", b"~"}
+
+    def _name(self) -> str:
+        return self._command[1:].split()[0].decode("ascii")

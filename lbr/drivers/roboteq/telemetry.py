@@ -1,0 +1,91 @@
+"""What the controller last measured, for as long as that can be believed."""
+
+from collections.abc import Callable
+from typing import TypedDict, TypeVar
+
+from lbr.drivers.roboteq import RoboteqSettings
+from lbr.drivers.roboteq.protocol import Value
+from lbr.drivers.roboteq.readings import Amps, Channels, Flags, Reading, Setting, Temperatures, Volts, decode
+
+BELIEVED_S = 1.0
+R = TypeVar("R", bound=Reading)
+
+
+class Measured(TypedDict):
+    """The measured fields of MotorsState."""
+
+    voltage_v: float | None
+    internal_v: float | None
+    output_v: float | None
+    amps_left_a: float | None
+    amps_right_a: float | None
+    counts_left: int | None
+    counts_right: int | None
+    temperature_c: float | None
+    faults: tuple[str, ...]
+
+
+class Telemetry:
+    """The newest answer to each query; one that is older than a second counts as not measured."""
+
+    def __init__(self, settings: RoboteqSettings, clock: Callable[[], float]) -> None:
+        self._left = settings.left.channel - 1
+        self._right = settings.right.channel - 1
+        self._clock = clock
+        self._newest: dict[str, tuple[Reading, float]] = {}
+
+    def take(self, value: Value) -> None:
+        """Remember an answer."""
+        self._newest[value.name] = (decode(value), self._clock())
+
+    def forget_faults(self) -> None:
+        """Wait for fault bits anew."""
+        self._newest.pop("FF", None)
+
+    @property
+    def faults(self) -> tuple[str, ...] | None:
+        """Names of the fault bits set; None: not known."""
+        flags = self._believed("FF", Flags)
+        return flags.names if flags else None
+
+    def faults_after(self, when: float) -> tuple[str, ...] | None:
+        """The fault bits if they were read after `when`; None otherwise."""
+        taken = self._newest.get("FF")
+        return self.faults if taken and taken[1] > when else None
+
+    @property
+    def watchdog_ms(self) -> int | None:
+        """The controller's watchdog as it was last read back."""
+        setting = self._believed("RWD", Setting)
+        return setting.value if setting else None
+
+    def measured(self) -> Measured:
+        """Return everything as fields of MotorsState."""
+        volts = self._believed("V", Volts) or Volts(None, None, None)
+        amps = self._believed("A", Amps) or Amps(())
+        counts = self._believed("C", Channels) or Channels(())
+        temperatures = self._believed("T", Temperatures) or Temperatures(())
+        return Measured(
+            voltage_v=volts.battery_v,
+            internal_v=volts.internal_v,
+            output_v=volts.output_v,
+            amps_left_a=_pick(amps.amps_a, self._left),
+            amps_right_a=_pick(amps.amps_a, self._right),
+            counts_left=_pick(counts.values, self._left),
+            counts_right=_pick(counts.values, self._right),
+            temperature_c=temperatures.hottest_c,
+            faults=self.faults or (),
+        )
+
+    def _believed(self, name: str, kind: type[R]) -> R | None:
+        reading, taken = self._newest.get(name, (None, 0.0))
+        if isinstance(reading, kind) and self._clock() - taken < BELIEVED_S:
+            return reading
+        return None
+
+
+V = TypeVar("V")
+
+
+def _pick(values: tuple[V | None, ...], index: int) -> V | None:
+    return values[index] if index < len(values) else None
