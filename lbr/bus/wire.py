@@ -170,6 +170,8 @@ class Served:
             self._subscriber.undeclare()
 
     def _asked(self, query: zenoh.Query) -> None:
+        if str(query.key_expr) != self.key:
+            return  # somebody looks around with a wildcard; a command is meant for one
         payload, attachment = query.payload, query.attachment
         self._queue(
             Request(
@@ -308,3 +310,16 @@ class Constant:
         with query:
             self._payload = self._payload or encode(self._make())
             query.reply(self._key, self._payload, encoding=JSON)
+
+
+class Answer:
+    """A key that answers every query with what `make` returns at that moment; `make` must be quick and thread-safe."""
+
+    def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:
+        self._key = key
+        self._make = make
+        self._queryable = session.declare_queryable(key, direct(self._answer), complete=True)
+
+    def _answer(self, query: zenoh.Query) -> None:
+        with query:
+            query.reply(self._key, encode(self._make()), encoding=JSON)

@@ -1,0 +1,1 @@
+"""Rows to processes: plan, supervisor, and the operator's way in."""

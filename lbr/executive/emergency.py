@@ -1,0 +1,139 @@
+"""The emergency stop's keeper: persists the latch, repeats it until every device has acknowledged, releases it.
+
+Movers hear the stop directly, on sessions of their own; nothing here stands between a press and a motor.
+"""
+
+import threading
+from collections.abc import Callable, Iterable, Sequence
+
+import msgspec
+
+from lbr.bus import keys, session, stamp, wire
+from lbr.messages.system import EstopAcknowledgement, EstopRequest, EstopState
+
+REPEAT_S = 0.05
+ACKNOWLEDGE_LIMIT_S = 0.5
+_requests = msgspec.json.Decoder(EstopRequest)
+_acknowledgements = msgspec.json.Decoder(EstopAcknowledgement)
+
+
+class Emergency:
+    """`movers()` names the capabilities that must acknowledge, `persist(engaged, reason)` must reach the disk."""
+
+    def __init__(
+        self,
+        robot: str,
+        endpoints: Sequence[str],
+        state: EstopState,
+        *,
+        movers: Callable[[], Iterable[str]],
+        seal: Callable[[str], str],
+        persist: Callable[[bool, str], None],
+        happened: Callable[[str, str, str, str], None],
+        wake: Callable[[], None],
+    ) -> None:
+        self._robot = robot
+        self._engaged, self._reason, self._source = state.engaged, state.reason, state.source
+        self._movers = movers
+        self._seal = seal
+        self._persist = persist
+        self._happened = happened
+        self._stopped: set[str] = set()
+        self._changed = threading.Condition()
+        self._repeat_at = 0.0
+        self._repeat_until = 0.0
+        self._session = session.open_client(endpoints)
+        self._presses = wire.Subscription(self._session, keys.estop(robot), depth=64, wake=wake)
+        acknowledgements = keys.estop_acknowledgement(robot, "*")
+        self._said = wire.Subscription(self._session, acknowledgements, depth=64, wake=wake)
+        self._latest = wire.Answer(self._session, keys.estop(robot), self.state)
+        self.resets = wire.Served(self._session, keys.estop_reset(robot), wake, puts=False, source="executive")
+
+    def state(self) -> EstopState:
+        """Return the latch and who has acknowledged it; from any thread."""
+        movers = set(self._movers())
+        return EstopState(
+            engaged=self._engaged,
+            reason=self._reason,
+            source=self._source,
+            acknowledged=tuple(sorted(movers & self._stopped)) if self._engaged else (),
+            waiting=tuple(sorted(movers - self._stopped)) if self._engaged else (),
+        )
+
+    def press(self, reason: str, source: str) -> EstopState:
+        """Latch, and wait until every mover's device has acknowledged, at most half a second; from any thread."""
+        wire.put(
+            self._session,
+            keys.estop(self._robot),
+            EstopRequest(engaged=True, reason=reason),
+            source=source,
+            urgent=True,
+        )
+        with self._changed:
+            self._changed.wait_for(lambda: self._engaged and not self.state().waiting, ACKNOWLEDGE_LIMIT_S)
+        return self.state()
+
+    def release(self, source: str) -> str:
+        """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own."""
+        for name in self._movers():
+            key = keys.estop_release(self._robot, name)
+            answers = wire.ask(
+                self._session, key, {}, source="executive", timeout_s=1.0, seal=bytes.fromhex(self._seal(key))
+            )
+            if not any(b'"accepted":true' in answer.payload for answer in answers):
+                return f"'{name}' did not release its emergency stop; it stays latched"
+        self._engaged, self._reason, self._source, self._repeat_until = False, "", "", 0.0
+        self._stopped.clear()
+        self._persist(False, "")
+        self._happened("estop_reset", "executive", f"emergency stop released by {source}", "warning")
+        return ""
+
+    def step(self, now: float) -> float:
+        """Take in presses and acknowledgements, repeat what is not acknowledged; return when to be called again."""
+        for raw in self._said.take():
+            self._note(raw)
+        for raw in self._presses.take():
+            self._pressed(raw, now)
+        if self._engaged and now < self._repeat_until and self.state().waiting:
+            if now >= self._repeat_at:
+                self._repeat_at = now + REPEAT_S
+                request = EstopRequest(engaged=True, reason=self._reason)
+                wire.put(self._session, keys.estop(self._robot), request, source="executive", urgent=True)
+            return self._repeat_at
+        return now + 1.0
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._session.close()
+
+    def _pressed(self, raw: wire.Raw, now: float) -> None:
+        found = stamp.read(raw.attachment)
+        source = found.source if found is not None else "a bus client"
+        if source == "executive":
+            return
+        try:
+            request = _requests.decode(raw.payload)
+        except (msgspec.DecodeError, RecursionError):
+            request = EstopRequest(engaged=True, reason="an emergency stop that could not be read")
+        if not request.engaged:
+            text = f"{source} put 'not engaged' on @estop; only a query on @estop/reset releases it"
+            self._happened("refused", "estop", text, "warning")
+            return
+        fresh = not self._engaged
+        self._repeat_until = now + 5.0
+        if fresh:
+            self._stopped.clear()
+            self._engaged, self._reason, self._source = True, request.reason or "emergency stop", source
+            self._persist(True, self._reason)
+            self._happened("estop", "executive", f"emergency stop by {source}: {self._reason}", "error")
+        with self._changed:
+            self._changed.notify_all()
+
+    def _note(self, raw: wire.Raw) -> None:
+        try:
+            said = _acknowledgements.decode(raw.payload)
+        except (msgspec.DecodeError, RecursionError):
+            return
+        (self._stopped.add if said.stopped and said.engaged else self._stopped.discard)(said.capability)
+        with self._changed:
+            self._changed.notify_all()

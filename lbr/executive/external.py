@@ -1,0 +1,93 @@
+"""External commands: programs started by name from the console, one of each at a time, none outliving the executive."""
+
+import contextlib
+import os
+import signal
+import subprocess
+from pathlib import Path
+
+from lbr.database.rows import ExternalCommandRow
+from lbr.errors import InputError, LbrError
+from lbr.executive.child import open_log, tethered
+
+BLOCKING_LIMIT_S = 60.0
+OUTPUT_LIMIT = 4000
+STOP_S = 2.0
+
+
+class ExternalCommands:
+    """Starts and stops programs. `start` must run on the thread that lives as long as the process does."""
+
+    def __init__(self, logs: Path) -> None:
+        self._logs = logs
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def start(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> "subprocess.Popen[bytes]":
+        """Start it; raise InputError if it runs already, LbrError if it cannot be started."""
+        known = self._running.get(row.name)
+        if known is not None and known.poll() is None:
+            raise InputError(f"'{row.name}' runs already (pid {known.pid}); 'stop {row.name}' ends it")
+        out = subprocess.PIPE if row.blocking else open_log(self._logs / f"{row.name}.log")
+        try:
+            popen = subprocess.Popen(
+                tethered((*row.argv, *arguments)),
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        except OSError as err:
+            raise LbrError(f"'{row.name}' could not be started: {err}") from err
+        self._running[row.name] = popen
+        return popen
+
+    @staticmethod
+    def wait(row: ExternalCommandRow, popen: "subprocess.Popen[bytes]") -> tuple[int, str]:
+        """Wait for a blocking command; return its exit code and what it printed. From any thread."""
+        try:
+            output, _ = popen.communicate(timeout=BLOCKING_LIMIT_S)
+        except subprocess.TimeoutExpired:
+            _signal(popen, signal.SIGKILL)
+            popen.communicate()
+            return 1, f"'{row.name}' took longer than {BLOCKING_LIMIT_S:.0f} s and was ended"
+        text = output[:OUTPUT_LIMIT].decode(errors="replace").rstrip()
+        return popen.returncode, text + ("\n…" if len(output) > OUTPUT_LIMIT else "")
+
+    def stop(self, name: str) -> str:
+        """End a running command, by force after two seconds; from any thread."""
+        popen = self._running.get(name)
+        if popen is None or popen.poll() is not None:
+            raise InputError(f"'{name}' does not run")
+        _signal(popen, signal.SIGTERM)
+        try:
+            popen.wait(STOP_S)
+        except subprocess.TimeoutExpired:
+            _signal(popen, signal.SIGKILL)
+            popen.wait()
+            return f"'{name}' did not end within {STOP_S:.0f} s and was killed"
+        return f"'{name}' has ended"
+
+    def prune(self, names: set[str]) -> None:
+        """End commands whose rows are gone, and forget those that have ended by themselves."""
+        for name, popen in list(self._running.items()):
+            if popen.poll() is not None:
+                del self._running[name]
+            elif name not in names:
+                _signal(popen, signal.SIGTERM)
+
+    def close(self) -> None:
+        """End them all."""
+        for popen in self._running.values():
+            if popen.poll() is None:
+                _signal(popen, signal.SIGTERM)
+        for popen in self._running.values():
+            try:
+                popen.wait(0.3)
+            except subprocess.TimeoutExpired:
+                _signal(popen, signal.SIGKILL)
+                popen.wait()
+
+
+def _signal(popen: "subprocess.Popen[bytes]", number: int) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(popen.pid, number)

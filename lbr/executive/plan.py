@@ -1,0 +1,289 @@
+"""From rows to what should run: pure, all problems at once, and the difference between two plans."""
+
+from collections.abc import Iterable, Mapping
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+from lbr.bus import keys
+from lbr.capability import registry
+from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
+from lbr.capability.kind import Kind
+from lbr.capability.program import ProgramSettings
+from lbr.capability.registry import KindError
+from lbr.database.rows import CapabilityRow, ChannelRow, Problem, RobotRows
+from lbr.executive.profile import Profile
+from lbr.executive.wiring import check_channels, check_verbs
+
+EXECUTIVE = "executive"
+
+
+class Unit(Struct, frozen=True, kw_only=True):
+    """One process of the plan; two equal units need no restart."""
+
+    name: str
+    kind: str
+    family: str
+    moves: bool
+    restart: str
+    needs: tuple[str, ...]
+    config: ProcessConfig
+    fingerprint: str = ""
+    program: ProgramSettings | None = None
+
+
+class Plan(Struct, frozen=True, kw_only=True):
+    """What should run, in start order, and the rows it came from."""
+
+    robot: str
+    units: dict[str, Unit]
+    kinds: dict[str, Kind]
+    rows: RobotRows
+
+
+class Change(Struct, frozen=True, kw_only=True):
+    """What an edit of the rows does to the processes."""
+
+    start: tuple[str, ...] = ()
+    stop: tuple[str, ...] = ()
+    restart: tuple[str, ...] = ()
+
+
+class Site(Struct, frozen=True, kw_only=True):
+    """What a plan needs to know of this run: where things are, and the secret its seals come from."""
+
+    home: str
+    endpoints: tuple[str, ...]
+    secret: bytes
+
+    def seal(self, key: str) -> str:
+        """Return the key that seals a setpoint, the same for every plan of this run."""
+        return blake2b(key.encode(), key=self.secret, digest_size=32).hexdigest()
+
+
+def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tuple[Problem, ...]]:
+    """Return the plan, or None and everything that is wrong with the rows."""
+    problems = list(rows.problems)
+    kinds: dict[str, Kind] = {}
+    settings: dict[str, Any] = {}
+    for row in rows.capabilities:
+        kind, parsed, found = _understand(row, Path(site.home))
+        problems += found
+        if kind is not None:
+            kinds[row.name] = kind
+        if parsed is not None:
+            settings[row.name] = parsed
+    problems += check_channels(rows, kinds, settings)
+    problems += check_verbs(rows, kinds, settings)
+    chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
+    problems += _check_devices(rows, chosen, kinds, settings)
+    problems += _check_profile(rows, profile)
+    order, found = _order(chosen, {row.name for row in rows.capabilities})
+    problems += found
+    if problems:
+        return None, tuple(problems)
+    channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= set(order)]
+    by_name = {row.name: row for row in chosen}
+    units = {
+        name: _unit(by_name[name], kinds, settings[name], rows, channels, profile, site, set(order)) for name in order
+    }
+    return Plan(robot=rows.robot.name, units=units, kinds=kinds, rows=rows), ()
+
+
+def difference(old: Plan, new: Plan) -> Change:
+    """Return what has to start, stop and restart to get from one plan to another, and nothing else."""
+    return Change(
+        start=tuple(name for name in new.units if name not in old.units),
+        stop=tuple(name for name in old.units if name not in new.units),
+        restart=tuple(name for name, unit in new.units.items() if name in old.units and unit != old.units[name]),
+    )
+
+
+def _understand(row: CapabilityRow, home: Path) -> tuple[Kind | None, Any, list[Problem]]:
+    if row.name == EXECUTIVE:
+        return (
+            None,
+            None,
+            [Problem("capability", row.name, "name", "'executive' is the runtime itself; choose another")],
+        )
+    try:
+        kind = registry.find(row.kind, home)
+    except KindError as err:
+        return None, None, [Problem("capability", row.name, "kind", str(err))]
+    try:
+        return kind, kind.parse(row.settings), []
+    except msgspec.DecodeError as err:
+        return kind, None, [Problem("capability", row.name, "settings", f"{err} (kind '{row.kind}')")]
+
+
+def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
+    if kind.family == "simulation" and not profile.simulate:
+        return False
+    wanted = profile.only is None or row.name in profile.only
+    return row.enabled and wanted and row.name not in profile.without
+
+
+def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
+    names, devices = {row.name for row in rows.capabilities}, {row.name for row in rows.devices}
+    bad_names = sorted({*(profile.only or ()), *profile.without} - names - {p.row for p in rows.problems})
+    bad_devices = sorted(set(profile.devices) - devices)
+    return [
+        *(Problem("profile", profile.robot, "only/without", f"there is no capability '{name}'") for name in bad_names),
+        *(Problem("profile", profile.robot, "devices", f"there is no device row '{name}'") for name in bad_devices),
+    ]
+
+
+def _check_devices(
+    rows: RobotRows, chosen: list[CapabilityRow], kinds: Mapping[str, Kind], settings: Mapping[str, Any]
+) -> list[Problem]:
+    problems = []
+    devices = {device.name: device for device in rows.devices}
+    owners: dict[str, str] = {}
+    for row in chosen:
+        wanted = kinds[row.name].device
+        if not wanted or row.name not in settings:
+            continue
+        name = str(getattr(settings[row.name], "device", ""))
+        device = devices.get(name)
+        if device is None:
+            text = f"there is no device row '{name}' (type '{wanted}')"
+        elif device.type != wanted:
+            text = f"device '{name}' is of type '{device.type}', and this kind drives '{wanted}'"
+        elif name in owners:
+            text = f"device '{name}' already belongs to '{owners[name]}'; one capability owns a device"
+        else:
+            owners[name] = row.name
+            continue
+        problems.append(Problem("capability", row.name, "settings", f"device: {text}"))
+    return problems
+
+
+def _order(chosen: Iterable[CapabilityRow], known: set[str]) -> tuple[list[str], list[Problem]]:
+    rows = {row.name: row for row in chosen}
+    order: list[str] = []
+    problems = [
+        Problem("capability", row.name, "needs", f"there is no capability '{need}'")
+        for row in rows.values()
+        for need in row.needs
+        if need not in known
+    ]
+    waiting = dict(rows)
+    while waiting:
+        free = [name for name, row in waiting.items() if not (set(row.needs) & set(waiting))]
+        if not free:
+            circle = ", ".join(sorted(waiting))
+            problems.append(Problem("capability", min(waiting), "needs", f"these need one another: {circle}"))
+            break
+        order += free
+        for name in free:
+            del waiting[name]
+    return order, problems
+
+
+def _unit(
+    row: CapabilityRow,
+    kinds: Mapping[str, Kind],
+    settings: Any,
+    rows: RobotRows,
+    channels: list[ChannelRow],
+    profile: Profile,
+    site: Site,
+    running: set[str],
+) -> Unit:
+    kind = kinds[row.name]
+    robot = rows.robot.name
+    devices = tuple(
+        DeviceConfig(
+            name=d.name,
+            type=d.type,
+            address=device_address(d.name, d.address, profile, site, robot),
+            settings=d.settings,
+        )
+        for d in rows.devices
+        if kind.family == "simulation" or (kind.device and d.name == getattr(settings, "device", None))
+    )
+    device = getattr(settings, "device", "") if kind.device else ""
+    ports = settings if isinstance(settings, ProgramSettings) else kind
+    config = ProcessConfig(
+        robot=robot,
+        name=row.name,
+        kind=row.kind,
+        settings=msgspec.Raw(row.settings.encode()),
+        endpoints=site.endpoints,
+        home=site.home,
+        device=device,
+        devices=devices,
+        wiring=_wiring(row.name, kinds, channels, site, robot),
+        outputs={name: _outputs(row.name, name, kinds, channels, site, robot) for name in ports.outputs},
+        requests=_requests(row.name, kinds, channels, robot),
+        release_key=site.seal(keys.estop_release(robot, row.name)),
+    )
+    return Unit(
+        name=row.name,
+        kind=row.kind,
+        family=kind.family,
+        moves=kind.moves,
+        restart=row.restart,
+        needs=tuple(need for need in row.needs if need in running),
+        config=config,
+        fingerprint=registry.fingerprint(row.kind, Path(site.home)),
+        program=settings if isinstance(settings, ProgramSettings) else None,
+    )
+
+
+def device_address(name: str, address: str, profile: Profile, site: Site, robot: str) -> str:
+    """Return where a device is in this run: its emulated twin's place, the profile's word, or the row's."""
+    if profile.simulate:
+        return str(Path(site.home) / "run" / f"{robot}-devices" / name)
+    return profile.devices.get(name, address)
+
+
+def _is_setpoint(target: tuple[str, str], kinds: Mapping[str, Kind]) -> bool:
+    return target[1] in kinds[target[0]].setpoints
+
+
+def _wiring(
+    name: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: Site, robot: str
+) -> dict[str, tuple[InputWire, ...]]:
+    wires: dict[str, tuple[InputWire, ...]] = {}
+    for channel in channels:
+        (source, output), (target, port) = channel.source_end, channel.target_end
+        if target != name or output in kinds[source].requests:
+            continue
+        sealed = _is_setpoint((target, port), kinds)
+        key = keys.port(robot, target, port) if sealed else keys.port(robot, source, output)
+        wire = InputWire(
+            key=key,
+            source=source,
+            rate_hz=channel.rate_hz,
+            history=channel.history,
+            seal=site.seal(key) if sealed else "",
+        )
+        wires[port] = (*wires.get(port, ()), wire)
+    return wires
+
+
+def _outputs(
+    name: str, output: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: Site, robot: str
+) -> tuple[OutputWire, ...]:
+    setpoints = [
+        keys.port(robot, *channel.target_end)
+        for channel in channels
+        if channel.source_end == (name, output) and _is_setpoint(channel.target_end, kinds)
+    ]
+    sealed = tuple(OutputWire(key=key, seal=site.seal(key)) for key in setpoints)
+    return sealed or (OutputWire(key=keys.port(robot, name, output)),)
+
+
+def _requests(
+    name: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], robot: str
+) -> dict[str, dict[str, str]]:
+    asked: dict[str, dict[str, str]] = {}
+    for channel in channels:
+        (source, request), (target, command) = channel.source_end, channel.target_end
+        if source == name and request in kinds[source].requests:
+            asked.setdefault(request, {})[target] = keys.port(robot, target, command)
+    return asked

@@ -1,0 +1,47 @@
+"""When a process that ended is started again, as an ordered list of decisions without a clock of its own."""
+
+from enum import Enum
+from typing import Literal
+
+from msgspec import Struct
+
+FIRST_S = 0.1
+MOST_S = 5.0
+WINDOW_S = 30.0
+ATTEMPTS = 5
+HEALTHY_S = 60.0
+JITTER = 0.2
+
+
+class End(Enum):
+    """How a process ended."""
+
+    CLEAN = "ended"
+    CRASHED = "crashed"
+    HUNG = "hung"
+
+
+class Decision(Struct, frozen=True):
+    """`restart` after `delay_s`, rest in peace (`stopped`), or give up (`failed`) with the reason."""
+
+    what: Literal["restart", "stopped", "failed"]
+    delay_s: float = 0.0
+    reason: str = ""
+
+
+def decide(policy: str, end: End, deaths: tuple[float, ...], now: float, jitter: float) -> Decision:
+    """Decide what follows an end. `deaths` are earlier ends within the window, `jitter` is -1 to 1.
+
+    1. Policy `never`: it stays down. 2. Policy `on-failure` and a clean end: it stays down. 3. More than five ends
+    within 30 s: give up until somebody acts. 4. Otherwise restart after 0.1 s, doubled for each recent end, at most
+    5 s, 20 % jitter either way. A minute of health forgets the past (the caller drops old deaths).
+    """
+    if policy == "never":
+        return Decision("stopped" if end is End.CLEAN else "failed", reason="its restart policy is 'never'")
+    if policy == "on-failure" and end is End.CLEAN:
+        return Decision("stopped", reason="it ended by itself")
+    recent = [death for death in deaths if now - death < WINDOW_S]
+    if len(recent) >= ATTEMPTS:
+        return Decision("failed", reason=f"{end.value} {len(recent) + 1} times within {WINDOW_S:.0f} s; given up")
+    delay = min(FIRST_S * 2 ** len(recent), MOST_S)
+    return Decision("restart", delay * (1 + JITTER * jitter))

@@ -1,0 +1,263 @@
+"""Reconciles the processes with the plan: starts in order, gates on readiness, restarts, stops motion first.
+
+Runs in one thread. The clock, the dice and the way to start a process are given, so that histories can be replayed.
+"""
+
+import random
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from lbr.capability.config import Report
+from lbr.executive.plan import Change, Plan, Unit
+from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide
+from lbr.messages.system import CapabilityPhase
+
+HANG_S = 1.2
+HANG_STARTING_S = 10.0
+HANG_DEGRADED_S = 4.0
+TERM_S = 0.8
+RUNNING = frozenset({"ready", "degraded"})
+HELD = frozenset({"stopped", "failed"})
+
+
+class Started(Protocol):
+    """What the supervisor needs of a process."""
+
+    pid: int
+
+    def reports(self) -> list[Report]:
+        """Return what it has said since the last call."""
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+
+    def kill(self) -> None:
+        """End it."""
+
+    def returncode(self) -> int | None:
+        """Return how it ended, or None."""
+
+    def close(self) -> None:
+        """Let go of it after its end."""
+
+
+class Slot:
+    """One capability: its process, its phase, its past."""
+
+    def __init__(self, unit: Unit) -> None:
+        self.unit = unit
+        self.phase: CapabilityPhase = "waiting"
+        self.reason = ""
+        self.child: Started | None = None
+        self.restarts = 0
+        self.deaths: tuple[float, ...] = ()
+        self.started_at = 0.0
+        self.beat_at = 0.0
+        self.due_at: float | None = 0.0
+        self.kill_at: float | None = None
+        self.hung = False
+        self.wanted = True
+        self.counts: dict[str, int] = {}
+        self.rates: dict[str, float] = {}
+        self.counted_at = 0.0
+
+
+class Supervisor:
+    """Owns every process of the plan. `happened(kind, subject, text, level)` is told whatever people should know."""
+
+    def __init__(
+        self,
+        start: Callable[[Unit], Started],
+        happened: Callable[[str, str, str, str], None],
+        clock: Callable[[], float] = time.monotonic,
+        dice: random.Random | None = None,
+    ) -> None:
+        self.slots: dict[str, Slot] = {}
+        self._leaving: list[Slot] = []
+        self._start = start
+        self._happened = happened
+        self._clock = clock
+        self._dice = dice or random.Random()
+
+    def adopt(self, plan: Plan, change: Change) -> None:
+        """Take over a plan: stop what is gone, restart what changed, start what is new; leave the rest alone."""
+        for name in (*change.stop, *change.restart):
+            self._retire(self.slots.pop(name))
+        for name in (*change.restart, *change.start):
+            self.slots[name] = Slot(plan.units[name])
+        self.slots = {name: self.slots[name] for name in plan.units}
+
+    def restart(self, name: str) -> None:
+        """Start a capability anew, with its past forgotten."""
+        slot = self.slots[name]
+        self._retire(slot)
+        self.slots[name] = Slot(slot.unit)
+
+    def children(self) -> list[tuple[Slot, Started]]:
+        """Return every process that still runs."""
+        slots = {id(slot): slot for slot in (*self.slots.values(), *self._leaving)}
+        return [(slot, slot.child) for slot in slots.values() if slot.child is not None]
+
+    def settled(self) -> bool:
+        """Say whether everything that should run does, or has given up."""
+        return not self._leaving and all(slot.phase in RUNNING | HELD for slot in self.slots.values())
+
+    def step(self) -> float:
+        """Do what is due; return the seconds until the next thing that may be due without news from a process."""
+        now = self._clock()
+        for slot, child in self.children():
+            self._listen(slot, child, now)
+            code = child.returncode()
+            if code is not None:
+                self._ended(slot, child, code, now)
+            else:
+                self._watch(slot, child, now)
+        self._leaving = [slot for slot in self._leaving if slot.child is not None]
+        for slot in self.slots.values():
+            if slot.child is None and slot.due_at is not None and now >= slot.due_at and self._may_start(slot):
+                self._launch(slot, now)
+        return self._next(now)
+
+    def shut_down(self, tick: Callable[[float], None], limit_s: float = 2.5) -> None:
+        """Stop motion first, then apps, operations, drivers and simulation; kill what does not end.
+
+        `tick(seconds)` waits for news from the processes.
+        """
+        end = self._clock() + limit_s
+        waves = [
+            [slot for slot in self.slots.values() if slot.unit.moves],
+            [slot for slot in self.slots.values() if slot.unit.family in {"app", "program"}],
+            [slot for slot in self.slots.values() if slot.unit.family == "operation"],
+            [slot for slot in self.slots.values() if slot.unit.family == "driver"],
+            list(self.slots.values()),
+        ]
+        for wave in waves:
+            for slot in reversed(wave):
+                self._retire(slot)
+            while any(slot.child is not None for slot in wave) and self._clock() < end:
+                self.step()
+                tick(0.02)
+        for _slot, child in self.children():
+            child.kill()
+        while self.children():
+            self.step()
+            tick(0.02)
+
+    def _may_start(self, slot: Slot) -> bool:
+        if any(leaving.unit.name == slot.unit.name for leaving in self._leaving):
+            return False
+        return all(self.slots[need].phase in RUNNING for need in slot.unit.needs if need in self.slots)
+
+    def _launch(self, slot: Slot, now: float) -> None:
+        slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
+        try:
+            slot.child = self._start(slot.unit)
+        except OSError as err:
+            slot.phase, slot.reason = "failed", f"could not be started: {err}"
+            self._tell("failed", slot, slot.reason, "error")
+            return
+        slot.phase = "starting"
+        if slot.unit.program is not None and slot.unit.program.ready == "start":
+            self._phase(slot, "ready", "")
+
+    def _listen(self, slot: Slot, child: Started, now: float) -> None:
+        for report in child.reports():
+            slot.beat_at = now
+            if report.counts:
+                self._count(slot, report.counts, now)
+            if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
+                self._phase(slot, report.phase, report.reason)
+            elif report.phase == "failed":
+                slot.reason = report.reason
+
+    @staticmethod
+    def _count(slot: Slot, counts: dict[str, int], now: float) -> None:
+        spent = now - slot.counted_at
+        if slot.counts and spent > 0:
+            slot.rates = {name: round((n - slot.counts.get(name, 0)) / spent, 1) for name, n in counts.items()}
+        slot.counts, slot.counted_at = counts, now
+
+    def _phase(self, slot: Slot, phase: str, reason: str) -> None:
+        if slot.phase == phase and slot.reason == reason:
+            return
+        first = slot.phase == "starting"
+        slot.phase, slot.reason = phase, reason  # type: ignore[assignment]
+        if phase == "ready":
+            self._tell("started" if first else "recovered", slot, reason or "ready", "info")
+        elif phase == "degraded":
+            self._tell("degraded", slot, reason, "warning")
+
+    def present(self, name: str) -> None:
+        """Note a liveliness token; it makes a program ready that asked for that."""
+        slot = self.slots.get(name)
+        if slot is not None and slot.unit.program is not None and slot.phase == "starting":
+            self._phase(slot, "ready", "")
+
+    def _watch(self, slot: Slot, child: Started, now: float) -> None:
+        if slot.kill_at is not None and now >= slot.kill_at:
+            slot.kill_at = None
+            child.kill()
+        elif slot.unit.program is None and slot.wanted and not slot.hung:
+            limit = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}.get(slot.phase, HANG_S)
+            if now - slot.beat_at > limit:
+                slot.hung = True
+                slot.reason = f"no heartbeat for {now - slot.beat_at:.1f} s"
+                child.kill()
+
+    def _ended(self, slot: Slot, child: Started, code: int, now: float) -> None:
+        child.close()
+        slot.child, slot.kill_at = None, None
+        if not slot.wanted:
+            slot.phase, slot.reason = "stopped", ""
+            self._tell("stopped", slot, "stopped", "info")
+            return
+        end = End.HUNG if slot.hung else End.CLEAN if code == 0 else End.CRASHED
+        why = slot.reason if slot.reason and end is not End.CLEAN else _code(code)
+        if now - slot.started_at > HEALTHY_S:
+            slot.deaths = ()
+        decision = decide(slot.unit.restart, end, slot.deaths, now, self._dice.uniform(-1, 1))
+        slot.deaths = (*(death for death in slot.deaths if now - death < WINDOW_S), now)
+        slot.rates, slot.counts = {}, {}
+        slot.reason = f"{end.value}: {why}"
+        if decision.what == "restart":
+            slot.restarts += 1
+            slot.phase, slot.due_at = "waiting", now + decision.delay_s
+            self._tell(end.value, slot, f"{slot.reason}; restart in {decision.delay_s:.1f} s", "error")
+        else:
+            slot.phase, slot.due_at = decision.what, None
+            slot.reason = f"{slot.reason}; {decision.reason}"
+            level = "info" if decision.what == "stopped" else "error"
+            self._tell(decision.what if end is End.CLEAN else end.value, slot, slot.reason, level)
+        self._tell_dependants(slot)
+
+    def _tell_dependants(self, gone: Slot) -> None:
+        for slot in self.slots.values():
+            if gone.unit.name in slot.unit.needs and slot.phase in RUNNING:
+                self._tell("need_lost", slot, f"'{gone.unit.name}', which it needs, has {gone.reason}", "warning")
+
+    def _retire(self, slot: Slot) -> None:
+        slot.wanted = False
+        slot.due_at = None
+        if slot.child is None:
+            slot.phase = "stopped"
+            return
+        if slot.kill_at is None:
+            slot.phase = "stopping"
+            slot.kill_at = self._clock() + TERM_S
+            slot.child.terminate()
+        if slot not in self._leaving:
+            self._leaving.append(slot)
+
+    def _next(self, now: float) -> float:
+        times = [slot.due_at for slot in self.slots.values() if slot.due_at is not None and self._may_start(slot)]
+        times += [slot.kill_at for slot, _ in self.children() if slot.kill_at is not None]
+        times += [slot.beat_at + HANG_S for slot, _ in self.children() if slot.unit.program is None and slot.wanted]
+        return max(0.0, min((due - now for due in times), default=1.0))
+
+    def _tell(self, kind: str, slot: Slot, text: str, level: str) -> None:
+        self._happened(kind, slot.unit.name, text, level)
+
+
+def _code(code: int) -> str:
+    return f"killed by signal {-code}" if code < 0 else f"exit code {code}"

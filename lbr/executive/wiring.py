@@ -1,0 +1,111 @@
+"""What must hold between capabilities: channels join ports of one type, verbs name commands that exist."""
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import msgspec
+
+from lbr.capability.kind import Kind
+from lbr.capability.program import ProgramSettings
+from lbr.database.rows import ChannelRow, Problem, RobotRows, VerbRow
+
+EXECUTIVE_VERBS = frozenset({"report", "estop", "reset", "help", "shutdown", "status", "restart", "stop_program"})
+_FIELD = re.compile(r"\{([a-z_]+)(?:\.\.\.)?\}")
+ANY = object()
+"""The type of a program's port: known to the program alone."""
+
+
+def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
+    """Return what is wrong with the channel rows."""
+    problems: list[Problem] = []
+    names = {row.name for row in rows.capabilities}
+    feeders: dict[str, str] = {}
+    for row in rows.channels:
+        problems += _check_channel(row, names, kinds, settings)
+        target, port = row.target_end
+        if row.enabled and target in kinds and port in kinds[target].setpoints:
+            if row.target in feeders:
+                text = f"'{feeders[row.target]}' feeds it already, and a setpoint has one writer"
+                problems.append(Problem("channel", f"{row.source} -> {row.target}", "target", text))
+            feeders[row.target] = row.source
+    return problems
+
+
+def _check_channel(
+    row: ChannelRow, names: set[str], kinds: Mapping[str, Kind], settings: Mapping[str, Any]
+) -> list[Problem]:
+    label = f"{row.source} -> {row.target}"
+    source, target = row.source_end, row.target_end
+    problems = [
+        Problem("channel", label, column, f"there is no capability '{end[0]}'")
+        for column, end in (("source", source), ("target", target))
+        if end[0] not in names
+    ]
+    if problems or source[0] not in kinds or target[0] not in kinds:
+        return problems
+    sent = _ports(source[0], kinds, settings, "outputs", "requests")
+    asks = source[1] in kinds[source[0]].requests
+    taken = _ports(target[0], kinds, settings, *(("commands",) if asks else ("inputs", "setpoints")))
+    if source[1] not in sent:
+        problems.append(Problem("channel", label, "source", _no_port(source, "output", sent)))
+    if target[1] not in taken:
+        problems.append(Problem("channel", label, "target", _no_port(target, "command" if asks else "input", taken)))
+    if problems:
+        return problems
+    sends, takes = sent[source[1]], taken[target[1]]
+    if sends is not takes and ANY not in {sends, takes}:
+        names_of = f"{_type_name(sends)}, and {row.target} takes {_type_name(takes)}"
+        problems.append(Problem("channel", label, "target", f"{row.source} sends {names_of}"))
+    return problems
+
+
+def _ports(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], *which: str) -> dict[str, Any]:
+    own = settings.get(name)
+    if isinstance(own, ProgramSettings):
+        return {port: ANY for group in which for port in getattr(own, group, ())}
+    return {port: kind for group in which for port, kind in getattr(kinds[name], group).items()}
+
+
+def _no_port(end: tuple[str, str], what: str, there: Iterable[str]) -> str:
+    return f"'{end[0]}' has no {what} '{end[1]}'; it has {', '.join(sorted(there)) or 'none'}"
+
+
+def _type_name(kind: Any) -> str:
+    return str(getattr(kind, "__name__", kind))
+
+
+def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
+    """Return what is wrong with the verb rows."""
+    problems: list[Problem] = []
+    names = {row.name for row in rows.capabilities}
+    for row in rows.verbs:
+        problems += _check_verb(row, names, kinds, settings)
+    return problems
+
+
+def _check_verb(row: VerbRow, names: set[str], kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
+    label = row.pattern
+    owner, command = row.target_end
+    if owner == "executive":
+        if command in EXECUTIVE_VERBS:
+            return []
+        there = ", ".join(f"executive.{name}" for name in sorted(EXECUTIVE_VERBS))
+        return [Problem("verb", label, "target", f"the executive has no '{command}'; it has {there}")]
+    if owner not in kinds:
+        missing = [Problem("verb", label, "target", f"there is no capability '{owner}'")]
+        return missing if owner not in names else []
+    commands = _ports(owner, kinds, settings, "commands")
+    if command not in commands:
+        return [Problem("verb", label, "target", _no_port((owner, command), "command", commands))]
+    return [] if commands[command] is ANY else _check_fields(row, commands[command])
+
+
+def _check_fields(row: VerbRow, message: Any) -> list[Problem]:
+    fields = {field.name for field in msgspec.structs.fields(message)}
+    return [
+        Problem("verb", row.pattern, column, f"{row.target} has no field '{name}'; it has {', '.join(sorted(fields))}")
+        for column, used in (("pattern", _FIELD.findall(row.pattern)), ("payload", row.payload or {}))
+        for name in used
+        if name not in fields
+    ]
