@@ -6,9 +6,9 @@ import msgspec
 from msgspec import Struct
 
 from lbr.database import decode, patterns
-from lbr.database.decode import KEYS, RawRow, RawTables
 from lbr.database.reader import json_strictly, shown
 from lbr.database.rows import Problem, RobotRow, RobotRows, VerbRow
+from lbr.database.tables import KEYS, RawRow, RawTables
 
 _LISTS = ("capabilities", "channels", "devices", "verbs", "external_commands", "phrases", "calibrations")
 

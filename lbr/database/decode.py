@@ -1,7 +1,7 @@
 """Raw rows to rows, one at a time; what concerns several rows is in checks.py."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar, get_args
 
 from lbr.database import patterns
@@ -18,23 +18,8 @@ from lbr.database.rows import (
     RobotRow,
     VerbRow,
 )
+from lbr.database.tables import KEYS, RawRow
 from lbr.messages.system import Role
-
-RawRow = Mapping[str, Any]
-RawTables = Mapping[str, Sequence[RawRow]]
-"""Table name to rows, each column name to what SQLite holds."""
-
-KEYS: dict[str, tuple[str, ...]] = {
-    "robot": ("name",),
-    "capability": ("robot", "name"),
-    "channel": ("robot", "source", "target"),
-    "device": ("robot", "name"),
-    "verb": ("robot", "word", "pattern"),
-    "external_command": ("robot", "name"),
-    "phrase": ("name", "language"),
-    "calibration": ("robot", "device", "name"),
-}
-"""The primary keys of the tables that make a robot."""
 
 _LANGUAGE = re.compile(r"[a-z]{2}[a-z0-9-]{0,18}")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")

@@ -1,75 +1,144 @@
 """The database file: create, open with every check, and what the executive reads and writes while it runs."""
 
+import os
+import sqlite3
+import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from sqlalchemy import Connection, func, select, update
+from sqlalchemy.dialects.sqlite import insert
+
+from lbr.database import history
+from lbr.database.checks import check
+from lbr.database.connection import connect, pragma, run, sentences, transaction
+from lbr.database.files import check_file
+from lbr.database.migrate import bring_up_to_date
+from lbr.database.models import Calibration, Revision, Robot
+from lbr.database.resources import robot_db_sql
 from lbr.database.rows import RevisionRow, RobotRows
+from lbr.database.tables import RawTables, read_tables
+from lbr.errors import InputError, RowError
 from lbr.messages.system import Event
+
+APPLICATION_ID = 0x4C425231
 
 
 def create(path: Path, sql: Path | None = None) -> None:
     """Build a new database from `sql` (the shipped robot.db.sql); raise InputError if the file is there already."""
-    raise NotImplementedError
+    source = (sql or robot_db_sql()).read_text(encoding="utf-8")
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    building = path.with_name(f"{path.name}.new-{os.getpid()}")
+    try:
+        os.close(os.open(building, os.O_CREAT | os.O_TRUNC | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
+        with sentences(path), closing(sqlite3.connect(building)) as connection:
+            connection.executescript(source)
+        path.hardlink_to(building)
+    except FileExistsError:
+        raise InputError(f"database {path} exists already: name another, or move it away first") from None
+    except OSError as err:
+        raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err
+    finally:
+        building.unlink(missing_ok=True)
 
 
 class Database:
-    """An open robot database: one connection, safe to use from several threads, short transactions."""
+    """An open robot database: one connection, safe to use from several threads, short transactions.
 
-    def __init__(self, path: Path, *, wall_ns: Callable[[], int] = time.time_ns) -> None:
+    Every method raises RowError with one sentence when the file is locked for too long, full, damaged or gone.
+    """
+
+    def __init__(self, path: Path, connection: Connection, *, wall_ns: Callable[[], int] = time.time_ns) -> None:
         self.path = path
+        self.backup: Path | None = None
+        self._connection = connection
         self._wall_ns = wall_ns
+        self._lock = threading.RLock()
 
     @classmethod
     def open(cls, path: Path, *, wall_ns: Callable[[], int] = time.time_ns) -> Self:
         """Check, back up and upgrade if it is older, and open; raise RowError or InputError saying what to do."""
-        raise NotImplementedError
+        check_file(path)
+        with sentences(path):
+            database = cls(path, connect(path), wall_ns=wall_ns)
+            try:
+                database._prepare()
+            except BaseException:
+                database.close()
+                raise
+        return database
 
     def data_version(self) -> int:
         """Return a number that changes when another connection has committed; our own writes leave it."""
-        raise NotImplementedError
+        with self._lock, sentences(self.path):
+            return int(pragma(self._connection, "data_version"))
 
     def robots(self) -> tuple[str, ...]:
         """Return the names of all robots in the file."""
-        raise NotImplementedError
+        with self._reading() as connection:
+            return tuple(connection.scalars(select(Robot.name).order_by(Robot.name)))
 
     def load(self, robot: str) -> RobotRows:
         """Read a robot's rows in one transaction; bad rows become problems, only an unreadable file raises RowError."""
-        raise NotImplementedError
+        with self._reading() as connection:
+            tables, problems = read_tables(connection)
+            revision = connection.scalar(select(func.max(Revision.id)))
+        return check(tables, robot, revision=revision or 0, problems=problems)
+
+    def tables(self) -> RawTables:
+        """Return the rows of all robots as they stand, unchecked."""
+        with self._reading() as connection:
+            return read_tables(connection)[0]
 
     def append_events(self, events: Iterable[Event]) -> None:
-        """Write events down in one transaction; a `wall_ns` of 0 becomes now."""
-        raise NotImplementedError
+        """Write events down in one transaction; a `wall_ns` of 0 becomes now. The oldest go when there are many."""
+        with self._writing() as connection:
+            history.append_events(connection, events, self._wall_ns())
 
     def events(self, limit: int = 100) -> tuple[Event, ...]:
         """Return the newest events, oldest first."""
-        raise NotImplementedError
+        with self._reading() as connection:
+            return history.newest_events(connection, limit)
+
+    def revisions(self, since: int = 0) -> tuple[RevisionRow, ...]:
+        """Return every change of rows after revision `since`, oldest first."""
+        with self._reading() as connection:
+            return history.revisions(connection, since)
 
     def record_start(self, robot: str) -> None:
         """Write down that the robot started now."""
-        raise NotImplementedError
+        self._update_robot(robot, durable=False, last_start=self._now())
 
     def record_shutdown(self, robot: str) -> None:
         """Write down that the robot shut down in order now."""
-        raise NotImplementedError
+        self._update_robot(robot, durable=False, last_shutdown=self._now())
 
     def set_estop(self, robot: str, *, engaged: bool, reason: str) -> None:
         """Latch or release the emergency stop; on return it is on the disk."""
-        raise NotImplementedError
+        self._update_robot(robot, durable=True, estop_engaged=int(engaged), estop_reason=history.storable(reason))
 
     def save_calibration(self, robot: str, device: str, values: dict[str, float]) -> None:
         """Write a device's calibration, all of it or none; on return it is on the disk."""
-        raise NotImplementedError
-
-    def revisions(self, since: int = 0) -> Sequence[RevisionRow]:
-        """Return every change of rows after revision `since`, oldest first."""
-        raise NotImplementedError
+        statement = insert(Calibration)
+        statement = statement.on_conflict_do_update(
+            index_elements=["robot", "device", "name"],
+            set_={"value": statement.excluded.value, "measured_at": statement.excluded.measured_at},
+        )
+        key = {"robot": robot, "device": device, "measured_at": self._now()}
+        rows = [{**key, "name": name, "value": value} for name, value in values.items()]
+        if rows:
+            with self._writing(durable=True) as connection:
+                connection.execute(statement, rows)
 
     def close(self) -> None:
         """Let go of the file; cheap to repeat."""
-        raise NotImplementedError
+        with self._lock:
+            self._connection.close()
 
     def __enter__(self) -> Self:
         return self
@@ -78,3 +147,38 @@ class Database:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _prepare(self) -> None:
+        connection = self._connection
+        tables = run(connection, "SELECT count(*) FROM sqlite_schema WHERE name IN ('robot', 'alembic_version')")
+        if pragma(connection, "application_id") != APPLICATION_ID or tables != 2:
+            raise RowError((f"database {self.path} is not a robot's: `lbr db init` builds one, or name another",))
+        fault = pragma(connection, "quick_check(1)")
+        if fault != "ok":
+            raise RowError((f"database {self.path} is damaged ({fault}): put a backup in its place",))
+        pragma(connection, "journal_mode = WAL")
+        pragma(connection, "foreign_keys = ON")
+        self.backup = bring_up_to_date(connection, self.path)
+
+    @contextmanager
+    def _reading(self) -> Iterator[Connection]:
+        with self._lock, sentences(self.path), transaction(self._connection, "DEFERRED") as connection:
+            yield connection
+
+    @contextmanager
+    def _writing(self, *, durable: bool = False) -> Iterator[Connection]:
+        """Write in one transaction. Durable waits for the disk, and so keeps other writers waiting as long."""
+        with self._lock, sentences(self.path):
+            pragma(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
+            with transaction(self._connection, "IMMEDIATE") as connection:
+                yield connection
+
+    def _update_robot(self, robot: str, *, durable: bool, **columns: str | int) -> None:
+        with self._writing(durable=durable) as connection:
+            done = connection.execute(update(Robot).where(Robot.name == robot).values(columns))
+            if done.rowcount != 1:
+                raise RowError((f"database {self.path} has no robot '{robot}': name one of its robots",))
+
+    def _now(self) -> str:
+        moment = datetime.fromtimestamp(self._wall_ns() / 1e9, tz=UTC)
+        return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")

@@ -1,0 +1,95 @@
+"""One connection to a database file, and SQLite's errors as sentences."""
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Literal
+from urllib.parse import quote
+
+from sqlalchemy import Connection, create_engine, event
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.pool import NullPool
+
+from lbr.errors import RowError
+
+BUSY_TIMEOUT_S = 2.0
+
+_SENTENCES = {
+    sqlite3.SQLITE_BUSY: f"is locked by another program for more than {BUSY_TIMEOUT_S:g} s: close its transaction",
+    sqlite3.SQLITE_LOCKED: "is locked by another program: close its transaction",
+    sqlite3.SQLITE_READONLY: "is read-only: make the file and its folder writable for you",
+    sqlite3.SQLITE_IOERR: "cannot be read or written: check the disk",
+    sqlite3.SQLITE_CORRUPT: "is damaged: put a backup in its place",
+    sqlite3.SQLITE_FULL: "cannot grow, because the disk is full: make room",
+    sqlite3.SQLITE_CANTOPEN: "cannot be opened: check that it and its folder exist and are yours",
+    sqlite3.SQLITE_NOTADB: "is no database at all: name another file, or put a backup in its place",
+}
+
+
+def connect(path: Path) -> Connection:
+    """Open an existing file for reading and writing; transactions begin as the option `begin` says."""
+    engine = create_engine("sqlite://", creator=lambda: _connect(path), poolclass=NullPool)
+    event.listen(engine, "begin", _begin)
+    return engine.connect()
+
+
+def pragma(connection: Connection, text: str) -> Any:
+    """Run a pragma without beginning a transaction and return its first value."""
+    return run(connection, f"PRAGMA {text}")
+
+
+def run(connection: Connection, statement: str, *values: str) -> Any:
+    """Run a statement without beginning a transaction and return its first value."""
+    cursor = connection.connection.cursor()
+    try:
+        cursor.execute(statement, values)
+        row = cursor.fetchone()
+    finally:
+        cursor.close()
+    return row[0] if row else None
+
+
+@contextmanager
+def transaction(connection: Connection, mode: Literal["DEFERRED", "IMMEDIATE"]) -> Iterator[Connection]:
+    """Commit at the end, or roll back."""
+    connection.execution_options(begin=mode)
+    with connection.begin():
+        yield connection
+
+
+@contextmanager
+def sentences(path: Path) -> Iterator[None]:
+    """Turn SQLite's errors into RowErrors that say what to do."""
+    try:
+        yield
+    except DBAPIError as err:
+        raise RowError((_sentence(path, err.orig),)) from err
+    except sqlite3.Error as err:
+        raise RowError((_sentence(path, err),)) from err
+
+
+def _connect(path: Path) -> sqlite3.Connection:
+    connection = sqlite3.connect(
+        f"file:{quote(str(path.absolute()))}?mode=rw",
+        uri=True,
+        timeout=BUSY_TIMEOUT_S,
+        isolation_level=None,
+        check_same_thread=False,
+    )
+    connection.text_factory = _text
+    return connection
+
+
+def _text(raw: bytes) -> str:
+    """Decode without raising, so that the checks can name the row."""
+    return raw.decode(errors="surrogateescape")
+
+
+def _begin(connection: Connection) -> None:
+    connection.exec_driver_sql(f"BEGIN {connection.get_execution_options().get('begin', 'DEFERRED')}")
+
+
+def _sentence(path: Path, error: BaseException | None) -> str:
+    code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+    return f"database {path} {_SENTENCES.get(code, f'refuses: {error}')}"

@@ -1,0 +1,79 @@
+"""What a robot's rows differ in from the shipped ones, for `lbr db diff`."""
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any, Literal
+
+from msgspec import Struct
+
+from lbr.database.reader import json_strictly, shown
+from lbr.database.resources import robot_db_sql
+from lbr.database.store import Database
+from lbr.database.tables import KEYS, TABLES, RawRow, RawTables
+
+_WRITTEN_BY_LBR = {("robot", column) for column in ("last_start", "last_shutdown", "estop_engaged", "estop_reason")}
+
+
+class Difference(Struct, frozen=True, kw_only=True):
+    """One row that was added, removed or changed; `columns` holds what is shipped and what is here."""
+
+    table: str
+    row: str
+    change: Literal["added", "removed", "changed"]
+    columns: dict[str, tuple[Any, Any]] = {}
+
+    def __str__(self) -> str:
+        changes = "; ".join(f"{name}: {shown(old)} -> {shown(new)}" for name, (old, new) in self.columns.items())
+        return f"{self.table} '{self.row}' {self.change}" + (f": {changes}" if changes else "")
+
+
+def differences(database: Database, sql: Path | None = None) -> tuple[Difference, ...]:
+    """Compare a database's rows with those of `sql` (the shipped robot.db.sql), table by table."""
+    shipped, here = _shipped(sql or robot_db_sql()), database.tables()
+    return tuple(found for table in KEYS for found in _in_table(table, shipped, here))
+
+
+def _shipped(sql: Path) -> RawTables:
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.row_factory = sqlite3.Row
+        connection.executescript(sql.read_text(encoding="utf-8"))
+        return {
+            table.name: [dict(row) for row in connection.execute(f"SELECT * FROM {table.name}")]  # noqa: S608 - ours
+            for table in TABLES
+        }
+
+
+def _in_table(table: str, shipped: RawTables, here: RawTables) -> Iterator[Difference]:
+    before, after = _by_key(table, shipped), _by_key(table, here)
+    for key in {**before, **after}:
+        row = "/".join(shown(part) for part in key)
+        if key not in after:
+            yield Difference(table=table, row=row, change="removed")
+        elif key not in before:
+            yield Difference(table=table, row=row, change="added")
+        elif columns := _changed(table, before[key], after[key]):
+            yield Difference(table=table, row=row, change="changed", columns=columns)
+
+
+def _by_key(table: str, tables: RawTables) -> dict[tuple[Any, ...], RawRow]:
+    return {tuple(row[column] for column in KEYS[table]): row for row in tables.get(table, ())}
+
+
+def _changed(table: str, before: RawRow, after: RawRow) -> dict[str, tuple[Any, Any]]:
+    return {
+        column: (old, after[column])
+        for column, old in before.items()
+        if (table, column) not in _WRITTEN_BY_LBR and not _same(old, after[column])
+    }
+
+
+def _same(old: Any, new: Any) -> bool:
+    """Say whether two values mean the same; JSON does not care for spaces and the order of keys."""
+    if old == new or not (isinstance(old, str) and isinstance(new, str) and old[:1] in "{[" and new[:1] in "{["):
+        return bool(old == new)
+    try:
+        return bool(json_strictly(old) == json_strictly(new))
+    except (ValueError, RecursionError):
+        return False

@@ -1,0 +1,84 @@
+"""Brings an older database to the schema of this version: backup first, then all steps in one transaction."""
+
+import os
+from pathlib import Path
+
+from sqlalchemy import Connection
+
+from lbr.database.connection import pragma, run, transaction
+from lbr.errors import RowError
+
+HEAD = "0001"
+MIGRATIONS = Path(__file__).with_name("migrations")
+
+
+def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
+    """Upgrade an older database and return its backup, if there was something to do; refuse an unknown one."""
+    stamp = _stamp(connection)
+    if stamp == HEAD:
+        return None
+    _refuse_unknown(stamp, path)
+    kept = backup(connection, path, stamp)
+    pragma(connection, "foreign_keys = OFF")  # or the rebuilding of a table would delete what refers to it
+    try:
+        with transaction(connection, "IMMEDIATE"):
+            if _stamp(connection) != HEAD:
+                _upgrade(connection)
+    finally:
+        pragma(connection, "foreign_keys = ON")
+    return kept
+
+
+def backup(connection: Connection, path: Path, stamp: str) -> Path:
+    """Copy the whole database beside itself, readable by its owner alone, never over an earlier copy."""
+    target = _new_file(path, stamp)
+    try:
+        run(connection, "VACUUM INTO ?", str(target))
+    except BaseException:
+        target.unlink()
+        raise
+    with target.open("rb") as written:
+        os.fsync(written.fileno())
+    return target
+
+
+def _stamp(connection: Connection) -> str:
+    return str(run(connection, "SELECT min(version_num) FROM alembic_version"))
+
+
+def _refuse_unknown(stamp: str, path: Path) -> None:
+    from alembic.script import ScriptDirectory  # noqa: PLC0415 - only the rare upgrade pays for the import
+
+    known = {revision.revision for revision in ScriptDirectory(str(MIGRATIONS)).walk_revisions()}
+    if stamp not in known:
+        text = f"database {path} has the schema '{stamp}', which this version of lbr (schema {HEAD}) does not know"
+        raise RowError((f"{text}: install a newer lbr, or put a backup in its place",))
+
+
+def _upgrade(connection: Connection) -> None:
+    from alembic import command  # noqa: PLC0415 - as above
+    from alembic.config import Config  # noqa: PLC0415
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    config.attributes["connection"] = connection
+    dangling = _dangling(connection)
+    command.upgrade(config, HEAD)
+    if _dangling(connection) > dangling:
+        raise RowError(("the upgrade would leave rows that refer to none; nothing was changed: report this",))
+
+
+def _dangling(connection: Connection) -> int:
+    return len(connection.exec_driver_sql("PRAGMA foreign_key_check").all())
+
+
+def _new_file(path: Path, stamp: str) -> Path:
+    number = 1
+    while True:
+        target = path.with_name(f"{path.name}.backup-{stamp}" + (f"-{number}" if number > 1 else ""))
+        try:
+            os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+        except FileExistsError:
+            number += 1
+        else:
+            return target

@@ -1,0 +1,13 @@
+"""Runs the migrations on the connection, and in the transaction, that the caller has put into the configuration."""
+
+from alembic import context
+
+from lbr.database.models import Model
+
+context.configure(
+    connection=context.config.attributes["connection"],
+    target_metadata=Model.metadata,
+    render_as_batch=True,
+    transactional_ddl=True,
+)
+context.run_migrations()

@@ -1,0 +1,41 @@
+"""Reads the tables that make a robot as they stand, and compares their columns with the models."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sqlalchemy import Connection, Table, select, text
+
+from lbr.database.models import CONFIGURATION, Model
+from lbr.database.rows import Problem
+
+RawRow = Mapping[str, Any]
+RawTables = Mapping[str, Sequence[RawRow]]
+"""Table name to rows, each column name to what SQLite holds."""
+
+TABLES: tuple[Table, ...] = tuple(Model.metadata.tables[model.__tablename__] for model in CONFIGURATION)
+KEYS: dict[str, tuple[str, ...]] = {table.name: tuple(column.name for column in table.primary_key) for table in TABLES}
+
+_COLUMNS = text("SELECT t.name, c.name FROM sqlite_schema AS t, pragma_table_info(t.name) AS c WHERE t.type = 'table'")
+
+
+def read_tables(connection: Connection) -> tuple[RawTables, tuple[Problem, ...]]:
+    """Return every table's rows; a table that lost a column has none, and is named in the problems."""
+    columns: dict[str, set[str]] = {}
+    for table, column in connection.execute(_COLUMNS):
+        columns.setdefault(table, set()).add(column)
+    problems: list[Problem] = []
+    rows: dict[str, list[RawRow]] = {}
+    for table in TABLES:
+        if _comparable(table, columns.get(table.name, set()), problems):
+            ordered = select(table).order_by(*table.primary_key)
+            rows[table.name] = [dict(row) for row in connection.execute(ordered).mappings()]
+    return rows, tuple(problems)
+
+
+def _comparable(table: Table, found: set[str], problems: list[Problem]) -> bool:
+    wanted = {column.name for column in table.columns}
+    problems.extend(Problem(table.name, "", name, "this column is missing") for name in sorted(wanted - found))
+    problems.extend(
+        Problem(table.name, "", name, "lbr knows no column of this name: drop it") for name in sorted(found - wanted)
+    )
+    return wanted <= found
