@@ -37,7 +37,7 @@ CREATE TABLE robot (
 
 -- What runs: one process for each enabled row.
 CREATE TABLE capability (
-    robot    TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
+    robot    TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
     name     TEXT    NOT NULL  -- the second part of its keys on the bus; `executive` is lbr itself
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40 AND name <> 'executive'),
     kind     TEXT    NOT NULL  -- which capability class: a registered one, or a file in $LBR_HOME/capabilities
@@ -56,7 +56,7 @@ CREATE TABLE capability (
 
 -- The wiring: which output feeds which input.
 CREATE TABLE channel (
-    robot   TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
+    robot   TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
     source  TEXT    NOT NULL  -- capability.output
         CHECK (source GLOB '[a-z]*.[a-z]*' AND source NOT GLOB '*[^a-z0-9_.]*' AND source NOT GLOB '*.*.*'),
     target  TEXT    NOT NULL  -- capability.input
@@ -72,8 +72,8 @@ CREATE TABLE channel (
 
 -- What is plugged in. A capability's setting `device` names a row of this table.
 CREATE TABLE device (
-    robot    TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
-    name     TEXT NOT NULL
+    robot    TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name     TEXT NOT NULL  -- by which settings and calibrations know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     type     TEXT NOT NULL  -- what it is; a kind says which type it drives
         CHECK (type GLOB '[a-z]*' AND type NOT GLOB '*[^a-z0-9_]*' AND length(type) <= 40),
@@ -88,10 +88,10 @@ CREATE TABLE device (
 -- fields of the target command's message, `{text...}` takes the rest of the line with its slashes, and a pattern
 -- without a slash is an alias, to be typed as it stands.
 CREATE TABLE verb (
-    robot   TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
+    robot   TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
     word    TEXT NOT NULL  -- the first part of the pattern; capital letters count
         CHECK (word GLOB '[A-Za-z]*' AND word NOT GLOB '*[^A-Za-z0-9_]*' AND length(word) <= 40),
-    pattern TEXT NOT NULL
+    pattern TEXT NOT NULL  -- a line's form, see above
         CHECK (pattern = word OR pattern = '/' || word OR substr(pattern, 1, length(word) + 2) = '/' || word || '/'),
     target  TEXT NOT NULL  -- capability.command, or executive.NAME for what lbr does by itself
         CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
@@ -105,8 +105,8 @@ CREATE TABLE verb (
 
 -- Programs started at the console by name, without a shell. What follows the name is added to the arguments.
 CREATE TABLE external_command (
-    robot    TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
-    name     TEXT    NOT NULL
+    robot    TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name     TEXT    NOT NULL  -- what to type
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     argv     TEXT    NOT NULL            -- JSON list of strings: the program's path, then its arguments
         CHECK (json_valid(argv) AND json_type(argv) = 'array' AND json_array_length(argv) >= 1),
@@ -114,42 +114,42 @@ CREATE TABLE external_command (
         CHECK (blocking IN (0, 1)),
     enabled  INTEGER NOT NULL DEFAULT 1  -- 0: not offered
         CHECK (enabled IN (0, 1)),
-    help     TEXT    NOT NULL DEFAULT '',
+    help     TEXT    NOT NULL DEFAULT '',  -- one line for people
     PRIMARY KEY (robot, name)
 ) STRICT;
 
 -- What the robots say, by name and language.
 CREATE TABLE phrase (
-    name     TEXT NOT NULL
+    name     TEXT NOT NULL  -- by which programs know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     language TEXT NOT NULL  -- a language tag in small letters: en, de, pt-br
         CHECK (language GLOB '[a-z][a-z]*' AND language NOT GLOB '*[^a-z0-9-]*' AND length(language) <= 20),
-    text     TEXT NOT NULL
+    text     TEXT NOT NULL  -- what is said
         CHECK (length(text) BETWEEN 1 AND 1000),
     PRIMARY KEY (name, language)
 ) STRICT;
 
 -- Numbers measured on one device, written back by calibration runs; its driver gets them at its start.
 CREATE TABLE calibration (
-    robot       TEXT NOT NULL,
-    device      TEXT NOT NULL,
+    robot       TEXT NOT NULL,  -- whose it is
+    device      TEXT NOT NULL,  -- which device was measured
     name        TEXT NOT NULL  -- what was measured, with its unit as a suffix
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    value       REAL NOT NULL
+    value       REAL NOT NULL  -- the number
         CHECK (value BETWEEN -1e300 AND 1e300),
-    measured_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+    measured_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
     PRIMARY KEY (robot, device, name),
     FOREIGN KEY (robot, device) REFERENCES device (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
 -- Humanoids: the joints.
 CREATE TABLE joint (
-    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
-    name      TEXT    NOT NULL
+    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name      TEXT    NOT NULL  -- by which motions know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     device_id INTEGER NOT NULL  -- the servo's number on its bus
         CHECK (device_id BETWEEN 0 AND 253),
-    side      TEXT    NOT NULL DEFAULT 'centre'
+    side      TEXT    NOT NULL DEFAULT 'centre'  -- which half of the body it belongs to
         CHECK (side IN ('left', 'right', 'centre')),
     sign      INTEGER NOT NULL DEFAULT 1  -- 1 or -1: whether the servo turns the way the joint counts
         CHECK (sign IN (-1, 1)),
@@ -157,7 +157,7 @@ CREATE TABLE joint (
         CHECK (zero_rad BETWEEN -10 AND 10),
     lower_rad REAL    NOT NULL            -- limits of the joint's angle
         CHECK (lower_rad BETWEEN -10 AND 10),
-    upper_rad REAL    NOT NULL
+    upper_rad REAL    NOT NULL  -- see lower_rad
         CHECK (upper_rad BETWEEN -10 AND 10),
     speed_rps REAL    NOT NULL            -- the fastest it may move, radians a second
         CHECK (speed_rps > 0 AND speed_rps <= 100),
@@ -165,18 +165,19 @@ CREATE TABLE joint (
     CHECK (lower_rad < upper_rad)
 ) STRICT;
 
--- Humanoids: the named motions, and below their key frames.
+-- Humanoids: the named motions.
 CREATE TABLE motion (
-    robot TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
-    name  TEXT NOT NULL
+    robot TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name  TEXT NOT NULL  -- by which it is played
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    help  TEXT NOT NULL DEFAULT '',
+    help  TEXT NOT NULL DEFAULT '',  -- one line for people
     PRIMARY KEY (robot, name)
 ) STRICT;
 
+-- Humanoids: the key frames of a motion, in their order.
 CREATE TABLE motion_step (
-    robot      TEXT    NOT NULL,
-    motion     TEXT    NOT NULL,
+    robot      TEXT    NOT NULL,  -- whose it is
+    motion     TEXT    NOT NULL,  -- which motion it belongs to
     step       INTEGER NOT NULL  -- the order, from 1
         CHECK (step >= 1),
     duration_s REAL    NOT NULL  -- the time to get there from the step before
@@ -195,33 +196,33 @@ CREATE TABLE user_token (
         CHECK (role IN ('view', 'operate', 'admin')),
     hash       TEXT NOT NULL              -- of the token
         CHECK (length(hash) >= 32),
-    created_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+    created_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
     revoked_at TEXT                       -- NULL: valid
 ) STRICT;
 
 -- Every change of the rows above that make the robot, kept by the triggers at the end of this file.
 CREATE TABLE revision (
-    id         INTEGER PRIMARY KEY AUTOINCREMENT,
-    table_name TEXT NOT NULL,
+    id         INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
+    table_name TEXT NOT NULL,  -- which table
     row_key    TEXT NOT NULL  -- JSON list: the row's primary key (after an update, the new one)
         CHECK (json_valid(row_key)),
-    operation  TEXT NOT NULL
+    operation  TEXT NOT NULL  -- what was done to the row
         CHECK (operation IN ('insert', 'update', 'delete')),
     old_row    TEXT           -- JSON object: the row before; NULL for an insert
         CHECK (old_row IS NULL OR json_valid(old_row)),
     new_row    TEXT           -- JSON object: the row after; NULL for a delete
         CHECK (new_row IS NULL OR json_valid(new_row)),
-    changed_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))
+    changed_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))  -- when
 ) STRICT;
 
 -- What happened; written by lbr, the oldest go when there are very many.
 CREATE TABLE event (
-    id      INTEGER PRIMARY KEY AUTOINCREMENT,
+    id      INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
     wall_ns INTEGER NOT NULL  -- nanoseconds since 1970 by the wall clock
         CHECK (wall_ns >= 0),
     kind    TEXT    NOT NULL,  -- started, stopped, crashed, refused, row_changed ...
     subject TEXT    NOT NULL DEFAULT '',  -- the capability, or whom it is about
-    level   TEXT    NOT NULL DEFAULT 'info'
+    level   TEXT    NOT NULL DEFAULT 'info'  -- how much it matters
         CHECK (level IN ('info', 'warning', 'error')),
     text    TEXT    NOT NULL DEFAULT '',  -- one sentence
     data    TEXT    NOT NULL DEFAULT '{}'  -- JSON object: figures that belong to it

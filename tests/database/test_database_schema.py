@@ -1,0 +1,271 @@
+"""robot.db.sql: the models agree with it, its checks refuse bad rows, and its triggers keep the revisions."""
+
+import json
+import re
+import shutil
+import sqlite3
+import subprocess
+
+import pytest
+from sqlalchemy import create_engine, inspect
+
+from lbr.database.models import CONFIGURATION, Model
+from lbr.database.resources import launch_profiles, robot_db_sql
+from lbr.database.store import Database
+
+TABLE = re.compile(r"CREATE TABLE (\w+) \((.*?)\n\) STRICT", re.DOTALL)
+MODELS = {mapper.class_.__tablename__: mapper.class_.__table__ for mapper in Model.registry.mappers}
+
+
+@pytest.fixture
+def inspector(path):
+    engine = create_engine(f"sqlite:///{path}")
+    yield inspect(engine)
+    engine.dispose()
+
+
+def test_every_table_has_a_model(inspector):
+    assert set(inspector.get_table_names()) == {*MODELS, "alembic_version"}
+
+
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_model_and_schema_are_the_same(inspector, client, name):
+    table = MODELS[name]
+    found = [(c["name"], str(c["type"]), c["nullable"]) for c in inspector.get_columns(name)]
+    assert found == [(c.name, str(c.type), bool(c.nullable)) for c in table.columns]
+    assert inspector.get_pk_constraint(name)["constrained_columns"] == [c.name for c in table.primary_key]
+    assert foreign_keys(client, name) == {
+        (
+            key.referred_table.name,
+            key.onupdate,
+            key.ondelete,
+            tuple((e.parent.name, e.column.name) for e in key.elements),
+        )
+        for key in table.foreign_key_constraints
+    }
+
+
+def foreign_keys(client, table):
+    found = {}
+    for number, _, other, here, there, update, delete, _ in client.execute(f"PRAGMA foreign_key_list({table})"):
+        found.setdefault((number, other, update, delete), []).append((here, there))
+    return {(*key[1:], tuple(pairs)) for key, pairs in found.items()}
+
+
+def test_every_table_is_strict(client):
+    rows = client.execute(
+        "SELECT name, strict FROM pragma_table_list WHERE schema = 'main' AND name NOT LIKE 'sqlite%'"
+    )
+    assert {name for name, strict in rows if not strict} == set()
+
+
+def test_every_table_is_introduced_by_a_comment():
+    tables = re.findall(r"^(.*)\nCREATE TABLE (\w+)", robot_db_sql().read_text(), re.MULTILINE)
+    assert len(tables) == len(MODELS) + 1
+    assert [name for above, name in tables if not above.startswith("--")] == []
+
+
+def test_every_column_is_explained_beside_it():
+    for table in TABLE.finditer(robot_db_sql().read_text()):
+        columns = re.findall(r"^    ([a-z_]+) +(?:TEXT|INTEGER|REAL)(.*(?:\n        .*)*)", table[2], re.MULTILINE)
+        assert [name for name, rest in columns if "--" not in rest] == []
+        assert columns
+
+
+def test_the_shipped_rows_have_no_problem(database: Database):
+    rows = database.load("lbr")
+    assert rows.problems == ()
+    assert {row.name for row in rows.capabilities} == {"motors", "ranges", "drive", "world"}
+    assert {row.word for row in rows.verbs} >= {"r", "s", "S", "stop", "f", "b", "estop", "reset", "help", "Shutdown"}
+    assert all(row.help for row in (*rows.capabilities, *rows.verbs))
+    assert rows.revision == 0
+    assert not rows.robot.estop_engaged
+
+
+def test_launch_profiles_are_found():
+    assert launch_profiles().is_dir()
+
+
+@pytest.mark.skipif(shutil.which("sqlite3") is None, reason="needs the sqlite3 program")
+def test_the_sqlite3_program_builds_the_same(tmp_path):
+    file = tmp_path / "robot.db"
+    subprocess.run(["sqlite3", file], input=robot_db_sql().read_bytes(), check=True, capture_output=True)
+    file.chmod(0o600)
+    with Database.open(file) as database:
+        assert database.load("lbr").problems == ()
+
+
+BAD_ROWS = [
+    ("robot", {"name": "Robby"}),
+    ("robot", {"name": "r" * 41}),
+    ("robot", {"name": "x", "estop_engaged": 2}),
+    ("capability", {"name": "a-b", "kind": "k"}),
+    ("capability", {"name": "", "kind": "k"}),
+    ("capability", {"name": "1st", "kind": "k"}),
+    ("capability", {"name": "executive", "kind": "k"}),
+    ("capability", {"name": "c", "kind": "os.system"}),
+    ("capability", {"name": "c", "kind": "k", "enabled": 2}),
+    ("capability", {"name": "c", "kind": "k", "settings": "{"}),
+    ("capability", {"name": "c", "kind": "k", "settings": "[]"}),
+    ("capability", {"name": "c", "kind": "k", "restart": "sometimes"}),
+    ("capability", {"name": "c", "kind": "k", "needs": "{}"}),
+    ("capability", {"name": "c", "kind": None}),
+    ("capability", {"name": "c", "kind": "k", "robot": "nobody"}),
+    ("channel", {"source": "drive", "target": "motors.setpoint"}),
+    ("channel", {"source": "drive.x", "target": "motors.setpoint.x"}),
+    ("channel", {"source": "a.b", "target": "c.d", "rate_hz": 0}),
+    ("channel", {"source": "a.b", "target": "c.d", "rate_hz": float("inf")}),
+    ("channel", {"source": "a.b", "target": "c.d", "history": 0}),
+    ("channel", {"source": "a.b", "target": "c.d", "history": 65}),
+    ("channel", {"source": "a.b", "target": "c.d", "enabled": -1}),
+    ("device", {"name": "D", "type": "t", "address": "a"}),
+    ("device", {"name": "d", "type": "T", "address": "a"}),
+    ("device", {"name": "d", "type": "t", "address": ""}),
+    ("device", {"name": "d", "type": "t", "address": "a", "settings": "1"}),
+    ("verb", {"word": "x", "pattern": "/y", "target": "a.b"}),
+    ("verb", {"word": "x", "pattern": "xy", "target": "a.b"}),
+    ("verb", {"word": "/x", "pattern": "/x", "target": "a.b"}),
+    ("verb", {"word": "x", "pattern": "x", "target": "ab"}),
+    ("verb", {"word": "x", "pattern": "x", "target": "a.b", "payload": "[1]"}),
+    ("verb", {"word": "x", "pattern": "x", "target": "a.b", "role": "root"}),
+    ("external_command", {"name": "x y", "argv": '["/bin/true"]'}),
+    ("external_command", {"name": "x", "argv": "[]"}),
+    ("external_command", {"name": "x", "argv": '"/bin/true"'}),
+    ("external_command", {"name": "x", "argv": '["/bin/true"]', "blocking": 3}),
+    ("external_command", {"name": "x", "argv": '["/bin/true"]', "enabled": 3}),
+    ("phrase", {"name": "Hi", "language": "en", "text": "t"}),
+    ("phrase", {"name": "hi", "language": "English", "text": "t"}),
+    ("phrase", {"name": "hi", "language": "en", "text": ""}),
+    ("calibration", {"device": "nothing", "name": "n", "value": 1.0}),
+    ("calibration", {"device": "range_board", "name": "N", "value": 1.0}),
+    ("calibration", {"device": "range_board", "name": "n", "value": float("inf")}),
+    ("calibration", {"device": "range_board", "name": "n", "value": None}),
+    ("joint", {"name": "j", "device_id": 254, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1}),
+    ("joint", {"name": "j", "device_id": 1, "lower_rad": 1, "upper_rad": 1, "speed_rps": 1}),
+    ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 0}),
+    ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1, "sign": 0}),
+    ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1, "side": "up"}),
+    ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 99, "speed_rps": 1}),
+    ("joint", {"name": "j", "device_id": 1, "lower_rad": -99, "upper_rad": 1, "speed_rps": 1}),
+    ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1, "zero_rad": 99}),
+    ("joint", {"name": "J", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1}),
+    ("motion", {"name": "Bow"}),
+    ("motion_step", {"motion": "none", "step": 1, "duration_s": 1.0, "positions": "{}"}),
+    ("motion_step", {"motion": "bow", "step": 0, "duration_s": 1.0, "positions": "{}"}),
+    ("motion_step", {"motion": "bow", "step": 1, "duration_s": 0, "positions": "{}"}),
+    ("motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": "[]"}),
+    ("user_token", {"name": "", "role": "view", "hash": "h" * 32}),
+    ("user_token", {"name": "n", "role": "god", "hash": "h" * 32}),
+    ("user_token", {"name": "n", "role": "view", "hash": "plain"}),
+    ("revision", {"table_name": "t", "row_key": "x", "operation": "insert"}),
+    ("revision", {"table_name": "t", "row_key": "[]", "operation": "replace"}),
+    ("revision", {"table_name": "t", "row_key": "[]", "operation": "insert", "new_row": "{"}),
+    ("revision", {"table_name": "t", "row_key": "[]", "operation": "insert", "old_row": "{"}),
+    ("event", {"wall_ns": -1, "kind": "k"}),
+    ("event", {"wall_ns": 1, "kind": "k", "level": "debug"}),
+    ("event", {"wall_ns": 1, "kind": "k", "data": "[]"}),
+    ("event", {"wall_ns": "now", "kind": "k"}),
+]
+GOOD_ROWS = [
+    ("robot", {"name": "x"}),
+    ("capability", {"name": "c", "kind": "k"}),
+    ("channel", {"source": "a.b", "target": "c.d", "rate_hz": 0.5, "history": 64}),
+    ("device", {"name": "d", "type": "t", "address": "sim:"}),
+    ("verb", {"word": "x", "pattern": "/x/{text...}", "target": "a.b", "payload": '{"a": 1}'}),
+    ("external_command", {"name": "x", "argv": '["/bin/true"]'}),
+    ("phrase", {"name": "hi", "language": "pt-br", "text": "t"}),
+    ("calibration", {"device": "range_board", "name": "n", "value": -1.5}),
+    ("joint", {"name": "j", "device_id": 1, "lower_rad": -1, "upper_rad": 1, "speed_rps": 1}),
+    ("motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": '{"j": 0.5}'}),
+    ("user_token", {"name": "n", "role": "view", "hash": "h" * 32}),
+    ("event", {"wall_ns": 1, "kind": "k"}),
+]
+
+
+def insert(client: sqlite3.Connection, table: str, columns: dict) -> None:
+    if "robot" in MODELS[table].columns:
+        columns = {"robot": "lbr", **columns}
+    marks = ", ".join("?" * len(columns))
+    client.execute(f"INSERT INTO {table} ({', '.join(columns)}) VALUES ({marks})", tuple(columns.values()))
+
+
+@pytest.mark.parametrize(("table", "columns"), BAD_ROWS)
+def test_the_schema_refuses(client, table, columns):
+    insert(client, "motion", {"name": "bow"})
+    with pytest.raises(sqlite3.IntegrityError):
+        insert(client, table, columns)
+
+
+@pytest.mark.parametrize(("table", "columns"), GOOD_ROWS)
+def test_the_schema_takes(client, table, columns):
+    insert(client, "motion", {"name": "bow"})
+    insert(client, table, columns)
+
+
+def test_every_check_has_a_bad_row():
+    """Each column with a CHECK stands in a refused row."""
+    for table in TABLE.finditer(robot_db_sql().read_text()):
+        column = ""
+        for line in table[2].splitlines():
+            if found := re.match(r"    ([a-z_]+) ", line):
+                column = found[1]
+            if "CHECK" in line and not line.startswith("    CHECK"):
+                assert any(name == table[1] and column in columns for name, columns in BAD_ROWS), (table[1], column)
+
+
+CHANGES = {
+    "robot": "owner = 'somebody'",
+    "capability": "enabled = 0",
+    "channel": "rate_hz = 5.0",
+    "device": "address = 'sim:'",
+    "verb": "payload = '{}'",
+    "external_command": "blocking = 0",
+    "phrase": "text = 'Hm.'",
+    "calibration": "value = 2.0",
+}
+
+
+@pytest.mark.parametrize("table", [model.__tablename__ for model in CONFIGURATION])
+def test_every_change_of_a_row_is_a_revision(client, database, table):
+    client.execute("DELETE FROM calibration")
+    insert(client, "calibration", {"device": "range_board", "name": "n", "value": 1.0})
+    since = database.load("lbr").revision
+    keys = [c.name for c in MODELS[table].primary_key]
+    rowid, *key = client.execute(f"SELECT rowid, {', '.join(keys)} FROM {table}").fetchone()
+    client.execute(f"UPDATE {table} SET {CHANGES[table]} WHERE rowid = {rowid}")
+    client.execute(f"DELETE FROM {table} WHERE rowid = {rowid}")
+    mine = [revision for revision in database.revisions(since) if revision.table == table]
+    update, delete = mine[0], next(r for r in mine if r.operation == "delete" and r.row_key == tuple(key))
+    column, _, value = CHANGES[table].partition(" = ")
+    assert (update.operation, update.row_key) == ("update", tuple(key))
+    assert update.old[column] != update.new[column]
+    assert str(update.new[column]) == value.strip("'")
+    assert delete.old == update.new
+    assert set(delete.old) == {c.name for c in MODELS[table].columns} - RUN_COLUMNS.get(table, set())
+
+
+RUN_COLUMNS = {"robot": {"last_start", "last_shutdown", "estop_engaged", "estop_reason"}}
+
+
+def test_a_new_row_is_a_revision_with_its_defaults(client, database):
+    insert(client, "capability", {"name": "c", "kind": "k"})
+    (revision,) = database.revisions()
+    assert (revision.table, revision.row_key, revision.operation) == ("capability", ("lbr", "c"), "insert")
+    assert revision.old is None
+    assert json.loads(revision.new["settings"]) == {}
+
+
+def test_deleting_a_robot_keeps_every_row_it_had(client, database):
+    client.execute("DELETE FROM robot")
+    lost = [(r.table, r.operation) for r in database.revisions()]
+    assert lost.count(("verb", "delete")) == 14
+    assert ("robot", "delete") in lost
+
+
+def test_what_lbr_writes_into_the_robot_is_no_revision(client, database):
+    database.record_start("lbr")
+    database.record_shutdown("lbr")
+    database.set_estop("lbr", engaged=True, reason="test")
+    client.execute("UPDATE robot SET owner = owner")
+    client.execute("UPDATE verb SET help = help")
+    assert database.revisions() == ()
