@@ -29,6 +29,12 @@ def what(command: DriveCommand) -> tuple[float | str, ...]:
     return (command.power, command.angle_deg, command.range_cm, command.sensor, command.interval_s)
 
 
+def to_be_checked(state: State, event: Command, now: float) -> bool:
+    """Say whether the user's checks are to be asked: for new and changed motion that nothing else refuses."""
+    moves = event.command.power > 0.0 and intent(state, event.command) in {"new", "change"}
+    return moves and not refusal(state, event, now, checked=False)
+
+
 def refusal(state: State, event: Command, now: float, *, checked: bool = True) -> str:
     """Return why a command is refused, or nothing; `checked` false leaves out the user's own checks."""
     links = CHAIN if checked else CHAIN[:-1]

@@ -153,9 +153,8 @@ def _apply(
 def _believed(view: View | None, rule: Rule, now: float) -> tuple[float, str]:
     if view is None:
         return nan, "was never measured"
-    age_s = now - view.seen
-    if not age_s <= rule.max_age_s:
-        return nan, f"reading is {age_s:.2f} s old"
+    if not now - view.seen <= rule.max_age_s:
+        return nan, f"reading is older than {rule.max_age_s:g} s"
     if view.trouble:
         return nan, f"reading is {view.trouble}"
     if view.repeats >= FROZEN_REPEATS and view.idle_m > rule.frozen_after_m:

@@ -170,9 +170,9 @@ def motors_trouble(state: State, now: float) -> str:
     """Return why the motors would not follow, or nothing."""
     if state.motors is None:
         return state.motors_gone
-    age_s = now - state.motors_at
-    if not age_s <= state.settings.motors_max_age_s:
-        return f"the motor driver was last heard {age_s:.2f} s ago"
+    longest_s = state.settings.motors_max_age_s
+    if not now - state.motors_at <= longest_s:
+        return f"the motor driver has been silent for more than {longest_s:g} s"
     if not state.motors.armed:
         return f"the motors are not armed: {state.motors.reason or 'no reason given'}"
     return ""
