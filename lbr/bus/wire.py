@@ -206,23 +206,27 @@ class Question:
         *,
         timeout_s: float,
         source: str,
+        token: str = "",
         wake: Callable[[], None] = lambda: None,
     ) -> None:
         self.key = key
         self.replies: list[Raw] = []
         self.done = False
         self._wake = wake
-        session.get(
-            key,
-            zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
-            payload=payload,
-            encoding=JSON,
-            attachment=stamps.make(source, 0),
-            timeout=timeout_s,
-            congestion_control=zenoh.CongestionControl.BLOCK,
-            priority=zenoh.Priority.REAL_TIME,
-            express=True,
-        )
+        try:
+            session.get(
+                key,
+                zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
+                payload=payload,
+                encoding=JSON,
+                attachment=stamps.make(source, 0, token=token),
+                timeout=timeout_s,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+                priority=zenoh.Priority.REAL_TIME,
+                express=True,
+            )
+        except zenoh.ZError as err:
+            raise BusError(f"{key}: {err}") from err
 
     def _reply(self, reply: zenoh.Reply) -> None:
         if reply.ok is not None:

@@ -1,0 +1,67 @@
+"""Looking at the bus from outside: what there is, how often it really comes, and how late."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import zenoh
+
+from lbr.bus import stamp as stamps
+from lbr.bus import wire
+from lbr.errors import BusError
+
+
+def survey(session: zenoh.Session, key: str, *, source: str, timeout_s: float = 2.0) -> list[wire.Raw]:
+    """Ask everybody behind a key expression, and return every answer."""
+    try:
+        replies = session.get(
+            key,
+            attachment=stamps.make(source, 0),
+            timeout=timeout_s,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+        return [wire.raw(reply.ok) for reply in replies if reply.ok is not None]
+    except zenoh.ZError as err:
+        raise BusError(f"{key}: {err}") from err
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """One message's stamp and when it came in, by this machine's monotonic clock."""
+
+    key: str
+    attachment: bytes
+    size: int
+    arrived_ns: int
+
+
+class Arrivals:
+    """Notes the arrival of every message on a key: nothing is decoded on the bus library's thread."""
+
+    def __init__(
+        self, session: zenoh.Session, key: str, *, depth: int = 200_000, clock_ns: Callable[[], int] = time.monotonic_ns
+    ) -> None:
+        self.count = 0
+        self._clock_ns = clock_ns
+        self._slots: deque[Arrival] = deque(maxlen=depth)
+        self._subscriber = session.declare_subscriber(key, wire.direct(self._store))
+
+    def take(self) -> list[Arrival]:
+        """Return the arrivals since the last call, oldest first."""
+        taken = []
+        while self._slots:
+            taken.append(self._slots.popleft())
+        return taken
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._subscriber.undeclare()
+
+    def _store(self, sample: zenoh.Sample) -> None:
+        arrived_ns = self._clock_ns()
+        attachment = sample.attachment
+        stamp = attachment.to_bytes() if attachment is not None else b""
+        self.count += 1
+        self._slots.append(Arrival(str(sample.key_expr), stamp, len(sample.payload), arrived_ns))
