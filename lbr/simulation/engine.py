@@ -9,8 +9,9 @@ import numpy as np
 
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.battery import BatteryState
-from lbr.simulation.faults import Side
+from lbr.simulation.measured import Sensed
 from lbr.simulation.model import MAX_TORQUE_NM, TIMESTEP_S, model_xml
+from lbr.simulation.plan import CONE_RAD
 from lbr.simulation.settings import WorldSettings
 
 os.environ.pop("MUJOCO_GL", None)  # the choice of a renderer that is not installed would fail the import
@@ -21,11 +22,10 @@ REACH_M = 7.65
 
 _SENSE_EVERY = 10
 _HEIGHT_M = 0.30
-_CONE_RAD = 0.20
 _RAYS = 15
 _AMPS_PER_NM = 3.0
 _AMPS_SETTLE = 0.15
-_DIRECTIONS: tuple[tuple[Side, float], ...] = (("forward", 0.0), ("left", pi / 2), ("right", -pi / 2), ("back", pi))
+_DIRECTIONS: tuple[tuple[str, float], ...] = (("forward", 0.0), ("left", pi / 2), ("right", -pi / 2), ("back", pi))
 
 
 class Engine:
@@ -34,11 +34,11 @@ class Engine:
     def __init__(self, settings: WorldSettings) -> None:
         self.settings = settings
         self.battery = BatteryState(settings.battery)
-        self.ranges_m: dict[Side, float | None] = {}
-        self.amps_a = (0.0, 0.0)
         self._model = mujoco.MjModel.from_xml_string(model_xml(settings))
         self._data = mujoco.MjData(self._model)
         self._random = np.random.default_rng(settings.seed)
+        self._ranges: dict[str, float | None] = {}
+        self._amps = self._drawn = (0.0, 0.0)
         self._power = (0.0, 0.0)
         self._owed_s = 0.0
         self._steps = 0
@@ -62,16 +62,19 @@ class Engine:
             self._owed_s -= TIMESTEP_S
             self._step_once()
 
-    def counts(self) -> tuple[int, int]:
-        """Return the wheels' encoder counts, forward positive."""
+    def sensed(self) -> Sensed:
+        """Return what devices can measure now."""
         per_turn = self.settings.body.counts_per_turn
-        left, right = (int(self._data.qpos[wheel.qposadr[0]] / (2 * pi) * per_turn) for wheel in self._wheels)
-        return (left, right)
-
-    def speeds_rpm(self) -> tuple[float, float]:
-        """Return how fast the wheels turn, forward positive."""
-        left, right = (float(self._data.qvel[wheel.dofadr[0]]) * 30 / pi for wheel in self._wheels)
-        return (left, right)
+        turns = [float(self._data.qpos[wheel.qposadr[0]]) / (2 * pi) for wheel in self._wheels]
+        speeds = [float(self._data.qvel[wheel.dofadr[0]]) * 30 / pi for wheel in self._wheels]
+        return Sensed(
+            battery_v=self.battery.voltage_v,
+            amps_a=self._amps,
+            battery_amps_a=self._drawn,
+            counts=(int(turns[0] * per_turn), int(turns[1] * per_turn)),
+            speeds_rpm=(speeds[0], speeds[1]),
+            ranges_m=dict(self._ranges),
+        )
 
     def pose(self) -> WorldPose:
         """Return the truth about the robot."""
@@ -131,11 +134,12 @@ class Engine:
         """Update motor and battery currents from the torques."""
         left, right = (
             amps + (float(torque) * _AMPS_PER_NM - amps) * _AMPS_SETTLE
-            for amps, torque in zip(self.amps_a, self._data.actuator_force, strict=True)
+            for amps, torque in zip(self._amps, self._data.actuator_force, strict=True)
         )
-        self.amps_a = (left, right)
-        drawn = sum(amps * duty for amps, duty in zip(self.amps_a, self._duties(), strict=True))
-        self.battery.draw(drawn, TIMESTEP_S)
+        duties = self._duties()
+        self._amps = (left, right)
+        self._drawn = (left * duties[0], right * duties[1])
+        self.battery.draw(sum(self._drawn), TIMESTEP_S)
 
     def _duties(self) -> tuple[float, float]:
         """Return how far the bridges are open: as the wheels turn, and more as they are held."""
@@ -156,10 +160,10 @@ class Engine:
             origin = np.array([x + offset * cos(heading), y + offset * sin(heading), _HEIGHT_M])
             nearest = self._nearest(origin, heading)
             noise = float(self._random.normal(0.0, self.settings.range_noise_m))
-            self.ranges_m[side] = None if nearest is None else max(0.0, nearest + noise)
+            self._ranges[side] = None if nearest is None else max(0.0, nearest + noise)
 
     def _nearest(self, origin: "np.ndarray[tuple[int], np.dtype[np.float64]]", heading: float) -> float | None:
-        angles = heading + np.linspace(-_CONE_RAD, _CONE_RAD, _RAYS)
+        angles = heading + np.linspace(-CONE_RAD, CONE_RAD, _RAYS)
         rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(_RAYS)], axis=1).ravel()
         hit, distance = np.full(_RAYS, -1, dtype=np.int32), np.full(_RAYS, -1.0)
         mujoco.mj_multiRay(

@@ -1,10 +1,21 @@
-"""What an emulated Roboteq measures, and how its registers say so."""
+"""What devices can measure of the world, and how an emulated Roboteq's registers say it."""
 
 from msgspec import Struct
 
 
+class Sensed(Struct, frozen=True, kw_only=True):
+    """What the world lets its devices measure; pairs are left and right wheel, forward positive."""
+
+    battery_v: float
+    amps_a: tuple[float, float]
+    battery_amps_a: tuple[float, float]
+    counts: tuple[int, int]
+    speeds_rpm: tuple[float, float]
+    ranges_m: dict[str, float | None]
+
+
 class Measured(Struct, frozen=True, kw_only=True):
-    """Counts, amps and rpm are per channel, in the channel's own sense: positive for a positive command."""
+    """What the controller knows. Counts, amps and rpm are per channel, in the channel's own sense: positive for a positive command."""
 
     battery_v: float = 12.6
     internal_v: float = 12.0

@@ -28,7 +28,7 @@ def test_half_power_travels_half_a_metre_a_second_after_the_ramp():
     assert pose.x_m == pytest.approx(0.5 * 2 - 0.5**2 / 2 / 1.2, abs=0.02)
     assert pose.speed_mps == pytest.approx(0.5, abs=0.01)
     assert abs(pose.y_m) < 0.005
-    left, right = engine.counts()
+    left, right = engine.sensed().counts
     assert left == right == pytest.approx(pose.x_m / (pi * 0.1778) * 130, abs=1.5)
 
 
@@ -57,12 +57,12 @@ def test_the_forward_range_is_the_distance_to_the_wall(yaw):
     seen = []
     for _ in range(100):
         engine.step(0, 0, 0.04)
-        seen.append(engine.ranges_m["forward"])
+        seen.append(engine.sensed().ranges_m["forward"])
     expected = WALL_FACE_M - HALF_LENGTH_M * cos(yaw)
     assert all(abs(value - expected) < 0.05 for value in seen)
     assert sum(seen) / len(seen) == pytest.approx(expected, abs=0.004)
     assert len(set(seen)) > 50
-    assert engine.ranges_m["back"] is None
+    assert engine.sensed().ranges_m["back"] is None
 
 
 def test_each_side_looks_its_own_way():
@@ -72,13 +72,13 @@ def test_each_side_looks_its_own_way():
         BoxSettings(name="right", x_m=0, y_m=-2.0, length_m=2, width_m=0.2),
         BoxSettings(name="behind", x_m=-3.0, y_m=0, length_m=0.2, width_m=2),
     )
-    ranges = world(walls=boxes, range_noise_m=0.0).ranges_m
+    ranges = world(walls=boxes, range_noise_m=0.0).sensed().ranges_m
     assert ranges == pytest.approx({"forward": 1.185, "left": 0.75, "right": 1.75, "back": 2.685}, abs=1e-6)
 
 
 def test_a_thin_post_beside_the_axis_is_seen_by_the_cone():
     post = BoxSettings(name="post", x_m=1.5, y_m=0.15, length_m=0.1, width_m=0.1)
-    assert world(walls=(post,)).ranges_m["forward"] is not None
+    assert world(walls=(post,)).sensed().ranges_m["forward"] is not None
 
 
 def test_a_wall_stops_it_and_touching_says_so():
@@ -95,13 +95,13 @@ def test_a_wall_stops_it_and_touching_says_so():
 def test_currents_rise_with_work_and_most_against_a_wall():
     engine = world(walls=(WALL,))
     drive(engine, 0.5, 0.5, 0.2)
-    starting = engine.amps_a[0]
+    starting = engine.sensed().amps_a[0]
     drive(engine, 0.5, 0.5, 1.0)
-    cruising = engine.amps_a[0]
+    cruising = engine.sensed().amps_a[0]
     drive(engine, 0.5, 0.5, 4.0)
-    assert 0.3 < cruising < starting < engine.amps_a[0] < 30
+    assert 0.3 < cruising < starting < engine.sensed().amps_a[0] < 30
     drive(engine, -0.5, -0.5, 1.0)
-    assert engine.amps_a[0] < 0
+    assert engine.sensed().amps_a[0] < 0
 
 
 def test_the_battery_sags_under_load_and_recovers():
@@ -117,7 +117,7 @@ def test_the_battery_sags_under_load_and_recovers():
 def run(seed):
     engine = Engine(WorldSettings(seed=seed))
     drive(engine, 0.6, 0.4, 3.0)
-    return engine.pose(), dict(engine.ranges_m), engine.counts()
+    return engine.pose(), dict(engine.sensed().ranges_m), engine.sensed().counts
 
 
 def test_the_same_seed_gives_the_same_run():
@@ -139,5 +139,5 @@ def test_time_is_kept_whatever_the_pieces():
 
 def test_the_default_room_has_walls_round_the_robot():
     engine = Engine(WorldSettings())
-    assert all(value is not None and 1 < value < 6 for value in engine.ranges_m.values())
+    assert all(value is not None and 1 < value < 6 for value in engine.sensed().ranges_m.values())
     assert len(engine.scene().walls) == 8

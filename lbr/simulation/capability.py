@@ -1,0 +1,163 @@
+"""The capability `world`: a room, a robot in it, and an emulated twin for each device row that has one."""
+
+import os
+import sys
+import time
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context, Device
+from lbr.errors import InputError
+from lbr.messages.sensing import Ranges, RangeStatus
+from lbr.messages.simulation import WorldScene
+from lbr.simulation.engine import Engine
+from lbr.simulation.loop import WorldLoop
+from lbr.simulation.requests import FaultReply, FaultRequest, PictureReply, PictureRequest
+from lbr.simulation.settings import WorldSettings
+from lbr.simulation.topdown import image
+from lbr.simulation.trace import OutputTrace
+from lbr.simulation.twins import RoboteqTwin, Twin, UltrasonicTwin
+
+_SWITCH_S = 0.0005
+"""How soon the world's thread gets its turn; the usual 5 ms would show in the devices' answers."""
+
+_TRAIL_EVERY_M = 0.03
+
+
+class World(Capability[WorldSettings]):
+    """Serves the devices from a thread of its own, and tells the bus where the robot is."""
+
+    def __init__(self, ctx: Context[WorldSettings]) -> None:
+        super().__init__(ctx)
+        self.rate_hz = ctx.settings.pose_hz
+        self._loop: WorldLoop | None = None
+        self._trace: OutputTrace | None = None
+        self._twins: dict[str, Twin] = {}
+        self._scene: WorldScene | None = None
+        self._scene_at = self._pose_at = 0.0
+        self._trail: deque[tuple[float, float]] = deque(maxlen=5000)
+        self._switch_s = sys.getswitchinterval()
+
+    def open(self) -> None:
+        """Build the world, plug the twins in and let time run."""
+        sys.setswitchinterval(_SWITCH_S)
+        now = self.ctx.clock()
+        engine = Engine(self.ctx.settings)
+        self._trace = OutputTrace(self.ctx.settings.trace)
+        self._twins = {device.name: twin for device in self.ctx.devices if (twin := self._twin(device, now))}
+        self._scene = engine.scene()
+        self._scene_at = self._pose_at = now
+        self._loop = WorldLoop(engine, tuple(self._twins.values()), self.ctx.clock)
+        self._loop.open()
+        self._warn_of_devices_without_twin()
+
+    def step(self) -> None:
+        """Publish what is due; raise what ended the world's thread."""
+        loop, scene = self._running()
+        if loop.failure is not None:
+            raise loop.failure
+        now, period_s = self.ctx.clock(), 1 / self.ctx.settings.pose_hz
+        if now >= self._pose_at - period_s / 4:
+            self._pose_at = max(self._pose_at + period_s, now)
+            self.ctx.publish("pose", loop.pose)
+            self._remember((loop.pose.x_m, loop.pose.y_m))
+        if now >= self._scene_at:
+            self._scene_at = now + self.ctx.settings.scene_every_s
+            self.ctx.publish("scene", scene)
+
+    def command(self, call: Call) -> None:
+        """Answer `fault` and `picture`."""
+        if call.role == "view":
+            call.refuse(f"{call.name} needs the role operate")
+        elif isinstance(call.message, FaultRequest):
+            self._fault(call, call.message)
+        elif isinstance(call.message, PictureRequest):
+            self._picture(call, call.message)
+        else:
+            super().command(call)
+
+    def close(self) -> None:
+        """Stop time, pull the twins out and end the trace."""
+        if self._loop is not None:
+            self._loop.close()
+            self._loop = None
+        if self._trace is not None:
+            self._trace.close(self.ctx.clock())
+            self._trace = None
+        sys.setswitchinterval(self._switch_s)
+
+    def _running(self) -> tuple[WorldLoop, WorldScene]:
+        if self._loop is None or self._scene is None:
+            raise RuntimeError("the world is not open")
+        return self._loop, self._scene
+
+    def _twin(self, device: Device, now: float) -> Twin | None:
+        trace, seed = self._trace, self.ctx.settings.seed
+        if trace is None or not device.address.startswith("/"):
+            return None
+        if device.type == "roboteq":
+            return RoboteqTwin(device, seed=seed, trace=trace)
+        if device.type == "ultrasonic_ring":
+            return UltrasonicTwin(device, seed=seed, now=now)
+        return None
+
+    def _warn_of_devices_without_twin(self) -> None:
+        without = [f"{d.name} ({d.type} at {d.address or 'no address'})" for d in self.ctx.devices]
+        without = [words for words, d in zip(without, self.ctx.devices, strict=True) if d.name not in self._twins]
+        if without:
+            allowed = "a roboteq or ultrasonic_ring whose address is a path"
+            self.ctx.warn(f"no emulated twin for {', '.join(without)}; there is one for {allowed}")
+
+    def _remember(self, place: tuple[float, float]) -> None:
+        if not self._trail or sum(abs(a - b) for a, b in zip(place, self._trail[-1], strict=True)) > _TRAIL_EVERY_M:
+            self._trail.append(place)
+
+    def _fault(self, call: Call, request: FaultRequest) -> None:
+        twin = self._twins.get(request.device)
+        if twin is None:
+            call.refuse(f"no emulated device '{request.device}'; there are: {', '.join(self._twins) or 'none'}")
+            return
+        try:
+            faults = twin.fault(request.name, request.value)
+        except InputError as err:
+            call.refuse(str(err))
+            return
+        self.ctx.event("fault_injected", f"{request.device}: {request.name} is now {request.value}", level="warning")
+        call.reply(FaultReply(accepted=True, faults=faults))
+
+    def _picture(self, call: Call, request: PictureRequest) -> None:
+        loop, scene = self._running()
+        path = Path(request.path).expanduser() if request.path else _picture_path(self.ctx.robot)
+        if path.suffix != ".png" or not path.is_absolute():
+            call.refuse(f"a picture's path is absolute and ends in .png, '{request.path}' is not")
+            return
+        drawn = image(
+            scene,
+            loop.pose,
+            _as_ranges(loop.ranges_m),
+            trail=tuple(self._trail),
+            width=request.width_px,
+            height=request.height_px,
+        )
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            drawn.save(path, compress_level=1)
+        except OSError as err:
+            call.refuse(f"cannot write {path}: {err.strerror or err}")
+            return
+        call.reply(PictureReply(accepted=True, path=str(path)))
+
+
+def _picture_path(robot: str) -> Path:
+    home = Path(os.environ.get("LBR_HOME") or "~/.lbr").expanduser()
+    return home / "pictures" / f"{robot}-{time.strftime('%Y%m%d-%H%M%S')}.png"
+
+
+def _as_ranges(ranges_m: dict[str, float | None]) -> Ranges:
+    status: dict[str, RangeStatus] = {
+        side: "over_range" if range_m is None else "ok" for side, range_m in ranges_m.items()
+    }
+    values: dict[str, Any] = {f"{side}_m": range_m for side, range_m in ranges_m.items()}
+    return Ranges(**values, bottom_m=None, status={**status, "bottom": "missing"})
