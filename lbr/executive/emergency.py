@@ -13,6 +13,7 @@ from lbr.messages.system import EstopAcknowledgement, EstopRequest, EstopState
 
 REPEAT_S = 0.05
 ACKNOWLEDGE_LIMIT_S = 0.5
+ECHO_S = 2.0
 _requests = msgspec.json.Decoder(EstopRequest)
 _acknowledgements = msgspec.json.Decoder(EstopAcknowledgement)
 
@@ -42,6 +43,7 @@ class Emergency:
         self._changed = threading.Condition()
         self._repeat_at = 0.0
         self._repeat_until = 0.0
+        self._own_echo_until = 0.0
         self._session = session.open_client(endpoints)
         self._presses = wire.Subscription(self._session, keys.estop(robot), depth=64, wake=wake)
         acknowledgements = keys.estop_acknowledgement(robot, "*")
@@ -97,6 +99,7 @@ class Emergency:
         if self._engaged and now < self._repeat_until and self.state().waiting:
             if now >= self._repeat_at:
                 self._repeat_at = now + REPEAT_S
+                self._own_echo_until = now + ECHO_S
                 request = EstopRequest(engaged=True, reason=self._reason)
                 wire.put(self._session, keys.estop(self._robot), request, source="executive", urgent=True)
             return self._repeat_at
@@ -109,7 +112,7 @@ class Emergency:
     def _pressed(self, raw: wire.Raw, now: float) -> None:
         found = stamp.read(raw.attachment)
         source = found.source if found is not None else "a bus client"
-        if source == "executive":
+        if source == "executive" and (self._engaged or now < self._own_echo_until):
             return
         try:
             request = _requests.decode(raw.payload)

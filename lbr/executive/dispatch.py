@@ -1,0 +1,265 @@
+"""One console line, whoever sent it: understood by the verb rows, asked on the bus, answered in words."""
+
+import ast
+import contextlib
+import io
+import json
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import msgspec
+
+from lbr.bus import keys, stamp, wire
+from lbr.bus.session import Session
+from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall, Vocabulary
+from lbr.errors import InputError, LbrError
+from lbr.executive.plan import Plan
+from lbr.messages.drive import DriveCommand
+from lbr.messages.system import ConsoleResult, Event, Hold, Role, Status
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
+REPORTS = ("telemetry", "settings", "statistics", "health", "events")
+MAX_RUN_S = 30.0
+
+
+class Robot(Protocol):
+    """What the dispatcher needs of the executive; every method may be called from any thread."""
+
+    plan: Plan
+    vocabulary: Vocabulary
+
+    def status(self) -> Status:
+        """Return the robot at a glance."""
+
+    def recent_events(self) -> list[Event]:
+        """Return the newest events, oldest first."""
+
+    def estop(self, reason: str, source: str) -> ConsoleResult:
+        """Latch the emergency stop and wait for the devices."""
+
+    def estop_reset(self, source: str) -> ConsoleResult:
+        """Release it."""
+
+    def shutdown(self, source: str) -> None:
+        """Begin the shutdown."""
+
+    def restart(self, name: str) -> None:
+        """Start a capability anew."""
+
+    def run_external(self, call: ExternalCall) -> ConsoleResult:
+        """Start an external command."""
+
+    def stop_external(self, name: str) -> str:
+        """End one."""
+
+    def note(self, kind: str, text: str) -> None:
+        """Write down an event."""
+
+
+class Dispatcher:
+    """Executes lines. Blocks the calling thread for as long as the robot takes to answer, two seconds at most."""
+
+    def __init__(self, robot: Robot, bus: Session, namespace: Mapping[str, Any]) -> None:
+        self._robot = robot
+        self._bus = bus
+        self._namespace = dict(namespace)
+        self._leases: dict[str, str] = {}
+        self._built_in: dict[str, Callable[[VerbCall, str], ConsoleResult]] = {
+            "report": self._report,
+            "status": lambda _call, _source: ConsoleResult(code=DONE, text=self._health()),
+            "estop": lambda call, source: robot.estop(str(call.payload.get("reason", "")), source),
+            "reset": lambda _call, source: robot.estop_reset(source),
+            "help": self._help,
+            "shutdown": self._shutdown,
+            "restart": self._restart,
+        }
+
+    def execute(self, line: str | bytes, *, source: str, role: Role, local: bool = False) -> ConsoleResult:
+        """Return what became of a line; never raises for what a person can type."""
+        try:
+            parsed = self._robot.vocabulary.parse(line)
+            return ConsoleResult(code=DONE, text="") if parsed is None else self._run(parsed, source, role, local)
+        except InputError as err:
+            return ConsoleResult(code=BAD_INPUT, text=str(err))
+        except LbrError as err:
+            return ConsoleResult(code=FAILED, text=str(err))
+
+    def _run(self, parsed: Parsed, source: str, role: Role, local: bool) -> ConsoleResult:
+        if isinstance(parsed, PythonLine):
+            return self._python(parsed.code, source, local)
+        needed: Role = parsed.verb.role if isinstance(parsed, VerbCall) else "operate"
+        if RANKS[role] < RANKS[needed]:
+            return ConsoleResult(code=FAILED, text=f"this needs the role '{needed}', and you have '{role}'")
+        if isinstance(parsed, ExternalStop):
+            return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name))
+        if isinstance(parsed, ExternalCall):
+            return self._robot.run_external(parsed)
+        if parsed.capability == "executive":
+            return self._built_in[parsed.command](parsed, source)
+        return self._ask(parsed, source)
+
+    def _ask(self, call: VerbCall, source: str) -> ConsoleResult:
+        name = call.capability
+        if name not in self._robot.plan.units:
+            return ConsoleResult(
+                code=FAILED, text=f"'{name}' is not running: its row is disabled or the profile leaves it out"
+            )
+        kind = self._robot.plan.kinds[name]
+        moves = kind.commands.get(call.command) is DriveCommand
+        payload = dict(call.payload)
+        lease = self._leases.get(source, "") if moves else ""
+        answer = self._query(call, payload | ({"lease": lease} if lease else {}), source)
+        if lease and answer is not None and not answer.get("accepted"):
+            self._leases.pop(source, None)
+            again = self._query(call, payload, source)
+            answer = again if again is not None and (again.get("accepted") or "lease" in answer["reason"]) else answer
+        if answer is None:
+            return ConsoleResult(code=FAILED, text=f"'{name}' did not answer; {self._why_silent(name)}")
+        return self._told(call, payload, answer, source)
+
+    def _told(self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], source: str) -> ConsoleResult:
+        if "accepted" not in answer:
+            return ConsoleResult(code=DONE, text=json.dumps(answer), data=answer)
+        reason = str(answer.get("reason", ""))
+        if not answer["accepted"]:
+            return ConsoleResult(code=FAILED, text=reason or "refused", data=answer)
+        lease = str(answer.get("lease", ""))
+        if not lease:
+            self._leases.pop(source, None)
+            return ConsoleResult(code=DONE, text=reason or "done", data=answer)
+        self._leases[source] = lease
+        robot, name = self._robot.plan.robot, call.capability
+        hold = Hold(
+            lease=lease,
+            ttl_s=float(answer.get("ttl_s") or 0.3),
+            key=keys.port(robot, name, call.command),
+            stop_key=keys.port(robot, name, "stop"),
+            result_key=keys.port(robot, name, "result"),
+            payload=payload | {"lease": lease},
+            goal=str(answer.get("goal", "")),
+            max_run_s=MAX_RUN_S,
+        )
+        return ConsoleResult(code=DONE, text=reason or "accepted", hold=hold, data=answer)
+
+    def _query(self, call: VerbCall, payload: dict[str, Any], source: str) -> dict[str, Any] | None:
+        key = keys.port(self._robot.plan.robot, call.capability, call.command)
+        answers = wire.ask(self._bus, key, payload, source=source, timeout_s=2.0)
+        if not answers:
+            return None
+        decoded = msgspec.json.decode(answers[0].payload)
+        return decoded if isinstance(decoded, dict) else {"answer": decoded}
+
+    def _why_silent(self, name: str) -> str:
+        for unit in self._robot.status().capabilities:
+            if unit.name == name:
+                return f"it is {unit.phase}" + (f": {unit.reason}" if unit.reason else "")
+        return "it does not run"
+
+    def _report(self, call: VerbCall, _source: str) -> ConsoleResult:
+        name = str(call.payload.get("name", "telemetry"))
+        makers: dict[str, Callable[[], Any]] = {
+            "telemetry": self._telemetry,
+            "settings": self._settings,
+            "statistics": self._statistics,
+            "health": lambda: msgspec.to_builtins(self._robot.status()),
+            "events": lambda: [msgspec.to_builtins(event) for event in self._robot.recent_events()],
+        }
+        if name not in makers:
+            raise InputError(f"there is no report '{name}': {', '.join(REPORTS)}")
+        data = makers[name]()
+        text = self._health() if name == "health" else _events_text(data) if name == "events" else _flat(data)
+        return ConsoleResult(code=DONE, text=text, data=data)
+
+    def _telemetry(self) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for raw in wire.ask(self._bus, f"{self._robot.plan.robot}/*/*", None, source="executive", timeout_s=1.0):
+            said = stamp.read(raw.attachment)
+            age = (time.monotonic_ns() - said.mono_ns) / 1e9 if said and said.boot == stamp.boot_id() else None
+            value = msgspec.json.decode(raw.payload)
+            if isinstance(value, dict):
+                found[raw.key.partition("/")[2]] = value | ({"age_s": round(age, 3)} if age is not None else {})
+        return dict(sorted(found.items()))
+
+    def _settings(self) -> dict[str, Any]:
+        units = self._robot.plan.units.values()
+        return {unit.name: {"kind": unit.kind} | msgspec.json.decode(unit.config.settings) for unit in units}
+
+    def _statistics(self) -> dict[str, Any]:
+        status = self._robot.status()
+        fields = ("rates_hz", "restarts", "uptime_s", "cpu_percent", "memory_mb")
+        found = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
+        loop = self._telemetry().get("drive/state", {}).get("loop")
+        return {**found, **({"drive/loop": loop} if loop else {})}
+
+    def _health(self) -> str:
+        status = self._robot.status()
+        lines = [
+            f"{unit.name}: {unit.phase}" + (f" ({unit.reason})" if unit.reason else "") for unit in status.capabilities
+        ]
+        lines += [f"rows: {problem}" for problem in status.problems]
+        stop = f"emergency stop: {status.estop.reason}" if status.estop.engaged else "no emergency stop"
+        return "\n".join([*lines, stop])
+
+    def _help(self, _call: VerbCall, _source: str) -> ConsoleResult:
+        words = self._robot.vocabulary
+        names = tuple(self._robot.plan.units)
+        choices = {"executive.report": REPORTS, "executive.restart": names}
+        return ConsoleResult(code=DONE, text=words.help(), data=words.entries(choices))
+
+    def _shutdown(self, _call: VerbCall, source: str) -> ConsoleResult:
+        self._robot.shutdown(source)
+        return ConsoleResult(code=DONE, text="shutting down")
+
+    def _restart(self, call: VerbCall, _source: str) -> ConsoleResult:
+        name = str(call.payload.get("name", ""))
+        if name not in self._robot.plan.units:
+            raise InputError(f"'{name}' does not run; {', '.join(self._robot.plan.units)} do")
+        self._robot.restart(name)
+        return ConsoleResult(code=DONE, text=f"'{name}' is starting anew")
+
+    def _python(self, code: str, source: str, local: bool) -> ConsoleResult:
+        if not local:
+            return ConsoleResult(
+                code=FAILED, text="Python runs at the terminal that started the robot, and nowhere else"
+            )
+        self._robot.note("python", f"{source}: {code[:400]}")
+        out = io.StringIO()
+        try:
+            with contextlib.redirect_stdout(out):
+                value = _evaluate(code, self._namespace)
+        except BaseException as err:  # noqa: BLE001 - whatever the operator typed, the console lives on
+            return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}")
+        text = out.getvalue() + ("" if value is None else repr(value))
+        return ConsoleResult(code=DONE, text=text.rstrip("\n"))
+
+
+def _evaluate(code: str, namespace: dict[str, Any]) -> Any:
+    try:
+        tree = ast.parse(code, mode="eval")
+    except SyntaxError:
+        exec(compile(code, "console", "exec"), namespace)  # noqa: S102 - what the operator's terminal is for
+        return None
+    return eval(compile(tree, "console", "eval"), namespace)  # noqa: S307 - likewise
+
+
+def _flat(data: dict[str, Any]) -> str:
+    lines = []
+    for name, fields in data.items():
+        shown = ", ".join(f"{key} {_short(value)}" for key, value in fields.items())
+        lines.append(f"{name}: {shown}")
+    return "\n".join(lines) or "nothing yet"
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    return json.dumps(value) if isinstance(value, dict | list) else str(value)
+
+
+def _events_text(events: list[dict[str, Any]]) -> str:
+    lines = [
+        f"{time.strftime('%H:%M:%S', time.localtime(e['wall_ns'] / 1e9))} {e['subject']}: {e['text']}" for e in events
+    ]
+    return "\n".join(lines) or "no events yet"

@@ -1,0 +1,457 @@
+"""The executive: reads the rows, runs what they say, and answers whoever speaks to the robot.
+
+One thread owns the database, the processes and the plan; console lines run in a pool beside it and reach it by `call`.
+"""
+
+import contextlib
+import json
+import os
+import queue
+import secrets
+import select
+import signal
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, TypeVar
+
+import psutil
+from msgspec.structs import replace
+
+from lbr import home
+from lbr.bus import keys, session, stamp, wire
+from lbr.console.verbs import ExternalCall, Vocabulary
+from lbr.database import store
+from lbr.database.rows import RobotRows
+from lbr.errors import InputError, LbrError, RowError
+from lbr.executive import plan as plans
+from lbr.executive import profile as profiles
+from lbr.executive.child import Child, open_log
+from lbr.executive.dispatch import DONE, FAILED, Dispatcher
+from lbr.executive.emergency import Emergency
+from lbr.executive.external import ExternalCommands
+from lbr.executive.journal import Journal
+from lbr.executive.plan import Plan, Site, Unit
+from lbr.executive.profile import Profile
+from lbr.executive.supervisor import Supervisor
+from lbr.messages.system import CapabilityStatus, ConsoleResult, EstopState, Event, Role, Status
+
+T = TypeVar("T")
+LOOK_AT_ROWS_S = 0.2
+STATUS_S = 1.0
+MAX_LINE_BYTES = 1 << 16
+APP_NICENESS = 10
+ANY_HOST = ("0.0.0.0", "[::]")  # noqa: S104 - recognised to be replaced by loopback for local clients
+
+
+def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...] = (), *, console: bool = True) -> int:
+    """Run a robot until it is told to shut down; return the exit code. Errors people can mend are LbrErrors."""
+    profile = profiles.load(profile_name)
+    lock = home.RunLock(profile.robot)
+    try:
+        path = database or home.default_database()
+        if database is None and not path.exists():
+            store.create(path)
+        with store.Database.open(path) as opened:
+            executive = Executive(profile, profile_name, opened, lock, (*profile.listen, *listen))
+            return executive.run(console=console)
+    finally:
+        lock.release()
+
+
+class Executive:
+    """A running robot."""
+
+    def __init__(
+        self, profile: Profile, profile_name: str, database: store.Database, lock: home.RunLock, listen: tuple[str, ...]
+    ) -> None:
+        self._profile = profile
+        self._profile_name = profile_name
+        self._database = database
+        self._lock = lock
+        self._started_at = time.monotonic()
+        self._token = secrets.token_urlsafe(24)
+        self._wake_read, self._wake_write = os.pipe()
+        os.set_blocking(self._wake_read, False)
+        os.set_blocking(self._wake_write, False)
+        self._calls: queue.SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = queue.SimpleQueue()
+        self._stopping = ""
+        self._ready = False
+        self._problems: tuple[str, ...] = ()
+        self._meters: dict[int, psutil.Process] = {}
+        self._recent: list[Event] = []
+        socket = f"unixsock-stream/{home.socket_path(profile.robot)}"
+        self._listen = (socket, *listen)
+        self._endpoints = (socket, *(_reachable(endpoint) for endpoint in listen))
+        self._site = Site(home=str(home.home()), endpoints=(socket,), secret=secrets.token_bytes(32))
+        self._supervisor = Supervisor(self._start, self._happened)
+        self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="console")
+        self._main = threading.get_ident()
+        rows = database.load(profile.robot)
+        self.plan = self._first_plan(rows)
+        self.vocabulary = self._words(self.plan)
+
+    def run(self, *, console: bool) -> int:
+        """Open the bus, start everything, and stay until told to shut down."""
+        signal.set_wakeup_fd(self._wake_write, warn_on_full_buffer=False)
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            signal.signal(number, lambda n, _frame: self._stop(f"signal {signal.Signals(n).name}"))
+        with session.open_router(self._listen), session.open_client(self._site.endpoints) as bus:
+            self._open(bus)
+            try:
+                if console:
+                    self._start_terminal()
+                self._loop(announce=not console)
+            finally:
+                self._close()
+        return 0
+
+    # -- what console lines need; from any thread ---------------------------------------------------------------
+
+    def status(self) -> Status:
+        """Return the robot at a glance."""
+        return self._on_main(self._status)
+
+    def recent_events(self) -> list[Event]:
+        """Return the newest events, oldest first."""
+        return list(self._recent)
+
+    def estop(self, reason: str, source: str) -> ConsoleResult:
+        """Latch the emergency stop; the answer tells which devices have acknowledged."""
+        state = self._emergency.press(reason, source)
+        if not state.engaged:
+            return ConsoleResult(code=FAILED, text="the emergency stop was sent, but is not confirmed yet")
+        if state.waiting:
+            text = f"latched, but {', '.join(state.waiting)} has not acknowledged: use the hardware switch"
+            return ConsoleResult(code=FAILED, text=text)
+        return ConsoleResult(code=DONE, text=f"emergency stop: acknowledged by {', '.join(state.acknowledged)}")
+
+    def estop_reset(self, source: str) -> ConsoleResult:
+        """Release the emergency stop; moves nothing."""
+        if not self._emergency.state().engaged:
+            return ConsoleResult(code=DONE, text="there is no emergency stop to release")
+        why_not = self._emergency.release(source)
+        if why_not:
+            return ConsoleResult(code=FAILED, text=why_not)
+        return ConsoleResult(code=DONE, text="emergency stop released; the next command may move the robot")
+
+    def shutdown(self, source: str) -> None:
+        """Begin the shutdown."""
+        self._stop(f"Shutdown by {source}")
+
+    def restart(self, name: str) -> None:
+        """Start a capability anew."""
+        self._on_main(lambda: self._supervisor.restart(name))
+
+    def run_external(self, call: ExternalCall) -> ConsoleResult:
+        """Start an external command, and wait for a blocking one."""
+        row = call.command
+        popen = self._on_main(lambda: self._external.start(row, call.arguments))
+        self.note("external", f"'{row.name}' started (pid {popen.pid})")
+        if not row.blocking:
+            return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {popen.pid}); 'stop {row.name}' ends it")
+        code, output = self._external.wait(row, popen)
+        return ConsoleResult(code=DONE if code == 0 else FAILED, text=output or f"'{row.name}' ended with {code}")
+
+    def stop_external(self, name: str) -> str:
+        """End an external command."""
+        return self._external.stop(name)
+
+    def note(self, kind: str, text: str) -> None:
+        """Write down an event of the executive's own."""
+        self._on_main(lambda: self._happened(kind, "executive", text, "info"))
+
+    # -- opening and closing --------------------------------------------------------------------------------------
+
+    def _first_plan(self, rows: RobotRows) -> Plan:
+        plan, problems = plans.make(rows, self._profile, self._site)
+        if plan is None:
+            raise RowError(tuple(str(problem) for problem in problems))
+        return plan
+
+    def _open(self, bus: session.Session) -> None:
+        robot = self.plan.robot
+        self._external = ExternalCommands(home.directory("logs"))
+        self._journal = Journal(bus, robot, self._database, self._wake)
+        self._journal.listeners.append(self._remember)
+        rows = self.plan.rows.robot
+        self._emergency = Emergency(
+            robot,
+            self._site.endpoints,
+            EstopState(engaged=rows.estop_engaged, reason=rows.estop_reason),
+            movers=self._movers,
+            seal=self._site.seal,
+            persist=lambda engaged, reason: self._on_main(
+                lambda: self._database.set_estop(robot, engaged=engaged, reason=reason)
+            ),
+            happened=lambda *about: self._on_main(lambda: self._happened(*about)),
+            wake=self._wake,
+        )
+        namespace = {
+            "robot": self,
+            "plan": lambda: self.plan,
+            "status": self.status,
+            "bus": bus,
+            "keys": keys,
+            "wire": wire,
+        }
+        self.dispatcher = Dispatcher(self, bus, namespace)
+        self._lines = wire.Served(bus, keys.console(robot), self._wake, puts=False, source="executive")
+        self._status_out = wire.Publisher(bus, keys.status(robot), "executive")
+        self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._wake())
+        (Path(self._site.home) / "run" / f"{robot}-devices").mkdir(mode=0o700, exist_ok=True)
+        self._lock.publish(
+            home.Running(
+                robot=robot,
+                pid=os.getpid(),
+                endpoints=self._endpoints,
+                profile=self._profile_name,
+                database=str(self._database.path),
+                token=self._token,
+            )
+        )
+        self._database.record_start(robot)
+        self._happened("run", "executive", f"robot '{robot}' with profile '{self._profile_name}'", "info")
+        self._supervisor.adopt(self.plan, plans.Change(start=tuple(self.plan.units)))
+
+    def _close(self) -> None:
+        self._happened("shutdown", "executive", self._stopping or "shutdown", "info")
+        self._supervisor.shut_down(self._wait)
+        self._external.close()
+        self._serve()
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._journal.step(time.monotonic())
+        self._journal.flush()
+        with contextlib.suppress(LbrError):
+            self._database.record_shutdown(self.plan.robot)
+        self._emergency.close()
+
+    # -- the loop ---------------------------------------------------------------------------------------------------
+
+    def _loop(self, *, announce: bool) -> None:
+        rows_at = status_at = 0.0
+        version = self._database.data_version()
+        while not self._stopping:
+            now = time.monotonic()
+            due = self._supervisor.step()
+            self._serve()
+            again = self._emergency.step(now)
+            self._journal.step(now)
+            if now >= rows_at:
+                rows_at = now + LOOK_AT_ROWS_S
+                version = self._look_at_rows(version)
+                self._external.prune({row.name for row in self.plan.rows.external_commands})
+            if now >= status_at:
+                status_at = now + STATUS_S
+                self._status_out.put(self._status())
+            if not self._ready and self._supervisor.settled():
+                self._became_ready(announce=announce)
+            self._wait(max(0.0, min(due, rows_at - now, status_at - now, again - now)))
+
+    def _wait(self, timeout_s: float) -> None:
+        poll = select.poll()
+        poll.register(self._wake_read, select.POLLIN)
+        for _slot, child in self._supervisor.children():
+            if isinstance(child, Child):
+                poll.register(child.reports_fd, select.POLLIN)
+                poll.register(child.pid_fd, select.POLLIN)
+        poll.poll(timeout_s * 1000)
+        with contextlib.suppress(BlockingIOError):
+            while len(os.read(self._wake_read, 4096)) == 4096:
+                pass
+        self._run_calls()
+
+    def _serve(self) -> None:
+        self._run_calls()
+        for request in self._lines.take():
+            self._pool.submit(self._answer_line, request)
+        for request in self._emergency.resets.take():
+            self._pool.submit(self._answer_reset, request)
+        for name in self._presence.names:
+            self._supervisor.present(name)
+
+    def _answer_line(self, request: wire.Request) -> None:
+        source, role = self._caller(request)
+        if len(request.payload) > MAX_LINE_BYTES:
+            result = ConsoleResult(code=2, text=f"a line has at most 4096 characters, not {len(request.payload)}")
+        else:
+            result = self.dispatcher.execute(_line(request.payload), source=source, role=role)
+        request.reply(result, "executive")
+
+    def _answer_reset(self, request: wire.Request) -> None:
+        result = self.estop_reset(self._caller(request)[0])
+        request.reply({"accepted": result.code == DONE, "reason": result.text}, "executive")
+
+    def _caller(self, request: wire.Request) -> tuple[str, Role]:
+        found = stamp.read(request.attachment)
+        if found is None:
+            return "a bus client", "operate"
+        local = secrets.compare_digest(found.token.encode(), self._token.encode())
+        return found.source[:80] or "a bus client", "admin" if local else "operate"
+
+    def _look_at_rows(self, version: int) -> int:
+        try:
+            seen = self._database.data_version()
+            if seen == version:
+                return version
+            rows = self._database.load(self._profile.robot)
+        except LbrError as err:
+            self._complain((str(err),))
+            return version
+        plan, problems = plans.make(rows, self._profile, self._site)
+        if plan is None:
+            self._complain(tuple(str(problem) for problem in problems))
+            return seen
+        self._problems = ()
+        change = plans.difference(self.plan, plan)
+        if plan.rows != self.plan.rows or change != plans.Change():
+            self._adopt(plan, change)
+        return seen
+
+    def _complain(self, problems: tuple[str, ...]) -> None:
+        if problems != self._problems:
+            self._problems = problems
+            text = "the edit is not applied, the robot goes on as it was: " + "; ".join(problems)
+            self._happened("rows_refused", "executive", text, "error")
+
+    def _adopt(self, plan: Plan, change: plans.Change) -> None:
+        self.vocabulary = self._words(plan)
+        self.plan = plan
+        done = [
+            f"{what} {', '.join(names)}"
+            for what, names in (("stop", change.stop), ("restart", change.restart), ("start", change.start))
+            if names
+        ]
+        text = f"revision {plan.rows.revision}: {'; '.join(done) or 'words and rows, no process'}"
+        self._happened("rows_changed", "executive", text, "info")
+        self._supervisor.adopt(plan, change)
+
+    def _became_ready(self, *, announce: bool) -> None:
+        self._ready = True
+        self._happened("ready", "executive", f"all up after {time.monotonic() - self._started_at:.1f} s", "info")
+        self._status_out.put(self._status())
+        if announce:
+            said = {"ready": True, "robot": self.plan.robot, "pid": os.getpid(), "endpoints": list(self._endpoints)}
+            print(json.dumps(said), flush=True)
+
+    # -- small parts ------------------------------------------------------------------------------------------------
+
+    def _start(self, unit: Unit) -> Child:
+        config = replace(unit.config, estop=self._emergency.state())
+        with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
+            child = Child(unit, config, log)
+        if unit.family in {"app", "program"}:
+            with contextlib.suppress(OSError):
+                os.setpriority(os.PRIO_PROCESS, child.pid, APP_NICENESS)
+        return child
+
+    def _movers(self) -> list[str]:
+        return [
+            name for name, slot in list(self._supervisor.slots.items()) if slot.unit.moves and slot.child is not None
+        ]
+
+    def _status(self) -> Status:
+        return Status(
+            robot=self.plan.robot,
+            profile=self._profile_name,
+            ready=self._ready,
+            pid=os.getpid(),
+            uptime_s=round(time.monotonic() - self._started_at, 1),
+            estop=self._emergency.state(),
+            capabilities=tuple(self._capability(name) for name in self._supervisor.slots),
+            problems=self._problems,
+            revision=self.plan.rows.revision,
+        )
+
+    def _capability(self, name: str) -> CapabilityStatus:
+        slot = self._supervisor.slots[name]
+        cpu, memory = self._meter(slot.child.pid) if slot.child is not None else (None, None)
+        return CapabilityStatus(
+            name=name,
+            kind=slot.unit.kind,
+            phase=slot.phase,
+            pid=slot.child.pid if slot.child is not None else None,
+            restarts=slot.restarts,
+            uptime_s=round(time.monotonic() - slot.started_at, 1) if slot.child is not None else None,
+            reason=slot.reason,
+            rates_hz=slot.rates,
+            cpu_percent=cpu,
+            memory_mb=memory,
+        )
+
+    def _meter(self, pid: int) -> tuple[float | None, float | None]:
+        try:
+            meter = self._meters.setdefault(pid, psutil.Process(pid))
+            return meter.cpu_percent(), round(meter.memory_info().rss / 1e6, 1)
+        except psutil.Error:
+            self._meters.pop(pid, None)
+            return None, None
+
+    def _words(self, plan: Plan) -> Vocabulary:
+        messages = {
+            f"{name}.{command}": kind for name in plan.kinds for command, kind in plan.kinds[name].commands.items()
+        }
+        return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages)
+
+    def _happened(self, kind: str, subject: str, text: str, level: str = "info") -> None:
+        self._journal.happened(kind, subject, text, level)
+
+    def _remember(self, event: Event) -> None:
+        self._recent = [*self._recent[-49:], event]
+
+    def _stop(self, why: str) -> None:
+        self._stopping = self._stopping or why
+        self._wake()
+
+    def _wake(self) -> None:
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._wake_write, b"w")
+
+    def _on_main(self, do: Callable[[], T]) -> T:
+        if threading.get_ident() == self._main:
+            return do()
+        future: Future[T] = Future()
+        self._calls.put((do, future))
+        self._wake()
+        return future.result(timeout=5.0)
+
+    def _run_calls(self) -> None:
+        while True:
+            try:
+                do, future = self._calls.get_nowait()
+            except queue.Empty:
+                return
+            try:
+                future.set_result(do())
+            except LbrError as err:
+                future.set_exception(err)
+
+    def _start_terminal(self) -> None:
+        from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console
+
+        def submit(line: str) -> ConsoleResult:
+            return self.dispatcher.execute(line, source="console", role="admin", local=True)
+
+        def talk() -> None:
+            try:
+                run_local(self.plan.robot, self._site.endpoints, submit)
+            except (InputError, LbrError) as err:
+                self._stop(str(err))
+            self._stop("console closed")
+
+        threading.Thread(target=talk, name="terminal", daemon=True).start()
+
+
+def _line(payload: bytes) -> str | bytes:
+    if payload[:1] == b'"':
+        with contextlib.suppress(ValueError):
+            return str(json.loads(payload))
+    return payload
+
+
+def _reachable(endpoint: str) -> str:
+    for host in ANY_HOST:
+        endpoint = endpoint.replace(f"/{host}:", "/127.0.0.1:")
+    return endpoint
