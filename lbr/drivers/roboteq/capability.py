@@ -64,8 +64,8 @@ class Roboteq(Capability[RoboteqSettings]):
         controller = self._controller
         assert controller is not None
         self._heed_estop(controller)
-        stopping = self._decide(controller)
-        self._act(controller, stopping=stopping)
+        self._decide(controller)
+        self._act(controller)
         self._ask(controller)
         self._report(controller)
         self._publish_when_due(controller)
@@ -77,7 +77,8 @@ class Roboteq(Capability[RoboteqSettings]):
             return
         self._enabled = call.message.enabled
         if self._controller is not None and not self._enabled:
-            self._act(self._controller, stopping=self._decide(self._controller))
+            self._decide(self._controller)
+            self._act(self._controller)
             self._publish()
         call.reply(CommandReply(accepted=True))
 
@@ -116,8 +117,7 @@ class Roboteq(Capability[RoboteqSettings]):
             self._held_since = None
             estop.acknowledge(stopped=False, reason="released")
 
-    def _decide(self, controller: Controller) -> bool:
-        """Bring the arming up to date; return whether motion ends with this."""
+    def _decide(self, controller: Controller) -> None:
         before, valid_s = self._arming, self.ctx.settings.setpoint_valid_s
         state = before
         for received in self.ctx.take("setpoint"):
@@ -128,7 +128,6 @@ class Roboteq(Capability[RoboteqSettings]):
         self._arming = tick(state, self._inhibit(controller, now), now, valid_s)
         self._stepped = now
         self._tell_trip(before)
-        return before.moving and not self._arming.armed
 
     def _setpoint(self, received: Received) -> Setpoint:
         message, stamp, born = received.message, received.stamp, received.arrived
@@ -168,17 +167,15 @@ class Roboteq(Capability[RoboteqSettings]):
             return None
         return Inhibit(f"the driver was held up for {now - self._stepped:.2f} s", fault=True)
 
-    def _act(self, controller: Controller, *, stopping: bool) -> None:
-        ago_s = controller.fed_s_ago
-        if stopping:
+    def _act(self, controller: Controller) -> None:
+        state, held = self._arming, self._held_since is not None
+        if not state.moving and not controller.resting and not held:
             controller.stop()
-        elif self._arming.armed:
-            if self._arming.applied != controller.applied or ago_s is None or not ago_s < RESEND_S:
-                controller.drive(*self._arming.applied)
-        elif controller.applied != (0.0, 0.0):
-            controller.stop()
-        elif self._held_since is None and (ago_s is None or not ago_s < self.ctx.settings.watchdog_ms / 2000.0):
-            controller.stop()  # keeps the controller from turning to another source of commands
+        elif state.armed:
+            if state.applied != controller.asked or not controller.fed_s_ago < RESEND_S:
+                controller.drive(*state.applied)
+        elif not held and not controller.fed_s_ago < self.ctx.settings.watchdog_ms / 2000.0:
+            controller.stop()  # fed with zero, the controller does not turn to another source of commands
 
     def _ask(self, controller: Controller) -> None:
         now = self.ctx.clock()

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 from contextlib import suppress
-from math import isfinite
+from math import inf, isfinite
 
 from lbr.drivers.roboteq import RoboteqSettings, Wheel
 from lbr.drivers.roboteq import protocol as wire
@@ -31,6 +31,8 @@ class Controller:
         self.firmware = ""
         self.model = ""
         self.applied = (0.0, 0.0)
+        self.asked = (0.0, 0.0)
+        self.resting = False
         self.refused = 0
         self.lost = 0
         self.telemetry = Telemetry(settings, clock)
@@ -40,8 +42,9 @@ class Controller:
         self._exchange = Exchange(line, clock)
         self._lost_in_a_row = 0
         self._refused_in_a_row = 0
-        self._fed: float | None = None
+        self._fed = -inf
         self._turn = 0
+        self._known = False
 
     def open(self) -> None:
         """Identify it, write zero, then set and read back what safety rests on."""
@@ -59,22 +62,27 @@ class Controller:
 
     def drive(self, left: float, right: float) -> None:
         """Write the power of both wheels, unless an answer is still due; after a gap, zero first."""
+        if not (isfinite(left) and isfinite(right)):
+            left = right = 0.0
         if not self._settle(PATIENCE_S):
             return
         if self._gap():
             self.stop()
             return
+        self.asked = (left, right)
         self._send(self._motors(left, right))
         self._settle(PATIENCE_S)
 
     def stop(self) -> bool:
         """Write zero as soon as the line is free; return whether it was acknowledged."""
+        self.asked = (0.0, 0.0)
         stopped = self._urgent(wire.STOP)
         self._complain()
         return stopped
 
     def emergency_stop(self) -> bool:
         """Cut the power stage and write zero; return whether the cut was acknowledged."""
+        self.asked = (0.0, 0.0)
         cut = self._urgent(wire.EMERGENCY_STOP)
         self._urgent(wire.STOP)
         self._complain()
@@ -97,14 +105,14 @@ class Controller:
         self._settle(PATIENCE_S)
 
     @property
-    def fed_s_ago(self) -> float | None:
-        """Seconds since a motor command was last written; None before the first."""
-        return None if self._fed is None else self._clock() - self._fed
+    def fed_s_ago(self) -> float:
+        """Seconds since a motor command was last written."""
+        return self._clock() - self._fed
 
     def close(self) -> None:
         """Write zero, wait shortly for it to be acknowledged, and let go of the line."""
         with suppress(DeviceError):
-            if not any(self._urgent(wire.STOP, CLOSING_TIMEOUT_S) for _ in range(3)):
+            if self._known and not any(self._urgent(wire.STOP, CLOSING_TIMEOUT_S) for _ in range(3)):
                 self._line.drop_output()  # closing a line waits for its output, for half a minute
         self._line.close()
 
@@ -122,6 +130,7 @@ class Controller:
                 raise DeviceError(
                     self._sentence(f"says {what} '{found}', expected /{pattern}/; correct the address or `{what}`")
                 )
+        self._known = True
 
     def _insist(self, command: bytes, trouble: str) -> None:
         for _ in range(SETUP_TRIES):
@@ -163,6 +172,7 @@ class Controller:
     def _send(self, command: bytes, timeout_s: float | None = None) -> None:
         if command[:1] == b"!":
             self._fed = self._clock()
+            self.resting = False
         self._exchange.send(command, self._settings.reply_timeout_s if timeout_s is None else timeout_s)
 
     def _settle(self, budget_s: float) -> bool:
@@ -193,6 +203,7 @@ class Controller:
         self._refused_in_a_row = 0
         if outcome.command.startswith(b"!M "):
             self.applied = self._powers(outcome.command)
+            self.resting = outcome.command == wire.STOP
 
     def _complain(self) -> None:
         if self._lost_in_a_row >= LOST_IN_A_ROW:
@@ -207,10 +218,13 @@ class Controller:
             )
 
     def _gap(self) -> bool:
-        return self.fed_s_ago is None or not self.fed_s_ago < self._settings.watchdog_ms / 1000.0
+        return not self.fed_s_ago < self._settings.watchdog_ms / 1000.0
 
     def _motors(self, left: float, right: float) -> bytes:
-        values = {wheel.channel: wire_value(power, wheel) for power, wheel in self._wheels(left, right)}
+        settings = self._settings
+        values = {
+            wheel.channel: wire_value(power, wheel) for power, wheel in ((left, settings.left), (right, settings.right))
+        }
         return wire.motors(values[1], values[2])
 
     def _powers(self, command: bytes) -> tuple[float, float]:
@@ -220,11 +234,6 @@ class Controller:
             for wheel in (self._settings.left, self._settings.right)
         )
         return left, right
-
-    def _wheels(self, left: float, right: float) -> tuple[tuple[float, Wheel], tuple[float, Wheel]]:
-        if not (isfinite(left) and isfinite(right)):
-            left = right = 0.0
-        return (left, self._settings.left), (right, self._settings.right)
 
     def _sentence(self, what: str) -> str:
         return f"device '{self._settings.device}': the controller {what}"

@@ -1,0 +1,65 @@
+"""The ultrasonic ring as a capability: every good frame becomes a message at once; no frame, no message."""
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Context
+from lbr.drivers.serial_line import open_line
+from lbr.drivers.ultrasonic import UltrasonicSettings
+from lbr.drivers.ultrasonic.controller import RangeBoard
+from lbr.drivers.ultrasonic.protocol import to_ranges
+from lbr.errors import DeviceError
+
+REPORT_PERIOD_S = 5.0
+
+
+class UltrasonicRing(Capability[UltrasonicSettings]):
+    """Publishes what the range board measures."""
+
+    rate_hz = 100.0
+
+    def __init__(self, ctx: Context[UltrasonicSettings]) -> None:
+        super().__init__(ctx)
+        self._board: RangeBoard | None = None
+        self._bad_told = 0
+        self._told = 0.0
+        self._waiting = False
+
+    def open(self) -> None:
+        """Open the line and start the board."""
+        settings = self.ctx.settings
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        self._board = RangeBoard(open_line(self.ctx.device, settings.baud), settings, self.ctx.clock)
+        self._board.open()
+        self._bad_told = 0
+        self._waiting = False
+
+    def step(self) -> None:
+        """Publish what has come in."""
+        board = self._board
+        assert board is not None
+        for frame in board.poll():
+            self.ctx.publish("readings", to_ranges(frame, self.ctx.settings))
+        self._tell_state(board)
+        self._tell_bad_lines(board)
+
+    def close(self) -> None:
+        """Stop the board and let go of the line."""
+        board, self._board = self._board, None
+        if board is not None:
+            board.close()
+
+    def _tell_state(self, board: RangeBoard) -> None:
+        """Opening the line is not enough: ready is who has measured."""
+        waiting = board.frames == 0
+        if waiting and not self._waiting:
+            self.ctx.warn("waiting for the first reading")
+        elif self._waiting and not waiting:
+            self.ctx.ready()
+        self._waiting = waiting
+
+    def _tell_bad_lines(self, board: RangeBoard) -> None:
+        now = self.ctx.clock()
+        if board.bad_lines > self._bad_told and now - self._told > REPORT_PERIOD_S:
+            self._bad_told, self._told = board.bad_lines, now
+            text = f"{board.bad_lines} lines from the range board were no readings"
+            self.ctx.event("bad_lines", text, level="warning", data={"bad": board.bad_lines, "good": board.frames})

@@ -1,0 +1,99 @@
+"""The range board as a device: started, listened to, and declared silent when it is."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from lbr.drivers.ultrasonic import UltrasonicSettings
+from lbr.drivers.ultrasonic.protocol import FINISH, START, BadLine, Frame, LineParser
+from lbr.errors import DeviceError
+
+ASK_PERIOD_S = 0.25
+HELD_UP_S = 0.25
+
+
+class Line(Protocol):
+    """The bytes to and from the board."""
+
+    def read(self, wait_s: float = 0.0) -> bytes:
+        """Return what has come in, waiting `wait_s` at most."""
+
+    def write(self, data: bytes) -> int:
+        """Hand over what the line takes at once and return how much."""
+
+    def drop_output(self) -> None:
+        """Throw away what has not left yet."""
+
+    def drop_input(self) -> None:
+        """Throw away what was not read yet."""
+
+    def close(self) -> None:
+        """Let go."""
+
+
+class RangeBoard:
+    """One board on an open line; silence is a DeviceError, and an error never becomes a number."""
+
+    def __init__(self, line: Line, settings: UltrasonicSettings, clock: Callable[[], float]) -> None:
+        self.frames = 0
+        self.bad_lines = 0
+        self._line = line
+        self._settings = settings
+        self._clock = clock
+        self._parser = LineParser()
+        self._asked = 0.0
+        self._polled = 0.0
+        self._heard = 0.0
+
+    def open(self) -> None:
+        """Ask the board to begin."""
+        now = self._clock()
+        self._heard = self._polled = now
+        self._ask(now)
+
+    def poll(self) -> list[Frame]:
+        """Return the frames that came in since the last call; raise once the board has been silent for too long."""
+        now = self._clock()
+        if now - self._polled > HELD_UP_S:
+            self._catch_up(now)
+        self._polled = now
+        found = self._parser.feed(self._line.read())
+        frames = [item for item in found if isinstance(item, Frame)]
+        self.bad_lines += sum(isinstance(item, BadLine) for item in found)
+        self.frames += len(frames)
+        if frames:
+            self._heard = now
+        elif not now - self._heard < self._allowed_s:
+            raise DeviceError(self._silence(now))
+        elif self.frames == 0 and now - self._asked >= ASK_PERIOD_S:
+            self._ask(now)
+        return frames
+
+    def close(self) -> None:
+        """Ask the board to stop, and let go of the line."""
+        try:
+            self._line.write(FINISH)
+        except DeviceError:
+            pass  # it is gone: nothing to stop
+        finally:
+            self._line.close()
+
+    @property
+    def _allowed_s(self) -> float:
+        return self._settings.timeout_s if self.frames else self._settings.start_timeout_s
+
+    def _ask(self, now: float) -> None:
+        """A board that restarts when its line is opened misses the first one."""
+        self._line.drop_output()
+        self._line.write(START)
+        self._asked = now
+
+    def _catch_up(self, now: float) -> None:
+        """What came in while this process was held up is old; wait for the next frame as long as usual."""
+        self._line.drop_input()
+        self._parser.reset()
+        self._heard = now
+
+    def _silence(self, now: float) -> str:
+        said = f"device '{self._settings.device}' is silent: no reading for {now - self._heard:.1f} s"
+        heard = f", but {self.bad_lines} lines that are none" if self.bad_lines else ""
+        return f"{said}{heard}; check its cable, power and the setting `board`"

@@ -1,0 +1,122 @@
+"""What the range boards say: one JSON object per line, in centimetres. No I/O.
+
+The Arduino waits for `g`, stops on `s` and tells of every byte it received; the Parallax board just talks.
+"""
+
+from dataclasses import dataclass
+
+import msgspec
+from msgspec import Struct
+
+from lbr.drivers.ultrasonic import SENSORS, Board, UltrasonicSettings
+from lbr.messages.sensing import Ranges, RangeStatus
+
+START = b"g\n"
+FINISH = b"s\n"
+MAX_LINE_BYTES = 512
+TICKS_PER_S: dict[Board, float] = {"arduino": 1000.0, "parallax": 80_000_000.0}
+NO_SENSOR = -1
+
+
+class Frame(Struct, frozen=True):
+    """One measuring cycle as the board wrote it."""
+
+    forward: int = msgspec.field(name="Forward")
+    left: int = msgspec.field(name="Left")
+    right: int = msgspec.field(name="Right")
+    back: int = msgspec.field(name="Back")
+    bottom: int = msgspec.field(name="Bottom")
+    deltat: int = msgspec.field(name="Deltat")
+
+
+@dataclass(frozen=True, slots=True)
+class BadLine:
+    """A line that is no frame and no remark of the board; `text` is its beginning."""
+
+    text: str
+
+
+class _Line(Struct, frozen=True, forbid_unknown_fields=True):
+    ranges: Frame = msgspec.field(name="Ranges")
+
+
+class LineParser:
+    """Turns bytes, in pieces of any size, into frames; whatever comes, it holds at most one line."""
+
+    def __init__(self) -> None:
+        self._line = bytearray()
+        self._overlong = False
+
+    def feed(self, data: bytes) -> list[Frame | BadLine]:
+        """Return the frames and the bad lines that these bytes complete."""
+        found: list[Frame | BadLine] = []
+        *ended, rest = data.split(b"\n")
+        for piece in ended:
+            self._extend(piece)
+            found += self._end_line()
+        self._extend(rest)
+        return found
+
+    def reset(self) -> None:
+        """Forget a line begun; what is left of it will count as a bad line."""
+        self._line.clear()
+        self._overlong = False
+
+    @property
+    def held_bytes(self) -> int:
+        """How many bytes of an unfinished line it holds."""
+        return len(self._line)
+
+    def _extend(self, piece: bytes) -> None:
+        room = MAX_LINE_BYTES - len(self._line)
+        self._overlong = self._overlong or len(piece) > room
+        self._line += piece[:room]
+
+    def _end_line(self) -> list[Frame | BadLine]:
+        line, overlong = bytes(self._line), self._overlong
+        self.reset()
+        if overlong:
+            return [_bad(line)]
+        found = parse_line(line)
+        return [] if found is None else [found]
+
+
+def parse_line(line: bytes) -> Frame | BadLine | None:
+    """Return the frame a line holds, None for an empty line or the board's remark on a byte it received."""
+    line = line.strip()
+    if not line or (line.startswith(b"received:") and b"{" not in line):
+        return None
+    try:
+        return _decoder.decode(line).ranges
+    except (msgspec.DecodeError, UnicodeDecodeError):
+        return _bad(line)
+
+
+def to_ranges(frame: Frame, settings: UltrasonicSettings) -> Ranges:
+    """Return a frame in metres, with null and a status wherever the board did not measure."""
+    metres: dict[str, float | None] = {}
+    status: dict[str, RangeStatus] = {}
+    for name in SENSORS:
+        cm: int = getattr(frame, name)
+        status[name] = "missing" if name in settings.absent else classify(cm, settings)
+        metres[f"{name}_m"] = cm / 100.0 if status[name] == "ok" else None
+    cycle_s = frame.deltat / TICKS_PER_S[settings.board] if frame.deltat > 0 else None
+    return Ranges(status=status, cycle_s=cycle_s, **metres)
+
+
+def classify(cm: int, settings: UltrasonicSettings) -> RangeStatus:
+    """Say what a sensor's number means."""
+    if cm == NO_SENSOR:
+        return "missing"
+    if settings.min_cm <= cm < settings.over_range_cm:
+        return "ok"
+    if settings.over_range_cm <= cm <= settings.max_cm:
+        return "over_range"
+    return "invalid"  # 0 is the sensor's error; what else is out of bounds is implausible
+
+
+def _bad(line: bytes) -> BadLine:
+    return BadLine(line[:40].decode("ascii", "backslashreplace"))
+
+
+_decoder = msgspec.json.Decoder(_Line)
