@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.bus import keys
 from lbr.capability import registry
@@ -81,6 +82,7 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
     problems += _check_devices(rows, chosen, kinds, settings)
     problems += _check_profile(rows, profile)
+    chosen = _after_the_world(chosen, kinds)
     order, found = _order(chosen, {row.name for row in rows.capabilities})
     problems += found
     if problems:
@@ -159,6 +161,12 @@ def _check_devices(
             continue
         problems.append(Problem("capability", row.name, "settings", f"device: {text}"))
     return problems
+
+
+def _after_the_world(chosen: list[CapabilityRow], kinds: Mapping[str, Kind]) -> list[CapabilityRow]:
+    """Let every driver need the simulation that emulates its device, where there is one."""
+    worlds = tuple(row.name for row in chosen if kinds[row.name].family == "simulation")
+    return [replace(row, needs=(*row.needs, *worlds)) if kinds[row.name].device else row for row in chosen]
 
 
 def _order(chosen: Iterable[CapabilityRow], known: set[str]) -> tuple[list[str], list[Problem]]:

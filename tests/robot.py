@@ -1,0 +1,132 @@
+"""A whole robot for tests: `lbr run` in a home of its own, and a plain client on its bus."""
+
+import json
+import os
+import select
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+from lbr.bus import keys, session, wire
+
+T = TypeVar("T")
+LBR = [sys.executable, "-m", "lbr.cli"]
+
+
+class Robot:
+    """A running robot. Motor outputs are read from the trace that the emulated controller writes."""
+
+    def __init__(self, home: Path, popen: "subprocess.Popen[str]", ready: dict[str, Any]) -> None:
+        self.home = home
+        self.popen = popen
+        self.ready = ready
+        self.name = ready["robot"]
+        self.endpoints = ready["endpoints"]
+        self.bus = session.open_client(self.endpoints)
+
+    def ask(self, key: str, message: Any = None, *, source: str = "test", timeout_s: float = 2.0) -> Any:
+        """Query `<robot>/<key>` and return the decoded answer; None if nobody answered."""
+        answers = wire.ask(self.bus, f"{self.name}/{key}", message, source=source, timeout_s=timeout_s)
+        return json.loads(answers[0].payload) if answers else None
+
+    def put(self, key: str, message: Any, *, source: str = "test") -> None:
+        wire.put(self.bus, f"{self.name}/{key}", message, source=source)
+
+    def line(self, text: str) -> dict[str, Any]:
+        """Send a console line over the bus."""
+        query = self.bus.get(keys.console(self.name), payload=text, timeout=5.0)
+        return json.loads(next(iter(query)).ok.payload.to_bytes())
+
+    def status(self) -> dict[str, Any]:
+        return self.ask("@status")
+
+    def capability(self, name: str) -> dict[str, Any]:
+        return next(unit for unit in self.status()["capabilities"] if unit["name"] == name)
+
+    def events(self) -> list[dict[str, Any]]:
+        return self.line("/report/events")["data"]
+
+    def edit(self, sql: str, *parameters: Any) -> None:
+        """Change the rows the way anybody does: with another SQLite client."""
+        with sqlite3.connect(self.home / "robot.db", timeout=5.0) as database:
+            database.execute(sql, parameters)
+        database.close()
+
+    @property
+    def trace(self) -> Path:
+        return self.home / "trace.txt"
+
+    def close(self) -> int:
+        self.bus.close()
+        if self.popen.poll() is None:
+            self.popen.send_signal(signal.SIGTERM)
+        try:
+            return self.popen.wait(8.0)
+        except subprocess.TimeoutExpired:
+            self.popen.kill()
+            raise
+
+
+def until(look: Callable[[], T], *, limit_s: float = 5.0, what: str = "") -> T:
+    """Look again and again until it is truthy; fail with the last look."""
+    end = time.monotonic() + limit_s
+    while True:
+        seen = look()
+        if seen:
+            return seen
+        if time.monotonic() > end:
+            raise AssertionError(f"not within {limit_s} s: {what or look}; last seen {seen!r}")
+        select.select([], [], [], 0.01)
+
+
+def environment(home: Path) -> dict[str, str]:
+    return os.environ | {"LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"}
+
+
+def start(home: Path, *arguments: str, profile: str = "lbr-sim", limit_s: float = 9.0) -> Robot:
+    """Run a robot and wait for its ready line."""
+    with (home / "stderr.txt").open("ab") as errors:
+        popen = subprocess.Popen(
+            [*LBR, "run", profile, "--no-console", *arguments],
+            env=environment(home),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+        )
+    assert popen.stdout is not None
+    readable, _, _ = select.select([popen.stdout], [], [], limit_s)
+    line = popen.stdout.readline() if readable else ""
+    if not line:
+        popen.kill()
+        raise AssertionError(f"no ready line: {(home / 'stderr.txt').read_text()[-2000:]}")
+    return Robot(home, popen, json.loads(line))
+
+
+def lbr(home: Path, *arguments: str, stdin: str = "", limit_s: float = 9.0) -> "subprocess.CompletedProcess[str]":
+    """Run an `lbr` command to its end."""
+    return subprocess.run(
+        [*LBR, *arguments],
+        env=environment(home),
+        input=stdin,
+        capture_output=True,
+        text=True,
+        timeout=limit_s,
+        check=False,
+    )
+
+
+@contextmanager
+def running(home: Path, *arguments: str, **options: Any) -> Iterator[Robot]:
+    """Run a robot for the time of a `with`, and let no process outlive it."""
+    robot = start(home, *arguments, **options)
+    try:
+        yield robot
+    finally:
+        robot.close()
