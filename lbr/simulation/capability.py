@@ -1,8 +1,6 @@
 """The capability `world`: a room, a robot in it, and an emulated twin for each device row that has one."""
 
-import os
 import sys
-import time
 from collections import deque
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,8 @@ from lbr.messages.sensing import Ranges, RangeStatus
 from lbr.messages.simulation import WorldScene
 from lbr.simulation.engine import Engine
 from lbr.simulation.loop import WorldLoop
-from lbr.simulation.requests import FaultReply, FaultRequest, PictureReply, PictureRequest
+from lbr.simulation.painter import Painter, picture_path
+from lbr.simulation.requests import FaultReply, FaultRequest, PictureRequest
 from lbr.simulation.settings import WorldSettings
 from lbr.simulation.topdown import image
 from lbr.simulation.trace import OutputTrace
@@ -35,6 +34,7 @@ class World(Capability[WorldSettings]):
         self._loop: WorldLoop | None = None
         self._trace: OutputTrace | None = None
         self._twins: dict[str, Twin] = {}
+        self._painter = Painter()
         self._scene: WorldScene | None = None
         self._scene_at = self._pose_at = 0.0
         self._trail: deque[tuple[float, float]] = deque(maxlen=5000)
@@ -44,6 +44,7 @@ class World(Capability[WorldSettings]):
         """Build the world, plug the twins in and let time run."""
         sys.setswitchinterval(_SWITCH_S)
         now = self.ctx.clock()
+        self._painter = Painter()
         engine = Engine(self.ctx.settings)
         self._trace = OutputTrace(self.ctx.settings.trace)
         self._twins = {device.name: twin for device in self.ctx.devices if (twin := self._twin(device, now))}
@@ -58,6 +59,7 @@ class World(Capability[WorldSettings]):
         loop, scene = self._running()
         if loop.failure is not None:
             raise loop.failure
+        self._painter.finish()
         now, period_s = self.ctx.clock(), 1 / self.ctx.settings.pose_hz
         if now >= self._pose_at - period_s / 4:
             self._pose_at = max(self._pose_at + period_s, now)
@@ -80,6 +82,7 @@ class World(Capability[WorldSettings]):
 
     def close(self) -> None:
         """Stop time, pull the twins out and end the trace."""
+        self._painter.close()
         if self._loop is not None:
             self._loop.close()
             self._loop = None
@@ -104,8 +107,8 @@ class World(Capability[WorldSettings]):
         return None
 
     def _warn_of_devices_without_twin(self) -> None:
-        without = [f"{d.name} ({d.type} at {d.address or 'no address'})" for d in self.ctx.devices]
-        without = [words for words, d in zip(without, self.ctx.devices, strict=True) if d.name not in self._twins]
+        devices = (device for device in self.ctx.devices if device.name not in self._twins)
+        without = [f"{device.name} ({device.type} at {device.address or 'no address'})" for device in devices]
         if without:
             allowed = "a roboteq or ultrasonic_ring whose address is a path"
             self.ctx.warn(f"no emulated twin for {', '.join(without)}; there is one for {allowed}")
@@ -129,30 +132,10 @@ class World(Capability[WorldSettings]):
 
     def _picture(self, call: Call, request: PictureRequest) -> None:
         loop, scene = self._running()
-        path = Path(request.path).expanduser() if request.path else _picture_path(self.ctx.robot)
-        if path.suffix != ".png" or not path.is_absolute():
-            call.refuse(f"a picture's path is absolute and ends in .png, '{request.path}' is not")
-            return
-        drawn = image(
-            scene,
-            loop.pose,
-            _as_ranges(loop.ranges_m),
-            trail=tuple(self._trail),
-            width=request.width_px,
-            height=request.height_px,
-        )
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            drawn.save(path, compress_level=1)
-        except OSError as err:
-            call.refuse(f"cannot write {path}: {err.strerror or err}")
-            return
-        call.reply(PictureReply(accepted=True, path=str(path)))
-
-
-def _picture_path(robot: str) -> Path:
-    home = Path(os.environ.get("LBR_HOME") or "~/.lbr").expanduser()
-    return home / "pictures" / f"{robot}-{time.strftime('%Y%m%d-%H%M%S')}.png"
+        path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
+        pose, ranges, trail = loop.pose, _as_ranges(loop.ranges_m), tuple(self._trail)
+        size = {"width": request.width_px, "height": request.height_px}
+        self._painter.ask(call, path, lambda: image(scene, pose, ranges, trail=trail, **size))
 
 
 def _as_ranges(ranges_m: dict[str, float | None]) -> Ranges:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lbr.errors import LbrError
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.measured import Sensed
@@ -15,7 +16,10 @@ from lbr.simulation.plan import CONE_RAD
 from lbr.simulation.settings import WorldSettings
 
 os.environ.pop("MUJOCO_GL", None)  # the choice of a renderer that is not installed would fail the import
-mujoco: Any = importlib.import_module("mujoco")  # its bindings carry no types
+try:
+    mujoco: Any = importlib.import_module("mujoco")  # its bindings carry no types
+except ImportError as err:
+    raise LbrError(f"the simulated world needs MuJoCo ({err}); install lbr with its extra 'sim'") from err
 
 REACH_M = 7.65
 """What an MB1220 reports at most."""

@@ -80,7 +80,7 @@ class WorldLoop:
                 self._watched[twin.name] = wanted
 
     def _next_due(self, physics: float) -> float:
-        return min(physics, *(at for twin in self._twins if (at := twin.next_due()) is not None))
+        return min([physics, *(at for twin in self._twins if (at := twin.next_due()) is not None)])
 
     def _advance(self, now: float, dt_s: float) -> None:
         left, right = self._motors.wheels(now) if self._motors else (0.0, 0.0)

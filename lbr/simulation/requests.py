@@ -1,10 +1,12 @@
 """What can be asked of the world while it runs."""
 
-from typing import Any
+from typing import Annotated, Any
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from lbr.messages.units import Name
+
+Pixels = Annotated[int, Meta(ge=100, le=4000)]
 
 
 class FaultRequest(Struct, frozen=True, kw_only=True):
@@ -27,8 +29,8 @@ class PictureRequest(Struct, frozen=True, kw_only=True):
     """Draw the world from above into a PNG file: at `path`, or below `$LBR_HOME/pictures`."""
 
     path: str = ""
-    width_px: int = 900
-    height_px: int = 750
+    width_px: Pixels = 900
+    height_px: Pixels = 750
 
 
 class PictureReply(Struct, frozen=True, kw_only=True):

@@ -72,13 +72,12 @@ class RoboteqDevice:
     def poll(self, now: float) -> bytes:
         """Return what has crossed the line to the host by now."""
         self._now = now
+        self._stage.expired(now)
         if self._faults.brown_out:
             self._outbox.clear()
-        while self._repeat_s > 0 and now >= self._repeat_at and self.present(now):
+        while self._repeat_s > 0 and now >= self._repeat_at:
             self._repeat_at = max(self._repeat_at + self._repeat_s, now - 10 * self._repeat_s)
-            if self._history:
-                self._history.append(self._history.pop(0))
-                self._answer(self._query(self._history[-1]), now)
+            self._repeat_next(now)
         return self._outbox.due(now)
 
     def next_due(self) -> float | None:
@@ -256,6 +255,11 @@ class RoboteqDevice:
         period_ms = int(words[0]) if len(words) == 1 and words[0].isdigit() and len(words[0]) < 6 else 0
         self._repeat_s = period_ms / 1000
         self._repeat_at = now + self._repeat_s
+
+    def _repeat_next(self, now: float) -> None:
+        if self._history and self.present(now):
+            self._history.append(self._history.pop(0))
+            self._answer(self._query(self._history[-1]), now)
 
     # Queries.
 

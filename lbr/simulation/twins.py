@@ -73,11 +73,12 @@ class RoboteqTwin:
         self._trace = trace
         self._device = RoboteqDevice(faults=self._row.faults, seed=_seed(seed, device.name), heard=self._heard)
         self._left = self._row.left_channel - 1
+        self._faults = self._row.faults  # set by another thread, taken over in `service`
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
         """Set a fault and return them all; raise InputError saying what is allowed."""
-        self._device.faults = changed(self._device.faults, name, value)
-        return msgspec.structs.asdict(self._device.faults)
+        self._faults = changed(self._faults, name, value)
+        return msgspec.structs.asdict(self._faults)
 
     def reads(self) -> bool:
         """Say whether it takes bytes from its port now."""
@@ -85,6 +86,8 @@ class RoboteqTwin:
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out, the outputs."""
+        if self._device.faults is not self._faults:
+            self._device.faults = self._faults
         present = self._device.present(now)
         if self.port.plugged and not present and self._device.faults.unplug:
             self._trace.outputs(now, self.wheels(now), "unplug", always=True)
@@ -134,11 +137,12 @@ class UltrasonicTwin:
         self.port = PtyPort(device.address)
         row = _row(device, UltrasonicRow)
         self._board = UltrasonicBoard(row.board, faults=row.faults, seed=_seed(seed, device.name), powered_at=now)
+        self._faults = row.faults  # set by another thread, taken over in `service`
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
         """Set a fault and return them all; raise InputError saying what is allowed."""
-        self._board.faults = changed(self._board.faults, name, value)
-        return msgspec.structs.asdict(self._board.faults)
+        self._faults = changed(self._faults, name, value)
+        return msgspec.structs.asdict(self._faults)
 
     def reads(self) -> bool:
         """Say whether it takes bytes from its port now."""
@@ -146,6 +150,7 @@ class UltrasonicTwin:
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out."""
+        self._board.faults = self._faults
         if _plug(self.port, present=not self._board.faults.unplug):
             self._board.power_cycle(now)
         heard = self.port.read()

@@ -1,0 +1,64 @@
+"""Draws pictures of the world beside its loop, and answers whoever asked when they are on the disk."""
+
+import os
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lbr.capability.context import Call
+from lbr.simulation.requests import PictureReply
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+_WAITING = 8
+
+
+class Painter:
+    """One picture at a time, in a thread of its own; replies are sent from `finish`."""
+
+    def __init__(self) -> None:
+        self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="painter")
+        self._calls: list[tuple[Call, Path, Future[None]]] = []
+
+    def ask(self, call: Call, path: Path, draw: Callable[[], "Image"]) -> None:
+        """Have a picture drawn and saved."""
+        if path.suffix != ".png" or not path.is_absolute():
+            call.refuse(f"a picture's path is absolute and ends in .png; '{path}' is not")
+        elif len(self._calls) >= _WAITING:
+            call.refuse(f"{_WAITING} pictures are waiting already")
+        else:
+            self._calls.append((call, path, self._worker.submit(_save, path, draw)))
+
+    def finish(self) -> None:
+        """Answer for every picture that is done."""
+        done = [entry for entry in self._calls if entry[2].done()]
+        self._calls = [entry for entry in self._calls if entry not in done]
+        for call, path, work in done:
+            error = work.exception()
+            if error is None:
+                call.reply(PictureReply(accepted=True, path=str(path)))
+            elif isinstance(error, OSError):
+                call.refuse(f"cannot write {path}: {error.strerror or error}")
+            else:
+                raise error
+
+    def close(self) -> None:
+        """Let the picture being drawn be the last; whoever still waits is refused."""
+        self._worker.shutdown(wait=False, cancel_futures=True)
+        for call, _, _ in self._calls:
+            call.refuse("the world is closing")
+        self._calls.clear()
+
+
+def picture_path(robot: str) -> Path:
+    """Return where a picture goes that nobody named."""
+    home = Path(os.environ.get("LBR_HOME") or "~/.lbr").expanduser()
+    return home / "pictures" / f"{robot}-{time.strftime('%Y%m%d-%H%M%S')}.png"
+
+
+def _save(path: Path, draw: Callable[[], "Image"]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draw().save(path, compress_level=1)

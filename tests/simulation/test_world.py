@@ -1,0 +1,299 @@
+"""The running world as a driver and a bus client meet it: real ttys, real time."""
+
+import json
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+import serial
+
+from lbr.capability.context import Device
+from lbr.simulation import KIND
+from lbr.simulation.capability import World
+from lbr.simulation.requests import FaultRequest, PictureRequest
+from lbr.simulation.settings import BoxSettings, WorldSettings
+
+WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
+
+
+class FakeContext:
+    """Our own contract, kept by lists."""
+
+    robot = "lbr"
+    name = "world"
+    device = None
+
+    def __init__(self, settings, devices):
+        self.settings = settings
+        self.devices = devices
+        self.published = {"pose": [], "scene": []}
+        self.events = []
+        self.warnings = []
+
+    def clock(self):
+        return time.monotonic()
+
+    def publish(self, output, message):
+        self.published[output].append(message)
+
+    def event(self, kind, text, *, level="info", data=None):
+        self.events.append((kind, text))
+
+    def warn(self, reason):
+        self.warnings.append(reason)
+
+
+class FakeCall:
+    role = "operate"
+
+    def __init__(self, name, message, role="operate"):
+        self.name, self.message, self.role = name, message, role
+        self.answer = self.refusal = None
+
+    def reply(self, answer):
+        self.answer = answer
+
+    def refuse(self, reason):
+        self.refusal = reason
+
+
+class Client:
+    """A motor line without echo."""
+
+    def __init__(self, path):
+        self.tty = serial.Serial(str(path), 115200, timeout=1, write_timeout=1, exclusive=True)
+        self.tty.write(b"^ECHOF 1\r")
+        assert self.tty.read_until(b"+\r").endswith(b"+\r")
+
+    def ask(self, line):
+        self.tty.write(line.encode() + b"\r")
+        return self.tty.read_until(b"\r")
+
+
+class Bench:
+    def __init__(self, folder, **settings):
+        self.motors_path, self.ranges_path = folder / "motors", folder / "ranges"
+        self.trace_path = folder / "trace.txt"
+        settings = WorldSettings(**{"walls": (WALL,), "trace": str(self.trace_path), **settings})
+        devices = (
+            Device("motors", "roboteq", str(self.motors_path), {}),
+            Device("ranges", "ultrasonic_ring", str(self.ranges_path), {"board": "arduino"}),
+        )
+        self.ctx = FakeContext(settings, devices)
+        self.world = World(self.ctx)
+
+    def ask(self, name, message, **more):
+        call = FakeCall(name, message, **more)
+        self.world.command(call)
+        return call
+
+    def fault(self, device, name, value=True):
+        call = self.ask("fault", FaultRequest(device=device, name=name, value=value))
+        assert call.refusal is None
+        return call.answer
+
+    def trace(self):
+        return [line.split() for line in self.trace_path.read_text().splitlines()]
+
+    def until(self, condition, seconds=3.0):
+        """Step as the runtime would until something is true."""
+        pause, end = threading.Event(), time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.world.step()
+            if condition():
+                return True
+            pause.wait(0.01)
+        return False
+
+
+@pytest.fixture
+def bench(tmp_path):
+    made = Bench(tmp_path)
+    made.world.open()
+    yield made
+    made.world.close()
+
+
+@pytest.fixture
+def motors(bench):
+    client = Client(bench.motors_path)
+    yield client
+    client.tty.close()
+
+
+def test_a_motor_command_drives_the_robot_ahead(bench, motors):
+    bench.world.step()
+    ahead_m = bench.ctx.published["pose"][0].x_m
+
+    def has_moved():
+        assert motors.ask("!M -500 500") == b"+\r"
+        pose = bench.ctx.published["pose"][-1]
+        return pose.x_m > ahead_m + 0.1 and abs(pose.y_m) < 0.02
+
+    assert bench.until(has_moved)
+    assert bench.ctx.published["pose"][-1].left == bench.ctx.published["pose"][-1].right == 0.5
+    counts = motors.ask("?C")
+    left, right = (int(count) for count in counts[2:-1].split(b":"))
+    assert left < -10
+    assert right > 10
+
+
+def test_commands_are_answered_promptly(motors):
+    times = []
+    for _ in range(200):
+        start = time.perf_counter()
+        assert motors.ask("?FF") == b"FF=0\r"
+        times.append(time.perf_counter() - start)
+    assert sorted(times)[100] < 0.01
+    assert min(times) > 0.0009, "no faster than the bytes"
+
+
+def test_the_trace_tells_lines_and_the_watchdogs_stop(bench, motors):
+    motors.ask("^RWD 150")
+    motors.ask("!M -300 300")
+    assert bench.until(lambda: bench.trace()[-1][-1] == "watchdog")
+    line, start, stop = bench.trace()
+    assert line[1:] == ["line", "!M", "-300", "300"]
+    assert start[1:] == ["0.3", "0.3", "command"]
+    assert stop[1:] == ["0", "0", "watchdog"]
+    assert 0.150 <= (int(stop[0]) - int(start[0])) / 1e9 < 0.2
+
+
+def test_the_emergency_stop_is_in_the_trace_and_closing_too(bench, motors):
+    motors.ask("!M -300 300")
+    motors.ask("!EX")
+    bench.world.close()
+    causes = [entry[3] for entry in bench.trace() if entry[1] != "line"]
+    assert causes == ["command", "emergency_stop", "close"]
+    assert not bench.motors_path.is_symlink()
+
+
+def test_pulled_motors_run_on_until_the_watchdog_and_come_back(bench, motors):
+    motors.ask("!M -300 300")
+    bench.fault("motors", "unplug")
+    assert bench.until(lambda: not bench.motors_path.is_symlink())
+    with pytest.raises(serial.SerialException):
+        motors.tty.read(1)
+    assert bench.until(lambda: bench.trace()[-1][-1] == "watchdog")
+    assert [entry[1:] for entry in bench.trace()[2:]] == [["0.3", "0.3", "unplug"], ["0", "0", "watchdog"]]
+    bench.fault("motors", "replug")
+    assert bench.until(bench.motors_path.is_symlink)
+    again = Client(bench.motors_path)
+    assert again.ask("~RWD") == b"RWD=1000\r"
+    again.tty.close()
+
+
+def test_a_reset_drops_the_port_for_a_while(bench, motors):
+    motors.tty.write(b"%RESET 321654987\r")
+    assert bench.until(lambda: not bench.motors_path.is_symlink())
+    assert bench.until(bench.motors_path.is_symlink)
+
+
+def test_a_controller_that_stops_reading_answers_later(bench, motors):
+    bench.fault("motors", "stop_reading")
+    motors.tty.timeout = 0.1
+    assert bench.until(lambda: motors.ask("?FF") == b"")
+    bench.fault("motors", "stop_reading", False)
+    motors.tty.timeout = 1
+    assert motors.tty.read_until(b"\r") == b"FF=0\r"
+
+
+def test_the_board_reports_the_walls_and_what_is_pinned(bench):
+    with serial.Serial(str(bench.ranges_path), 115200, timeout=2, exclusive=True) as tty:
+        tty.write(b"g\n")
+        assert tty.readline() == b"received: g\n"
+        assert tty.readline() == b"received: \n"
+        assert tty.readline() == b"\n"
+        seen = json.loads(tty.readline())["Ranges"]
+        assert abs(seen["Forward"] - 173) < 6
+        assert seen["Back"] == 765
+        bench.fault("ranges", "range_back_m", 0.5)
+        assert any(json.loads(tty.readline())["Ranges"]["Back"] == 50 for _ in range(5))
+
+
+def test_pose_comes_at_its_rate_and_the_scene_at_once(bench):
+    assert bench.until(lambda: len(bench.ctx.published["pose"]) >= 11)
+    first, last = bench.ctx.published["pose"][0], bench.ctx.published["pose"][10]
+    assert 0.35 < last.time_s - first.time_s < 1.0
+    assert [wall.name for wall in bench.ctx.published["scene"][0].walls] == ["wall"]
+
+
+def test_a_picture_is_saved_where_asked(bench, tmp_path):
+    path = tmp_path / "pictures" / "room.png"
+    call = bench.ask("picture", PictureRequest(path=str(path), width_px=300, height_px=300))
+    assert bench.until(lambda: call.answer is not None)
+    assert call.answer.path == str(path)
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    call = bench.ask("picture", PictureRequest())
+    assert bench.until(lambda: call.answer is not None)
+    assert call.answer.path.startswith(str(tmp_path / "home" / "pictures" / "lbr-"))
+
+
+@pytest.mark.parametrize(
+    ("name", "message", "role", "reason"),
+    [
+        ("fault", FaultRequest(device="legs", name="unplug"), "operate", "there are: motors, ranges"),
+        ("fault", FaultRequest(device="motors", name="explode"), "operate", "allowed here: silent"),
+        ("fault", FaultRequest(device="motors", name="drop", value=7.0), "operate", "fault 'drop'"),
+        ("fault", FaultRequest(device="motors", name="unplug"), "view", "needs the role operate"),
+        ("picture", PictureRequest(path="room.png"), "operate", "absolute"),
+        ("picture", PictureRequest(path="/etc/passwd"), "operate", "ends in .png"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_with_a_reason(bench, name, message, role, reason):
+    assert reason in bench.ask(name, message, role=role).refusal
+
+
+def test_what_ends_the_worlds_thread_ends_the_capability(bench, monkeypatch):
+    def fall(*_):
+        raise ZeroDivisionError("physics")
+
+    monkeypatch.setattr("lbr.simulation.engine.Engine.step", fall)
+    with pytest.raises(ZeroDivisionError, match="physics"):
+        bench.until(lambda: False)
+
+
+def test_a_device_without_a_twin_is_named(tmp_path):
+    bench = Bench(tmp_path)
+    bench.ctx.devices = (*bench.ctx.devices, Device("arm", "servo_bus", str(tmp_path / "arm"), {}))
+    bench.world.open()
+    bench.world.close()
+    assert "no emulated twin for arm (servo_bus" in bench.ctx.warnings[0]
+
+
+def test_faults_come_with_the_row(tmp_path):
+    bench = Bench(tmp_path)
+    row = Device("motors", "roboteq", str(bench.motors_path), {"faults": {"silent": True}})
+    bench.ctx.devices = (row,)
+    bench.world.open()
+    with serial.Serial(str(bench.motors_path), 115200, timeout=0.1) as tty:
+        tty.write(b"?FF\r")
+        assert tty.read(1) == b""
+    bench.world.close()
+
+
+def test_a_row_that_is_wrong_is_named(tmp_path):
+    bench = Bench(tmp_path)
+    bench.ctx.devices = (Device("motors", "roboteq", str(bench.motors_path), {"left_channel": 3}),)
+    with pytest.raises(ValueError, match=r"device 'motors' \(roboteq\).*left_channel"):
+        bench.world.open()
+    bench.world.close()
+
+
+def test_it_opens_again_after_closing(bench):
+    bench.world.close()
+    bench.world.open()
+    assert Client(bench.motors_path).ask("?FF") == b"FF=0\r"
+
+
+def test_the_kind_is_light_and_leads_to_the_world():
+    code = "import sys, lbr.simulation as s; s.KIND.parse('{}'); print([m for m in ('mujoco', 'numpy', 'PIL') if m in sys.modules])"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+    assert KIND.load() is World
