@@ -5,7 +5,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -31,20 +31,21 @@ APPLICATION_ID = 0x4C425231
 
 def create(path: Path, sql: Path | None = None) -> None:
     """Build a new database from `sql` (the shipped robot.db.sql); raise InputError if the file is there already."""
+    if path.exists():
+        raise InputError(f"database {path} exists already: name another, or move it away first")
     source = (sql or robot_db_sql()).read_text(encoding="utf-8")
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     building = path.with_name(f"{path.name}.new-{os.getpid()}")
     try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         os.close(os.open(building, os.O_CREAT | os.O_TRUNC | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
         with sentences(path), closing(sqlite3.connect(building)) as connection:
             connection.executescript(source)
-        path.hardlink_to(building)
-    except FileExistsError:
-        raise InputError(f"database {path} exists already: name another, or move it away first") from None
+        path.hardlink_to(building)  # unlike a rename, never over a file that somebody else built meanwhile
     except OSError as err:
         raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err
     finally:
-        building.unlink(missing_ok=True)
+        with suppress(OSError):
+            building.unlink()
 
 
 class Database:

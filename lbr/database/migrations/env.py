@@ -7,7 +7,6 @@ from lbr.database.models import Model
 context.configure(
     connection=context.config.attributes["connection"],
     target_metadata=Model.metadata,
-    render_as_batch=True,
     transactional_ddl=True,
 )
 context.run_migrations()

@@ -1,0 +1,254 @@
+"""Bad rows: every one is named with table, row and column, and nothing in them raises."""
+
+import copy
+import json
+import sqlite3
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lbr.database.checks import check
+from lbr.database.resources import robot_db_sql
+from lbr.database.rows import RobotRow
+from lbr.database.tables import KEYS, TABLES
+
+COLUMNS = {table.name: [column.name for column in table.columns] for table in TABLES}
+
+
+def shipped() -> dict:
+    connection = sqlite3.connect(":memory:")
+    connection.row_factory = sqlite3.Row
+    connection.executescript(robot_db_sql().read_text())
+    tables = {name: [dict(row) for row in connection.execute(f"SELECT * FROM {name}")] for name in COLUMNS}
+    connection.close()
+    tables["calibration"] = [
+        {"robot": "lbr", "device": "range_board", "name": "offset_cm", "value": 1.5, "measured_at": "2026-01-01"}
+    ]
+    return tables
+
+
+SHIPPED = shipped()
+
+
+def with_value(table, number, column, value):
+    tables = copy.deepcopy(SHIPPED)
+    tables[table][number][column] = value
+    return tables
+
+
+# table, which of its rows, column, bad value, what the problem says
+BAD_VALUES = [
+    ("robot", 0, "model", None, "is NULL, not a text"),
+    ("robot", 0, "owner", b"\xff", "is a blob, not a text"),
+    ("robot", 0, "estop_engaged", 7, "'7' is neither 0 nor 1"),
+    ("robot", 0, "last_start", 5, "is a number"),
+    ("capability", 0, "name", "Motors", "'Motors' is not a name"),
+    ("capability", 0, "name", "mоtors", "is not a name"),  # noqa: RUF001 - a Cyrillic letter
+    ("capability", 0, "name", "m" * 41, "is not a name"),
+    ("capability", 0, "name", "motors\n", "is not a name"),
+    ("capability", 0, "name", "executive", "is lbr itself"),
+    ("capability", 0, "kind", "os.system", "'os.system' is not a name"),
+    ("capability", 0, "enabled", None, "is neither 0 nor 1"),
+    ("capability", 0, "settings", "{", "is not JSON"),
+    ("capability", 0, "settings", "", "is not JSON"),
+    ("capability", 0, "settings", "[]", "is not a JSON object"),
+    ("capability", 0, "settings", "null", "is not a JSON object"),
+    ("capability", 0, "settings", '{"a": 1, "a": 2}', "a key stands twice"),
+    ("capability", 0, "settings", '{"a": NaN}', "NaN is no number"),
+    ("capability", 0, "settings", '{"a": 1e999}', "too large"),
+    ("capability", 0, "settings", '{"a": 99999999999999999999}', "too large"),
+    ("capability", 0, "settings", '{"a": "\\ud800"}', "is not JSON"),
+    ("capability", 0, "settings", '{"a": ' + "[" * 40_000 + "]" * 40_000 + "}", "nested too deeply"),
+    ("capability", 0, "settings", '{"a": "' + "x" * 1_000_000 + '"}', "longer than 100000"),
+    ("capability", 0, "settings", '{"a": "\0"}', "NUL"),
+    ("capability", 0, "settings", '{"device": "gone"}', "there is no device 'gone'"),
+    ("capability", 0, "restart", "maybe", "'maybe' is none of never, on-failure, always"),
+    ("capability", 0, "needs", '["gone"]', "there is no capability 'gone'"),
+    ("capability", 0, "needs", "[1]", "is not a JSON list of strings"),
+    ("capability", 0, "needs", '{"a": 1}', "is not a JSON list of strings"),
+    ("capability", 0, "needs", '["motors"]', "it needs itself"),
+    ("capability", 0, "needs", '["drive"]', "it needs itself"),
+    ("capability", 0, "robot", "lbrr", "there is no robot 'lbrr'"),
+    ("capability", 0, "help", "\udcff", "is not valid UTF-8"),
+    ("channel", 0, "source", "gone.setpoint", "there is no capability 'gone'"),
+    ("channel", 0, "target", "gone.setpoint", "there is no capability 'gone'"),
+    ("channel", 0, "source", "drive", "is not of the form capability.port"),
+    ("channel", 0, "rate_hz", 0.0, "is not above 0"),
+    ("channel", 0, "rate_hz", float("nan"), "is not above 0"),
+    ("channel", 0, "rate_hz", float("inf"), "is not above 0"),
+    ("channel", 0, "history", 65, "is not a whole number from 1 to 64"),
+    ("channel", 0, "history", 1.5, "is not a whole number from 1 to 64"),
+    ("channel", 0, "enabled", "yes", "is neither 0 nor 1"),
+    ("device", 0, "name", "", "'' is not a name"),
+    ("device", 0, "type", "ROBOTEQ", "is not a name"),
+    ("device", 0, "address", " ", "is empty"),
+    ("device", 0, "address", "/dev/\x1btty", "is not an address"),
+    ("device", 0, "settings", "[1]", "is not a JSON object"),
+    ("verb", 0, "word", "/r", "is not a word"),
+    ("verb", 0, "word", "q", "begins with 'r', but the word of this row is 'q'"),
+    ("verb", 0, "pattern", "", "is empty"),
+    ("verb", 0, "pattern", "/r//x", "it has an empty part"),
+    ("verb", 0, "pattern", "/r/{power}/{power}", "a field stands in it twice"),
+    ("verb", 0, "pattern", "/r/{text...}/{x}", "takes the rest of the line"),
+    ("verb", 0, "pattern", "/r/{a b}", "is neither a word nor a {field}"),
+    ("verb", 0, "pattern", "r x", "it begins with a word"),
+    ("verb", 1, "pattern", "/r/{speed}/{angle}", "takes the same lines as"),
+    ("verb", 0, "target", "gone.command", "there is no capability 'gone'"),
+    ("verb", 0, "target", "drive", "is not of the form capability.port"),
+    ("verb", 0, "payload", "[]", "is not a JSON object"),
+    ("verb", 0, "payload", '{"power": 1}', "sets 'power', which the pattern binds"),
+    ("verb", 0, "role", "root", "'root' is none of view, operate, admin"),
+    ("external_command", 0, "name", "stop", "'stop' is a verb already"),
+    ("external_command", 0, "argv", "[]", "names no program"),
+    ("external_command", 0, "argv", '[""]', "names no program"),
+    ("external_command", 0, "argv", '"/bin/date"', "is not a JSON list of strings"),
+    ("external_command", 0, "argv", '["/bin/date", 1]', "is not a JSON list of strings"),
+    ("external_command", 0, "argv", '["a\\u0000b"]', "is not a JSON list of strings"),
+    ("external_command", 0, "blocking", 2, "is neither 0 nor 1"),
+    ("phrase", 0, "language", "English", "is not a language tag"),
+    ("phrase", 0, "text", "", "is empty"),
+    ("calibration", 0, "device", "gone", "there is no device 'gone'"),
+    ("calibration", 0, "value", float("inf"), "is not a finite number"),
+    ("calibration", 0, "value", "1.5", "is not a finite number"),
+    ("calibration", 0, "measured_at", None, "is NULL"),
+]
+
+
+@pytest.mark.parametrize(
+    ("table", "number", "column", "value", "says"), BAD_VALUES, ids=[f"{b[0]}.{b[2]}-{b[4][:30]}" for b in BAD_VALUES]
+)
+def test_a_bad_value_is_named_with_its_place(table, number, column, value, says):
+    tables = with_value(table, number, column, value)
+    rows = check(tables, "lbr")
+    at = {(p.table, p.column) for p in rows.problems if says in p.text}
+    assert (table, column if "the word of this row" not in says else "pattern") in at
+    assert all(p.row and p.row.isprintable() and len(str(p)) < 1000 for p in rows.problems)
+
+
+def test_every_column_has_a_bad_value():
+    covered = {(table, column) for table, _, column, _, _ in BAD_VALUES}
+    alike = {"robot", "name", "description", "estop_reason", "last_shutdown", "kind", "help", "enabled", "settings"}
+    for table, columns in COLUMNS.items():
+        assert [c for c in columns if (table, c) not in covered and c not in alike] == []
+
+
+def test_a_bad_row_is_left_out_and_the_others_stay():
+    rows = check(with_value("verb", 0, "role", "root"), "lbr")
+    assert len(rows.verbs) == len(SHIPPED["verb"]) - 1
+    assert len(rows.capabilities) == len(SHIPPED["capability"])
+    assert [str(p) for p in rows.problems] == [
+        "verb 'lbr/r//r/{power}/{angle_deg}', role: 'root' is none of view, operate, admin"
+    ]
+
+
+def test_all_problems_come_at_once():
+    tables = with_value("verb", 0, "role", "root")
+    tables["device"][0]["address"] = ""
+    tables["channel"][0]["history"] = 0
+    tables["capability"][3]["settings"] = "{"
+    assert {(p.table, p.column) for p in check(tables, "lbr").problems} == {
+        ("verb", "role"),
+        ("device", "address"),
+        ("channel", "history"),
+        ("capability", "settings"),
+    }
+
+
+def test_a_bad_row_is_not_reported_again_by_those_who_name_it():
+    rows = check(with_value("capability", 0, "enabled", 5), "lbr")
+    assert len(rows.problems) == 1
+
+
+@pytest.mark.parametrize("value", [None, "", 2, b"\0", "0"])
+def test_a_latch_that_cannot_be_read_is_engaged(value):
+    assert check(with_value("robot", 0, "estop_engaged", value), "lbr").robot.estop_engaged
+
+
+def test_a_robot_that_is_not_there_is_a_problem_naming_those_that_are():
+    rows = check(SHIPPED, "lbr9")
+    assert [str(p) for p in rows.problems] == ["robot 'lbr9', name: there is no robot of this name (there is: lbr)"]
+    assert rows.robot == RobotRow(name="lbr9", estop_engaged=True)
+    assert rows.capabilities == ()
+
+
+def test_rows_of_another_robot_are_left_alone():
+    tables = copy.deepcopy(SHIPPED)
+    tables["robot"].append({**tables["robot"][0], "name": "other"})
+    tables["capability"].append({**tables["capability"][0], "robot": "other", "settings": "{"})
+    assert check(tables, "lbr") == check(SHIPPED, "lbr")
+    assert len(check(tables, "other").problems) == 1
+
+
+def test_needs_in_a_ring_are_found_in_every_member():
+    tables = copy.deepcopy(SHIPPED)
+    names = [row["name"] for row in tables["capability"]]
+    for row, needed in zip(tables["capability"], names[1:] + names[:1], strict=True):
+        row["needs"] = json.dumps([needed])
+    problems = check(tables, "lbr").problems
+    assert [p.row for p in problems] == [f"lbr/{name}" for name in names]
+
+
+SQLITE_VALUES = (
+    st.none()
+    | st.integers(-(2**63), 2**63 - 1)
+    | st.floats()
+    | st.binary(max_size=20)
+    | st.text(st.characters(), max_size=30)
+    | st.sampled_from([good for rows in SHIPPED.values() for row in rows for good in row.values()])
+    | st.recursive(
+        st.none() | st.booleans() | st.integers() | st.text(st.characters(), max_size=5),
+        lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+        max_leaves=5,
+    ).map(json.dumps)
+)
+PLACES = [
+    (table, number, column) for table, rows in SHIPPED.items() for number, row in enumerate(rows) for column in row
+]
+
+
+@given(st.lists(st.tuples(st.sampled_from(PLACES), SQLITE_VALUES), min_size=1, max_size=6))
+def test_mutated_rows_never_raise_and_are_named_or_sound(mutations):
+    tables = copy.deepcopy(SHIPPED)
+    for (table, number, column), value in mutations:
+        tables[table][number][column] = value
+    rows = check(tables, "lbr")
+    for problem in rows.problems:
+        assert problem.table in KEYS
+        assert problem.column in COLUMNS[problem.table]
+        assert problem.text
+        str(problem).encode()
+    check_sound(rows)
+
+
+def check_sound(rows):
+    """What came through is well formed, whatever was in the tables."""
+    capabilities = {row.name for row in rows.capabilities}
+    for row in rows.capabilities:
+        assert isinstance(json.loads(row.settings), dict)
+        assert row.restart in ("never", "on-failure", "always")
+        assert row.name not in row.needs
+    for row in rows.channels:
+        assert 1 <= row.history <= 64
+        assert row.rate_hz is None or row.rate_hz > 0
+        assert all((*row.source_end, *row.target_end))
+    for row in rows.verbs:
+        assert row.role in ("view", "operate", "admin")
+        assert row.pattern.lstrip("/").split("/")[0] == row.word
+    assert all(row.argv and row.argv[0] for row in rows.external_commands)
+    assert capabilities or rows.problems
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from([*KEYS, "other"]),
+        st.lists(
+            st.dictionaries(
+                st.sampled_from(sorted({c for columns in COLUMNS.values() for c in columns})), SQLITE_VALUES, max_size=8
+            ),
+            max_size=3,
+        ),
+    )
+)
+def test_arbitrary_tables_never_raise(tables):
+    check_sound(check(tables, "lbr"))

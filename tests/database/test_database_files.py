@@ -1,0 +1,165 @@
+"""Files that are refused, each with one sentence that says what to do."""
+
+import os
+import sqlite3
+from contextlib import closing
+
+import pytest
+
+from lbr.database.connection import BUSY_TIMEOUT_S
+from lbr.database.store import Database, create
+from lbr.errors import InputError, LbrError, RowError
+
+AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
+
+
+def refusal(path) -> str:
+    with pytest.raises(LbrError) as err:
+        Database.open(path)
+    text = str(err.value)
+    assert "\n" not in text
+    assert str(path) in text
+    return text
+
+
+def plain(path, *statements):
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        for statement in statements:
+            connection.execute(statement)
+
+
+def test_a_missing_file(tmp_path):
+    with pytest.raises(InputError, match="does not exist: `lbr db init` builds one"):
+        Database.open(tmp_path / "robot.db")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder(tmp_path):
+    assert "is not a file" in refusal(tmp_path)
+
+
+def test_a_path_through_a_file(path):
+    assert "cannot be reached" in refusal(path / "robot.db")
+
+
+@pytest.mark.parametrize("mode", [0o602, 0o620, 0o666])
+def test_a_file_that_others_may_change(path, mode):
+    path.chmod(mode)
+    assert f"may be changed by others (mode {mode:04o}): `chmod go-w`" in refusal(path)
+
+
+def test_a_file_that_others_may_read_is_taken(path):
+    path.chmod(0o644)
+    with Database.open(path) as database:
+        assert database.robots() == ("lbr",)
+
+
+def test_a_folder_where_others_may_replace_it(path):
+    path.parent.chmod(0o777)
+    assert "anyone may replace it" in refusal(path)
+
+
+def test_a_shared_folder_with_the_sticky_bit_is_taken(path):
+    path.parent.chmod(0o1777)
+    Database.open(path).close()
+
+
+@AS_ROOT
+def test_a_file_of_somebody_else(path):
+    os.chown(path, 4321, 4321)
+    assert "belongs to user 4321" in refusal(path)
+
+
+def test_a_file_that_is_read_only(path):
+    path.chmod(0o400)
+    assert "is read-only for you (mode 0400): `chmod u+rw`" in refusal(path)
+
+
+def test_an_empty_file(tmp_path):
+    path = tmp_path / "robot.db"
+    path.touch(0o600)
+    assert "is not a robot's" in refusal(path)
+
+
+def test_a_text(tmp_path):
+    path = tmp_path / "robot.db"
+    path.write_text("This is not a database, although it is long enough to hold a header. " * 100)
+    path.chmod(0o600)
+    assert "is no database at all" in refusal(path)
+
+
+def test_a_database_of_another_program(tmp_path):
+    path = tmp_path / "robot.db"
+    plain(path, "CREATE TABLE robot (name)", "CREATE TABLE alembic_version (version_num)")
+    path.chmod(0o600)
+    before = path.read_bytes()
+    assert "is not a robot's" in refusal(path)
+    assert path.read_bytes() == before
+
+
+def test_a_robot_database_without_tables(tmp_path):
+    path = tmp_path / "robot.db"
+    plain(path, "PRAGMA application_id = 0x4C425231", "CREATE TABLE x (y)")
+    path.chmod(0o600)
+    assert "is not a robot's" in refusal(path)
+
+
+def test_a_damaged_file(path):
+    raw = bytearray(path.read_bytes())
+    for offset in range(4096, len(raw), 4096):
+        raw[offset : offset + 200] = b"\xa5" * 200
+    path.write_bytes(raw)
+    assert "is damaged" in refusal(path)
+
+
+@pytest.mark.parametrize("kept", [0.05, 0.3, 0.6, 0.95])
+def test_a_truncated_file(path, kept):
+    raw = path.read_bytes()
+    path.write_bytes(raw[: int(len(raw) * kept)])
+    assert "put a backup in its place" in refusal(path)
+
+
+def test_a_file_that_another_program_keeps_to_itself(path):
+    with closing(sqlite3.connect(path, isolation_level=None)) as other:
+        other.execute("PRAGMA locking_mode = EXCLUSIVE")
+        other.execute("UPDATE robot SET owner = 'x'")
+        assert f"is locked by another program for more than {BUSY_TIMEOUT_S:g} s" in refusal(path)
+
+
+def test_a_write_lock_that_is_never_released_is_an_error_not_a_hang(path, database):
+    with closing(sqlite3.connect(path, isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        assert database.load("lbr").problems == ()
+        with pytest.raises(RowError, match="is locked by another program"):
+            database.record_start("lbr")
+        other.execute("ROLLBACK")
+    database.record_start("lbr")
+    assert database.load("lbr").robot.last_start
+
+
+def test_creating_never_overwrites(path):
+    before = path.read_bytes()
+    with pytest.raises(InputError, match="exists already"):
+        create(path)
+    assert path.read_bytes() == before
+    assert [file.name for file in path.parent.iterdir()] == ["robot.db"]
+
+
+def test_a_new_database_and_its_folder_are_for_their_owner_alone(tmp_path):
+    path = tmp_path / "home" / "robot.db"
+    create(path)
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert path.parent.stat().st_mode & 0o777 == 0o700
+
+
+def test_creating_in_a_place_that_cannot_be_is_an_input_error(path):
+    with pytest.raises(InputError, match="cannot be built"):
+        create(path / "robot.db")
+
+
+def test_sql_with_a_mistake_leaves_nothing_behind(tmp_path):
+    sql = tmp_path / "bad.sql"
+    sql.write_text("CREATE TABLE robot (name TEXT) STRICT; CREATE TABEL x;")
+    with pytest.raises(RowError, match="syntax error"):
+        create(tmp_path / "robot.db", sql)
+    assert [file.name for file in tmp_path.iterdir()] == ["bad.sql"]

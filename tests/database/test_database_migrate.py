@@ -1,0 +1,189 @@
+"""Older databases are backed up and upgraded in one transaction; unknown ones are refused."""
+
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import threading
+from contextlib import closing
+
+import pytest
+from alembic.script import ScriptDirectory
+
+from lbr.database import migrate
+from lbr.database.resources import robot_db_sql
+from lbr.database.store import Database, create
+from lbr.errors import LbrError, RowError
+
+NEXT = '''
+"""Robots have colours."""
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0002"
+down_revision = "0001"
+
+
+def upgrade() -> None:
+    op.add_column("motion", sa.Column("colour", sa.Text))
+    op.execute("ALTER TABLE device RENAME COLUMN address TO place")
+    {last}
+
+
+def downgrade() -> None:
+    pass
+'''
+
+
+@pytest.fixture
+def newer(tmp_path, monkeypatch):
+    """Make this version one that knows a revision more; returns a way to say what its last line does."""
+
+    def make(last: str = "pass") -> None:
+        folder = tmp_path / "100% migrations"
+        shutil.copytree(migrate.MIGRATIONS, folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
+        (folder / "versions" / "v0002_colour.py").write_text(NEXT.replace("{last}", last))
+        monkeypatch.setattr(migrate, "MIGRATIONS", folder)
+        monkeypatch.setattr(migrate, "HEAD", "0002")
+
+    return make
+
+
+def look(path, query):
+    with closing(sqlite3.connect(path)) as connection:
+        return connection.execute(query).fetchall()
+
+
+def columns(path, table):
+    return [row[0] for row in look(path, f"SELECT name FROM pragma_table_info('{table}')")]
+
+
+def stamp(path):
+    return look(path, "SELECT version_num FROM alembic_version")
+
+
+def test_the_newest_revision_is_the_one_of_the_sql_file(path):
+    assert ScriptDirectory(str(migrate.MIGRATIONS)).get_heads() == [migrate.HEAD]
+    assert stamp(path) == [(migrate.HEAD,)]
+    assert f"VALUES ('{migrate.HEAD}')" in robot_db_sql().read_text()
+
+
+def test_a_database_of_this_version_is_left_alone(path):
+    with Database.open(path) as database:
+        assert database.backup is None
+    assert [file.name for file in path.parent.iterdir()] == ["robot.db"]
+
+
+def test_an_older_database_is_backed_up_and_upgraded(path, newer):
+    newer()
+    with Database.open(path) as database:
+        assert database.backup == path.with_name("robot.db.backup-0001")
+    assert stamp(path) == [("0002",)]
+    assert "colour" in columns(path, "motion")
+    assert "place" in columns(path, "device")
+    assert look(path, "SELECT count(*) FROM verb") == [(14,)]
+    assert look(path, "SELECT count(*) FROM device") == [(2,)]
+    assert stamp(database.backup) == [("0001",)]
+    assert "address" in columns(database.backup, "device")
+    assert database.backup.stat().st_mode & 0o777 == 0o600
+    with Database.open(path) as database:
+        assert database.backup is None
+
+
+def test_a_backup_is_a_whole_database(path, newer, monkeypatch):
+    with Database.open(path) as database:
+        database.set_estop("lbr", engaged=True, reason="kept")
+        before = database.load("lbr")
+    newer()
+    Database.open(path).close()
+    monkeypatch.undo()
+    with Database.open(path.with_name("robot.db.backup-0001")) as backup:
+        assert backup.load("lbr") == before
+
+
+def test_backups_are_never_overwritten(path, newer):
+    path.with_name("robot.db.backup-0001").write_text("an older one")
+    newer()
+    with Database.open(path) as database:
+        assert database.backup == path.with_name("robot.db.backup-0001-2")
+    assert path.with_name("robot.db.backup-0001").read_text() == "an older one"
+
+
+def test_a_migration_that_fails_changes_nothing(path, newer):
+    newer('op.execute("UPDATE no_such_table SET x = 1")')
+    with pytest.raises(LbrError, match="no such table: no_such_table"):
+        Database.open(path)
+    assert stamp(path) == [("0001",)]
+    assert columns(path, "motion") == ["robot", "name", "help"]
+    assert "address" in columns(path, "device")
+
+
+def test_a_migration_that_leaves_dangling_rows_changes_nothing(path, newer):
+    newer('op.execute("DELETE FROM robot")')
+    with pytest.raises(RowError, match="refer to none"):
+        Database.open(path)
+    assert stamp(path) == [("0001",)]
+    assert look(path, "SELECT name FROM robot") == [("lbr",)]
+
+
+def test_a_process_killed_in_the_middle_leaves_the_old_schema(path, newer):
+    newer("__import__('os').kill(__import__('os').getpid(), 9)")
+    program = (
+        "import pathlib, sys\n"
+        "from lbr.database import migrate, store\n"
+        "migrate.MIGRATIONS, migrate.HEAD = pathlib.Path(sys.argv[2]), '0002'\n"
+        "store.Database.open(pathlib.Path(sys.argv[1]))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program, path, migrate.MIGRATIONS], check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert stamp(path) == [("0001",)]
+    assert columns(path, "motion") == ["robot", "name", "help"]
+    newer()
+    with Database.open(path) as database:
+        assert database.backup == path.with_name("robot.db.backup-0001-2")
+    assert stamp(path) == [("0002",)]
+
+
+def test_two_programs_may_upgrade_at_once(path, newer):
+    newer()
+    failed: list[BaseException] = []
+
+    def upgrade() -> None:
+        try:
+            Database.open(path).close()
+        except BaseException as err:  # noqa: BLE001 - shown by the assertion below
+            failed.append(err)
+
+    other = threading.Thread(target=upgrade)
+    with closing(sqlite3.connect(path, isolation_level=None)) as holding:
+        holding.execute("BEGIN IMMEDIATE")
+        other.start()
+        holding.execute("UPDATE alembic_version SET version_num = '0002'")
+        holding.execute("COMMIT")
+    other.join()
+    assert failed == []
+    assert stamp(path) == [("0002",)]
+
+
+@pytest.mark.parametrize("unknown", ["0009", "", "abc"])
+def test_a_newer_or_unknown_schema_is_refused_and_left_alone(path, unknown):
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("UPDATE alembic_version SET version_num = ?", (unknown,))
+    with pytest.raises(RowError, match=f"has the schema '{unknown}', which this version of lbr .* does not know"):
+        Database.open(path)
+    assert [file.name for file in path.parent.iterdir()] == ["robot.db"]
+
+
+def test_a_database_without_a_stamp_is_refused(path):
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("DELETE FROM alembic_version")
+    with pytest.raises(RowError, match="does not know"):
+        Database.open(path)
+
+
+def test_a_new_database_needs_no_upgrade(tmp_path):
+    create(tmp_path / "robot.db")
+    with Database.open(tmp_path / "robot.db") as database:
+        assert database.backup is None
