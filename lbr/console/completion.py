@@ -1,0 +1,72 @@
+"""Completion from what can be said: words, then the fields with what each may be."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from prompt_toolkit.completion import CompleteEvent, Completer, Completion
+from prompt_toolkit.document import Document
+
+
+class LineCompleter(Completer):
+    """Completes lines from the entries that the robot gives; they may change while it runs."""
+
+    def __init__(self, entries: Iterable[dict[str, Any]] = ()) -> None:
+        self.entries = list(entries)
+
+    def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Completion]:  # noqa: ARG002
+        """Yield what may come next."""
+        text = document.text_before_cursor.lstrip()
+        if text.startswith("/") and "/" in text[1:]:
+            yield from self._fields(text)
+        elif text.lower().startswith("stop "):
+            yield from self._external(text[5:].lstrip())
+        elif " " not in text:
+            yield from self._words(text)
+
+    def _words(self, text: str) -> Iterator[Completion]:
+        seen = set()
+        for entry in self.entries:
+            path = entry.get("pattern", "").startswith("/")
+            fields = "/" if path and entry["pattern"].count("/") > 1 else ""
+            word = f"/{entry['word']}{fields}" if path else str(entry.get("word", ""))
+            if word.lower().startswith(text.lower()) and word not in seen:
+                seen.add(word)
+                yield Completion(word, -len(text), display=word, display_meta=str(entry.get("help", "")))
+
+    def _external(self, text: str) -> Iterator[Completion]:
+        for entry in self.entries:
+            if entry.get("target") == "external" and entry["word"].startswith(text):
+                yield Completion(entry["word"], -len(text), display_meta="end this external command")
+
+    def _fields(self, text: str) -> Iterator[Completion]:
+        word, *parts = text.lstrip("/").split("/")
+        index, start = len(parts) - 1, parts[-1]
+        seen = set()
+        for entry in self.entries:
+            if not entry.get("pattern", "").startswith("/") or entry.get("word") != word:
+                continue
+            for said, shown, meta in _next(entry, index, start):
+                if shown not in seen:
+                    seen.add(shown)
+                    yield Completion(said, -len(start) if said else 0, display=shown, display_meta=meta)
+
+
+def _next(entry: dict[str, Any], index: int, start: str) -> Iterator[tuple[str, str, str]]:
+    """Yield what may stand at a field: the text to insert (nothing for a hint), how it is shown, and what it means."""
+    wanted = entry["pattern"].split("/")[2:]
+    if index >= len(wanted):
+        return
+    part = wanted[index]
+    if not part.startswith("{"):
+        if part.startswith(start):
+            yield part, part, str(entry.get("help", ""))
+        return
+    at = sum(one.startswith("{") for one in wanted[:index])
+    fields = entry.get("fields") or []
+    field = fields[at] if at < len(fields) else {"name": part.strip("{.}"), "hint": "", "choices": []}
+    choices = field.get("choices") or (entry.get("choices", []) if at == 0 else [])
+    for choice in choices:
+        if str(choice).lower().startswith(start.lower()):
+            yield str(choice), str(choice), str(field["name"])
+    if not choices and not start:
+        yield "", f"{field['name']}: {field['hint']}", str(entry.get("help", ""))

@@ -1,0 +1,184 @@
+"""Going on moving: repeats a motion command under its lease, and lets the lease lapse by simply ceasing."""
+
+import threading
+import time
+from collections.abc import Callable
+
+import msgspec
+
+from lbr.bus import wire
+from lbr.bus.session import Session
+from lbr.errors import BusError
+from lbr.messages.drive import CommandReply, GoalResult, StopCommand
+from lbr.messages.system import Hold
+
+PERIOD_S = 0.1
+SILENCE_S = 1.0
+RESULT_WAIT_S = 0.5
+STOP_WAIT_S = 1.0
+MAX_WAITING = 4
+
+_replies = msgspec.json.Decoder(CommandReply)
+_results = msgspec.json.Decoder(GoalResult)
+
+
+class Ending(msgspec.Struct, frozen=True, kw_only=True):
+    """How a held motion ended: `good` if it was meant to end so."""
+
+    good: bool
+    text: str
+
+
+class Holder:
+    """Renews one hold at 10 Hz from a thread of its own, until it ends by itself, is released or dropped."""
+
+    def __init__(
+        self,
+        session: Session,
+        hold: Hold,
+        source: str,
+        *,
+        on_end: Callable[[Ending], None] = lambda _ending: None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.hold = hold
+        self.ending: Ending | None = None
+        self._session = session
+        self._source = source
+        self._on_end = on_end
+        self._clock = clock
+        self._started = clock()
+        self._wake = threading.Event()
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._payload = wire.encode(hold.payload)
+        self._asked: list[wire.Question] = []
+        self._answered = self._started
+        self._refused = ""
+        self._refused_at = 0.0
+        self._thread = threading.Thread(target=self._run, name="hold", daemon=True)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Return how long the motion has been held."""
+        return self._clock() - self._started
+
+    def start(self) -> None:
+        """Begin to renew."""
+        self._thread.start()
+
+    def release(self, why: str = "released") -> None:
+        """Cease to renew and stop the motion; return once it is acknowledged, or after a second."""
+        self.drop(why)
+        stop(self._session, self.hold.stop_key, self._source, why)
+
+    def drop(self, why: str = "superseded") -> None:
+        """Cease to renew, without a stop: another command has taken over."""
+        self._end(Ending(good=True, text=why))
+
+    def wait(self, timeout_s: float | None = None) -> Ending | None:
+        """Wait for the end; None if it still goes on."""
+        self._ended.wait(timeout_s)
+        return self.ending
+
+    def _run(self) -> None:
+        try:
+            self._renew_until_ended()
+        except BusError as err:
+            self._end(Ending(good=False, text=f"the bus is gone ({err}); the robot has stopped by itself"))
+
+    def _renew_until_ended(self) -> None:
+        hold = self.hold
+        results = wire.Subscription(self._session, hold.result_key, depth=8, wake=self._wake.set) if hold.goal else None
+        try:
+            due = self._clock()
+            if hold.goal:
+                self._ask_result()
+            while self.ending is None:
+                if self._clock() >= due:
+                    self._renew()
+                    due += PERIOD_S * max(1, int((self._clock() - due) / PERIOD_S))
+                self._wake.wait(max(0.0, min(due - self._clock(), PERIOD_S)))
+                self._wake.clear()
+                self._read_answers()
+                for raw in results.take() if results else ():
+                    self._read_result(raw.payload)
+                self._check_time()
+        finally:
+            if results is not None:
+                results.close()
+
+    def _renew(self) -> None:
+        if not self._refused and len(self._asked) < MAX_WAITING:
+            self._asked.append(self._question(self.hold.key, self._payload))
+
+    def _ask_result(self) -> None:
+        self._asked.append(self._question(self.hold.result_key, b""))
+
+    def _question(self, key: str, payload: bytes) -> wire.Question:
+        return wire.Question(self._session, key, payload, timeout_s=SILENCE_S, source=self._source, wake=self._wake.set)
+
+    def _read_answers(self) -> None:
+        for question in [question for question in self._asked if question.done or question.replies]:
+            self._asked.remove(question)
+            for raw in question.replies:
+                if question.key == self.hold.key:
+                    self._read_reply(raw.payload)
+                else:
+                    self._read_result(raw.payload)
+
+    def _read_reply(self, payload: bytes) -> None:
+        try:
+            reply = _replies.decode(payload)
+        except msgspec.DecodeError:
+            return
+        if reply.accepted:
+            self._answered = self._clock()
+        elif not self._refused:
+            self._refused, self._refused_at = reply.reason or "refused", self._clock()
+            if self.hold.goal:
+                self._ask_result()
+
+    def _read_result(self, payload: bytes) -> None:
+        try:
+            result = _results.decode(payload)
+        except msgspec.DecodeError:
+            return
+        if result.goal == self.hold.goal:
+            self._end(Ending(good=result.result in {"reached", "interval"}, text=describe(result)))
+
+    def _check_time(self) -> None:
+        now = self._clock()
+        if self._refused and (not self.hold.goal or now > self._refused_at + RESULT_WAIT_S):
+            self._end(Ending(good=False, text=self._refused))
+        elif not now <= self._answered + self.hold.ttl_s + SILENCE_S:
+            self._end(Ending(good=False, text="the robot does not answer; it has stopped by itself"))
+        elif not self.elapsed_s <= self.hold.max_run_s and self.ending is None:
+            text = f"stopped after {self.hold.max_run_s:g} s, the longest one line may move"
+            stop(self._session, self.hold.stop_key, self._source, text)
+            self._end(Ending(good=True, text=text))
+
+    def _end(self, ending: Ending) -> None:
+        with self._lock:
+            if self.ending is not None:
+                return
+            self.ending = ending
+        self._ended.set()
+        self._wake.set()
+        self._on_end(ending)
+
+
+def stop(session: Session, key: str, source: str, reason: str = "") -> bool:
+    """Ask for a stop; say whether it was acknowledged within a second."""
+    try:
+        return bool(wire.ask(session, key, StopCommand(reason=reason[:200]), source=source, timeout_s=STOP_WAIT_S))
+    except BusError:
+        return False
+
+
+def describe(result: GoalResult) -> str:
+    """Say in one line how a bounded move ended."""
+    at = f" at {result.range_cm:g} cm" if result.range_cm is not None else ""
+    why = f": {result.reason}" if result.reason and result.reason != result.result else ""
+    said = {"reached": "range reached", "interval": "time is over"}.get(result.result, result.result)
+    return f"{said}{at} after {result.elapsed_s:.1f} s{why}"

@@ -1,0 +1,128 @@
+"""Lines from a pipe or the command line: one after the other, each motion held until its end."""
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterable
+from typing import IO
+
+from lbr.console.hold import Ending, Holder
+from lbr.console.operator import STOPS, Operator
+from lbr.console.printable import one_line
+from lbr.errors import InputError, LbrError
+from lbr.messages.system import ConsoleResult
+
+FAILED, BAD_INPUT = 1, 2
+POLL_S = 0.05
+
+
+class Lines:
+    """Says lines in order. A bounded motion is waited for. An unbounded one is held for `hold_s` if that is given, and
+    otherwise until a later line moves or stops the robot, or the input ends. A stop never waits for a motion's end."""
+
+    def __init__(self, operator: Operator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
+        self._operator = operator
+        self._out = out
+        self._err = err
+        self._hold_s = hold_s
+        self._worst = 0
+        self._waiting: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        self._next: list[str | None] = []
+
+    def run(self, lines: Iterable[str]) -> int:
+        """Say every line; return the worst line's exit code."""
+        threading.Thread(target=self._read, args=(lines,), name="lines", daemon=True).start()
+        try:
+            while (line := self._take()) is not None:
+                self._say(line)
+        finally:
+            self._operator.release()
+        return self._worst
+
+    def _read(self, lines: Iterable[str]) -> None:
+        try:
+            for line in lines:
+                self._waiting.put(line)
+        finally:
+            self._waiting.put(None)
+
+    def _take(self) -> str | None:
+        return self._next.pop() if self._next else self._waiting.get()
+
+    def _peek(self, timeout_s: float) -> bool:
+        """Say whether a next line (or the end) is there, waiting a little for it."""
+        if self._next:
+            return True
+        try:
+            self._next.append(self._waiting.get(timeout=timeout_s))
+        except queue.Empty:
+            return False
+        return True
+
+    def _say(self, line: str) -> None:
+        try:
+            result = self._operator.submit(line)
+        except LbrError as err:
+            self._failed(one_line(str(err)), BAD_INPUT if isinstance(err, InputError) else FAILED)
+            return
+        show(result, self._out, self._err)
+        self._worst = max(self._worst, result.code)
+        held = self._operator.latest()
+        if held is None or held.hold is not result.hold:
+            return
+        ending = self._hold(held)
+        if ending is not None and ending.good:
+            print(ending.text, file=self._out, flush=True)
+        elif ending is not None:
+            self._failed(ending.text, FAILED)
+
+    def _hold(self, held: Holder) -> Ending | None:
+        until = time.monotonic() + self._hold_s if self._hold_s is not None else None
+        while held.ending is None:
+            ready = self._peek(POLL_S)
+            if ready and self._is_stop():
+                return None
+            if not held.hold.goal and self._is_over(until, ready=ready):
+                return None if ready and self._next[-1] is not None and self._hold_s is None else self._release(held)
+            if ready:
+                held.wait(POLL_S)
+        return held.ending
+
+    def _is_stop(self) -> bool:
+        line = self._next[-1]
+        return line is not None and line.strip().lower() in STOPS
+
+    def _is_over(self, until: float | None, *, ready: bool) -> bool:
+        return ready if until is None else not time.monotonic() < until
+
+    def _release(self, held: Holder) -> Ending | None:
+        self._operator.release()
+        return Ending(good=True, text=f"stopped after {held.elapsed_s:.1f} s")
+
+    def _failed(self, text: str, code: int) -> None:
+        self._worst = max(self._worst, code)
+        print(text, file=self._err, flush=True)
+
+
+def show(result: ConsoleResult, out: IO[str], err: IO[str]) -> None:
+    """Print a result where it belongs, without control characters."""
+    text = "\n".join(one_line(part) for part in result.text.splitlines())
+    if text:
+        print(text, file=err if result.code else out, flush=True)
+
+
+Announce = Callable[[ConsoleResult], None]
+
+
+def say_once(operator: Operator, line: str, *, hold_s: float, announce: Announce) -> tuple[int, str]:
+    """Say one line and see its motion to the end; return the exit code and, after a motion, how it ended."""
+    result = operator.submit(line)
+    announce(result)
+    held = operator.latest()
+    if held is None or held.hold is not result.hold:
+        return result.code, ""
+    ending = held.wait(None if held.hold.goal else hold_s)
+    if ending is None:
+        operator.release()
+        return result.code, f"stopped after {held.elapsed_s:.1f} s"
+    return (result.code if ending.good else FAILED), ending.text

@@ -1,0 +1,254 @@
+"""Between a front end and a robot: submits lines, holds what moves, and keeps the latest that the robot says."""
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Generic, Protocol, TypeVar
+
+import msgspec
+from msgspec import Struct
+
+from lbr.bus import keys, wire
+from lbr.bus.session import Session
+from lbr.console.hold import Ending, Holder, stop
+from lbr.console.printable import clean
+from lbr.errors import BusError, InputError
+from lbr.messages.drive import DriveState
+from lbr.messages.motors import MotorsState
+from lbr.messages.sensing import Ranges
+from lbr.messages.system import ConsoleResult, Event, Status
+
+LINE_TIMEOUT_S = 600.0
+SETTLE_S = 0.6
+STOPS = frozenset({"s", "stop", "estop"})  # after these, the end of a motion is no news
+
+T = TypeVar("T", bound=Struct)
+
+
+class Telemetry(Struct, frozen=True, kw_only=True):
+    """The latest of what a console shows; None where nothing fresh came."""
+
+    status: Status | None = None
+    status_age_s: float = 0.0
+    drive: DriveState | None = None
+    motors: MotorsState | None = None
+    ranges: Ranges | None = None
+
+
+class Operator(Protocol):
+    """What a front end needs of a robot. `submit` may be called by several threads at once."""
+
+    robot: str
+
+    def submit(self, line: str) -> ConsoleResult:
+        """Say a line, hold the motion that it starts, and return its result; InputError and BusError say why not."""
+
+    def words(self) -> list[dict[str, Any]]:
+        """Return what can be said, for completion; empty if the robot does not answer."""
+
+    def telemetry(self) -> Telemetry:
+        """Return the latest of what the robot says of itself."""
+
+    def events(self) -> list[Event]:
+        """Return the events since the last call."""
+
+    def held(self) -> Holder | None:
+        """Return what is being held, None if nothing moves on our behalf."""
+
+    def latest(self) -> Holder | None:
+        """Return what was held last, whether or not it has ended."""
+
+    def release(self) -> None:
+        """Stop what we hold; quick, and cheap to repeat."""
+
+    def close(self) -> None:
+        """Release, and let go of the robot."""
+
+
+class BusOperator:
+    """An operator over the bus; a console in the robot's own process passes `submit` to say its lines directly.
+
+    `streams` may be a second session, so that what the robot says never delays what is said to it.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        robot: str,
+        source: str,
+        *,
+        token: str = "",
+        submit: Callable[[str], ConsoleResult] | None = None,
+        streams: Session | None = None,
+        listen: bool = True,
+        on_end: Callable[[str, Ending], None] = lambda _line, _ending: None,
+        wake: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.robot = robot
+        self.on_end = on_end
+        self._session = session
+        self._source = source
+        self._token = token
+        self._submit = submit or self._ask
+        self._lock = threading.Lock()
+        self._said = 0
+        self._quiet_until = 0.0
+        self._holder: Holder | None = None
+        self._latest: _Latest | None = _Latest(streams or session, robot, wake) if listen else None
+
+    def submit(self, line: str) -> ConsoleResult:
+        """Say a line; a motion that it starts is held, unless a later line has been said meanwhile."""
+        line = clean(line)
+        if not line:
+            return ConsoleResult(code=0, text="")
+        with self._lock:
+            self._said += 1
+            turn = self._said
+        result = self._submit(line)
+        if result.hold is not None:
+            self._take(line, turn, result)
+        elif result.code == 0 and line.lower() in STOPS:
+            self._quiet_until = time.monotonic() + SETTLE_S
+        return result
+
+    def words(self) -> list[dict[str, Any]]:
+        """Return what can be said."""
+        try:
+            data = self._submit("help").data
+        except (BusError, InputError):
+            return []
+        return [entry for entry in data if isinstance(entry, dict)] if isinstance(data, list) else []
+
+    def telemetry(self) -> Telemetry:
+        """Return the latest; nothing if it does not listen."""
+        return self._latest.telemetry() if self._latest else Telemetry()
+
+    def events(self) -> list[Event]:
+        """Return the events since the last call."""
+        return self._latest.events() if self._latest else []
+
+    def held(self) -> Holder | None:
+        """Return what is being held."""
+        holder = self._holder
+        return holder if holder is not None and holder.ending is None else None
+
+    def latest(self) -> Holder | None:
+        """Return what was held last."""
+        return self._holder
+
+    def release(self) -> None:
+        """Stop what we hold, and whatever a line still under way may start."""
+        with self._lock:
+            self._said += 1
+            holder = self._holder
+        if holder is not None and holder.ending is None:
+            self._quiet_until = time.monotonic() + SETTLE_S
+            holder.release("the operator let go")
+
+    def close(self) -> None:
+        """Release, and stop listening."""
+        self.release()
+        if self._latest is not None:
+            self._latest.close()
+
+    def _take(self, line: str, turn: int, result: ConsoleResult) -> None:
+        if result.hold is None:
+            return
+        holder = Holder(self._session, result.hold, self._source, on_end=lambda ending: self._ended(line, ending))
+        with self._lock:
+            late = turn != self._said
+            before = None if late else self._holder
+            if not late:
+                self._holder = holder
+        if late:
+            stop(self._session, result.hold.stop_key, self._source, "another line was said meanwhile")
+            return
+        if before is not None:
+            before.drop()
+        holder.start()
+
+    def _ended(self, line: str, ending: Ending) -> None:
+        expected = ending.text == "superseded" or time.monotonic() < self._quiet_until
+        if not expected:
+            self.on_end(line, ending)
+
+    def _ask(self, line: str) -> ConsoleResult:
+        answered = threading.Event()
+        question = wire.Question(
+            self._session,
+            keys.console(self.robot),
+            line.encode(),
+            timeout_s=LINE_TIMEOUT_S,
+            source=self._source,
+            token=self._token,
+            wake=answered.set,
+        )
+        while not (question.done or question.replies):
+            answered.wait(1.0)
+            answered.clear()
+        if not question.replies:
+            raise BusError(f"robot '{self.robot}' does not answer; 'lbr status' shows what runs")
+        try:
+            return msgspec.json.decode(question.replies[0].payload, type=ConsoleResult)
+        except msgspec.DecodeError as err:
+            raise BusError(f"robot '{self.robot}' gave an answer that cannot be read ({err})") from None
+
+
+class _Latest:
+    """The newest message of each stream, decoded only when somebody looks."""
+
+    FRESH_S = 2.0
+
+    def __init__(self, session: Session, robot: str, wake: Callable[[], None]) -> None:
+        self._events = wire.Subscription(session, keys.event(robot), depth=256, wake=wake)
+        self._status = _Slot(session, keys.status(robot), Status)
+        self._drive = _Slot(session, keys.port(robot, "drive", "state"), DriveState)
+        self._motors = _Slot(session, keys.port(robot, "motors", "state"), MotorsState)
+        self._ranges = _Slot(session, keys.port(robot, "ranges", "readings"), Ranges)
+
+    def telemetry(self) -> Telemetry:
+        status, age_s = self._status.read(), self._status.age_s
+        return Telemetry(
+            status=status,
+            status_age_s=age_s,
+            drive=self._drive.read(self.FRESH_S),
+            motors=self._motors.read(self.FRESH_S),
+            ranges=self._ranges.read(self.FRESH_S),
+        )
+
+    def events(self) -> list[Event]:
+        found = []
+        for raw in self._events.take():
+            try:
+                found.append(msgspec.json.decode(raw.payload, type=Event))
+            except msgspec.DecodeError:
+                continue
+        return found
+
+    def close(self) -> None:
+        self._events.close()
+        for slot in (self._status, self._drive, self._motors, self._ranges):
+            slot.close()
+
+
+class _Slot(Generic[T]):
+    def __init__(self, session: Session, key: str, kind: type[T]) -> None:
+        self._decoder = msgspec.json.Decoder(kind)
+        self._feed = wire.Subscription(session, key)
+        self._last: T | None = None
+        self._seen = time.monotonic()
+
+    @property
+    def age_s(self) -> float:
+        return time.monotonic() - self._seen
+
+    def read(self, fresh_s: float | None = None) -> T | None:
+        for raw in self._feed.take():
+            try:
+                self._last, self._seen = self._decoder.decode(raw.payload), time.monotonic()
+            except msgspec.DecodeError:
+                continue
+        return self._last if fresh_s is None or self.age_s < fresh_s else None
+
+    def close(self) -> None:
+        self._feed.close()

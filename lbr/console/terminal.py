@@ -1,0 +1,200 @@
+"""The terminal: a prompt with completion, history and a live status bar. Whatever it held stops when it ends."""
+
+import contextlib
+import sys
+import threading
+import time
+from pathlib import Path
+
+from prompt_toolkit import PromptSession
+from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
+from prompt_toolkit.formatted_text import StyleAndTextTuples
+from prompt_toolkit.history import FileHistory, History, InMemoryHistory
+from prompt_toolkit.input import Input
+from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
+from prompt_toolkit.keys import Keys
+from prompt_toolkit.output import Output
+from prompt_toolkit.patch_stdout import patch_stdout
+from prompt_toolkit.styles import Style
+
+from lbr.console.completion import LineCompleter
+from lbr.console.hold import Ending
+from lbr.console.operator import BusOperator
+from lbr.console.printable import one_line
+from lbr.console.toolbar import toolbar
+from lbr.errors import LbrError
+from lbr.messages.system import ConsoleResult, Event
+
+PROMPT = "Robot> "
+REFRESH_S = 0.25
+PATIENCE_S = 0.3  # so long the prompt waits for a line's result before it offers the next one
+SHUTDOWN = "executive.shutdown"
+STYLE = Style.from_dict(
+    {
+        "bottom-toolbar": "noreverse bg:#303030 #d0d0d0",
+        "good": "#87d787",
+        "doubtful": "#ffd75f bold",
+        "bad": "bg:#af0000 #ffffff bold",
+    }
+)
+_COLOURS = {"error": "\x1b[31m", "warning": "\x1b[33m"}
+_PLAIN = "\x1b[0m"
+
+
+class Terminal:
+    """The console of one operator. `run` may be called in any thread; `close` ends it from any other."""
+
+    def __init__(
+        self,
+        operator: BusOperator,
+        *,
+        local: bool = False,
+        history: Path | None = None,
+        source: Input | None = None,
+        screen: Output | None = None,
+    ) -> None:
+        self._operator = operator
+        self._local = local
+        self._closing = False
+        self._lock = threading.Lock()
+        self._under_way: dict[str, float] = {}
+        self._completer = LineCompleter()
+        self._revision = -1
+        self._over = threading.Event()
+        self._session: PromptSession[str] = PromptSession(
+            PROMPT,
+            input=source,
+            output=screen,
+            history=_history(history),
+            completer=self._completer,
+            complete_while_typing=True,
+            auto_suggest=AutoSuggestFromHistory(),
+            key_bindings=self._keys(),
+            bottom_toolbar=self._bar,
+            refresh_interval=REFRESH_S,
+            style=STYLE,
+            reserve_space_for_menu=6,
+        )
+
+    def run(self) -> int:
+        """Read lines until end of input, Ctrl-C, a shutdown or `close`; then stop what is held. Return an exit code."""
+        self._operator.on_end = self._ended
+        helper = threading.Thread(target=self._follow, name="console events", daemon=True)
+        with patch_stdout(raw=True):
+            helper.start()
+            try:
+                while not self._closing and self._one():
+                    pass
+            except (EOFError, KeyboardInterrupt):
+                pass
+            finally:
+                self._over.set()
+                self._operator.release()
+            if not self._closing:
+                print("Stopped; shutting down." if self._local else "Stopped; leaving. The robot runs on.")
+            helper.join(1.0)
+        return 0
+
+    def close(self) -> None:
+        """End `run`, from another thread or a signal handler."""
+        self._closing = True
+        app = self._session.app
+        loop = app.loop
+        if loop is not None and app.is_running:
+            with contextlib.suppress(RuntimeError):
+                loop.call_soon_threadsafe(self._exit)
+
+    def _exit(self) -> None:
+        app = self._session.app
+        if app.is_running and not app.is_done:
+            app.exit(exception=EOFError, style="class:exiting")
+
+    def _one(self) -> bool:
+        line = self._session.prompt(handle_sigint=False, set_exception_handler=False)
+        if not line.strip():
+            return True
+        shut = threading.Event()
+        answered = threading.Event()
+        worker = threading.Thread(target=self._say, args=(line, answered, shut), name="console line", daemon=True)
+        worker.start()
+        answered.wait(PATIENCE_S)
+        return not shut.is_set()
+
+    def _say(self, line: str, answered: threading.Event, shut: threading.Event) -> None:
+        started = time.monotonic()
+        with self._lock:
+            self._under_way[line.strip()] = started
+        try:
+            self._show(self._operator.submit(line))
+            if self._is_shutdown(line):
+                shut.set()
+                self.close()
+        except LbrError as err:
+            self._print(str(err), "error")
+        finally:
+            with self._lock:
+                self._under_way.pop(line.strip(), None)
+            answered.set()
+
+    def _is_shutdown(self, line: str) -> bool:
+        return any(e.get("target") == SHUTDOWN and e.get("word") == line.strip() for e in self._completer.entries)
+
+    def _show(self, result: ConsoleResult) -> None:
+        if result.text:
+            self._print(result.text, "error" if result.code else "info")
+
+    def _ended(self, line: str, ending: Ending) -> None:
+        self._print(f"{one_line(line)}: {ending.text}", "info" if ending.good else "warning")
+
+    def _print(self, text: str, level: str) -> None:
+        safe = "\n".join(one_line(part) for part in text.splitlines())
+        colour = _COLOURS.get(level, "")
+        sys.stdout.write(f"{colour}{safe}{_PLAIN if colour else ''}\n")
+        sys.stdout.flush()
+
+    def _follow(self) -> None:
+        while not self._over.wait(REFRESH_S):
+            for event in self._operator.events():
+                self._print(describe(event), event.level)
+            status = self._operator.telemetry().status
+            revision = status.revision if status is not None else 0
+            if revision != self._revision:
+                self._completer.entries = self._operator.words() or self._completer.entries
+                self._revision = revision if self._completer.entries else -1
+
+    def _bar(self) -> StyleAndTextTuples:
+        now = time.monotonic()
+        with self._lock:
+            under_way = {line: now - since for line, since in self._under_way.items() if now - since > PATIENCE_S}
+        operator = self._operator
+        return [*toolbar(operator.robot, operator.telemetry(), operator.held(), under_way)]
+
+    def _keys(self) -> KeyBindings:
+        keys = KeyBindings()
+
+        @keys.add(Keys.BracketedPaste)
+        def _paste(event: KeyPressEvent) -> None:
+            text = event.data.replace("\r\n", "\n").replace("\r", "\n").strip("\n")
+            if "\n" in text:
+                count = len(text.splitlines())
+                self._print(f"The paste has {count} lines, and none was run: paste one line at a time.", "error")
+            else:
+                event.current_buffer.insert_text(text)
+
+        return keys
+
+
+def describe(event: Event) -> str:
+    """Return an event as one line."""
+    level = f"{event.level}: " if event.level != "info" else ""
+    return one_line(f"{level}{event.subject}: {event.text}" if event.subject else f"{level}{event.text}")
+
+
+def _history(path: Path | None) -> History:
+    if path is None:
+        return InMemoryHistory()
+    try:
+        path.touch(mode=0o600)
+    except OSError:
+        return InMemoryHistory()
+    return FileHistory(path)

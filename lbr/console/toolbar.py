@@ -1,0 +1,75 @@
+"""The status bar: what the robot is doing now, in one line; words carry the meaning, colours only repeat it."""
+
+from collections.abc import Mapping
+
+from lbr.console.hold import Holder
+from lbr.console.operator import Telemetry
+from lbr.console.printable import one_line, shown
+from lbr.messages.sensing import Ranges
+from lbr.messages.system import Status
+
+Fragments = list[tuple[str, str]]
+CONTACT_S = 3.0
+GOOD, DOUBTFUL, BAD = "class:good", "class:doubtful", "class:bad"
+
+
+def toolbar(robot: str, telemetry: Telemetry, held: Holder | None, under_way: Mapping[str, float]) -> Fragments:
+    """Return the bar; `under_way` are lines without a result yet, and for how many seconds."""
+    pieces: Fragments = [("", robot), _state(telemetry)]
+    drive, motors = telemetry.drive, telemetry.motors
+    if held is not None:
+        bound = f" of {held.hold.max_run_s:g}" if not held.hold.goal else ""
+        pieces.append((DOUBTFUL, f"moving {held.elapsed_s:.1f}{bound} s"))
+    if drive is not None and drive.holder:
+        pieces.append(("", f"held by {shown(drive.holder)}"))
+    if drive is not None and drive.limited_by:
+        pieces.append((DOUBTFUL, f"slowed by {shown(drive.limited_by)}"))
+    if motors is not None:
+        pieces.append(("", f"left {motors.left:+.2f} right {motors.right:+.2f}"))
+        if motors.voltage_v is not None:
+            pieces.append(("", f"{motors.voltage_v:.1f} V"))
+    if telemetry.ranges is not None:
+        pieces.append(("", _nearest(telemetry.ranges)))
+    pieces += [("", f"{shown(line)} ({age_s:.0f} s)") for line, age_s in under_way.items()]
+    return _joined(pieces)
+
+
+def state_of(status: Status) -> tuple[str, str]:
+    """Return style and words for what a robot is in."""
+    if status.estop.engaged:
+        why = f": {one_line(status.estop.reason)}" if status.estop.reason else ""
+        return BAD, f"E-STOP{why}"
+    bad = [one.name for one in status.capabilities if one.phase == "failed"]
+    if bad:
+        return BAD, f"failed: {', '.join(bad)}"
+    degraded = [one.name for one in status.capabilities if one.phase == "degraded"]
+    if degraded:
+        return DOUBTFUL, f"degraded: {', '.join(degraded)}"
+    return (GOOD, "ready") if status.ready else (DOUBTFUL, "starting")
+
+
+def _state(telemetry: Telemetry) -> tuple[str, str]:
+    if not telemetry.status_age_s <= CONTACT_S:
+        return BAD, f"NO CONTACT for {telemetry.status_age_s:.0f} s"
+    return state_of(telemetry.status) if telemetry.status is not None else (DOUBTFUL, "listening")
+
+
+def _nearest(ranges: Ranges) -> str:
+    found = {
+        "ahead": ranges.forward_m,
+        "behind": ranges.back_m,
+        "left": ranges.left_m,
+        "right": ranges.right_m,
+    }
+    known = {where: distance for where, distance in found.items() if distance is not None}
+    if not known:
+        return "no ranges"
+    where = min(known, key=lambda name: known[name])
+    return f"nearest {known[where]:.2f} m {where}"
+
+
+def _joined(pieces: Fragments) -> Fragments:
+    bar: Fragments = [("", " ")]
+    for style, text in pieces:
+        bar += [(style, text), ("", " | ")]
+    return bar[:-1]

@@ -1,0 +1,19 @@
+"""A small robot for every test here, and a client of it."""
+
+import pytest
+from fake_robot import FakeRobot
+
+from lbr.bus import session
+
+
+@pytest.fixture
+def robot(tmp_path):
+    robot = FakeRobot(f"unixsock-stream/{tmp_path}/r.sock")
+    yield robot
+    robot.close()
+
+
+@pytest.fixture
+def client(robot):
+    with session.open_client([robot.endpoint]) as bus:
+        yield bus

@@ -1,0 +1,111 @@
+import threading
+
+import pytest
+from fake_robot import wait_for
+
+from lbr.console.hold import Holder
+
+
+@pytest.fixture
+def ended():
+    return []
+
+
+@pytest.fixture
+def hold(client, ended):
+    holders = []
+
+    def start(what):
+        holder = Holder(client, what, "console@here", on_end=ended.append)
+        holders.append(holder)
+        holder.start()
+        return holder
+
+    yield start
+    for holder in holders:
+        holder.drop()
+
+
+def test_a_hold_is_renewed_ten_times_a_second_quoting_its_lease(robot, hold):
+    hold(robot.hold("L1"))
+    wait_for(lambda: len(robot.renewed) >= 6)
+    times = [at for at, _ in robot.renewed[:6]]
+    assert 0.3 < times[-1] - times[0] < 1.5
+    assert {payload["lease"] for _, payload in robot.renewed} == {"L1"}
+
+
+def test_release_stops_the_motion_and_renews_no_more(robot, hold, ended):
+    holder = hold(robot.hold("L1"))
+    wait_for(lambda: robot.renewed)
+    holder.release("enough")
+    assert robot.stopped == ["enough"]
+    assert [ending.good for ending in ended] == [True]
+    holder._thread.join(2)
+    assert not holder._thread.is_alive()
+
+
+def test_drop_renews_no_more_and_stops_nothing(robot, hold):
+    holder = hold(robot.hold("L1"))
+    wait_for(lambda: robot.renewed)
+    holder.drop()
+    holder._thread.join(2)
+    assert not holder._thread.is_alive()
+    assert robot.stopped == []
+
+
+def test_a_refused_renewal_ends_the_hold_with_the_robots_reason(robot, hold, ended):
+    holder = hold(robot.hold("L1"))
+    wait_for(lambda: robot.renewed)
+    robot.dead["L1"] = "stopped by web"
+    assert holder.wait(3).text == "stopped by web"
+    assert [ending.good for ending in ended] == [False]
+
+
+def test_the_result_of_a_bounded_move_ends_its_hold(robot, hold):
+    holder = hold(robot.hold("L1", goal="g7"))
+    wait_for(lambda: robot.renewed)
+    robot.finish("another")
+    robot.finish("g7")
+    ending = holder.wait(3)
+    assert ending.good
+    assert ending.text == "range reached at 40 cm after 1.5 s"
+
+
+def test_a_result_that_came_before_anybody_listened_is_found(robot, hold):
+    robot.finish("g7", "fault", "the sensor is frozen")
+    robot.dead["L1"] = "no such lease"
+    ending = hold(robot.hold("L1", goal="g7")).wait(3)
+    assert not ending.good
+    assert ending.text == "fault at 40 cm after 1.5 s: the sensor is frozen"
+
+
+def test_a_hold_ends_at_its_longest_time_with_a_stop(robot, hold):
+    ending = hold(robot.hold("L1", max_run_s=0.3)).wait(3)
+    assert "longest" in ending.text
+    assert len(robot.stopped) == 1
+
+
+def test_a_robot_that_falls_silent_ends_the_hold(robot, hold):
+    holder = hold(robot.hold("L1"))
+    wait_for(lambda: robot.renewed)
+    robot.mute = True
+    ending = holder.wait(4)
+    assert not ending.good
+    assert "does not answer" in ending.text
+
+
+def test_closing_the_session_ends_the_hold(robot, client, hold, ended):
+    holder = hold(robot.hold("L1"))
+    wait_for(lambda: robot.renewed)
+    client.close()
+    assert not holder.wait(4).good
+
+
+def test_the_end_is_told_once_however_many_end_it(robot, hold, ended):
+    holder = hold(robot.hold("L1"))
+    threads = [threading.Thread(target=holder.drop) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(ended) == 1

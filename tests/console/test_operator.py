@@ -1,0 +1,88 @@
+import threading
+
+import pytest
+from fake_robot import ROBOT, wait_for
+
+from lbr.console.operator import BusOperator
+from lbr.errors import BusError, InputError
+from lbr.messages.system import ConsoleResult
+
+
+@pytest.fixture
+def operator(client):
+    operator = BusOperator(client, ROBOT, "console@here", token="secret")
+    yield operator
+    operator.close()
+
+
+def test_a_line_is_said_with_source_and_token(robot, operator):
+    robot.lines["s"] = ConsoleResult(code=0, text="stopped")
+    assert operator.submit(" s \n").text == "stopped"
+    assert robot.said == [("s", "console@here", "secret")]
+
+
+def test_a_line_with_control_characters_is_never_sent(robot, operator):
+    with pytest.raises(InputError, match="control character"):
+        operator.submit("s\x1b[2J")
+    assert robot.said == []
+
+
+def test_a_new_motion_replaces_the_held_one_without_a_stop(robot, operator):
+    robot.moves("/r/0.2/0", "L1")
+    robot.moves("/r/0.2/90", "L2")
+    operator.submit("/r/0.2/0")
+    wait_for(lambda: robot.renewed)
+    operator.submit("/r/0.2/90")
+    wait_for(lambda: robot.renewed[-1][1]["lease"] == "L2")
+    assert operator.held().hold.lease == "L2"
+    assert robot.stopped == []
+
+
+def test_release_stops_what_is_held(robot, operator):
+    robot.moves("/r/0.2/0", "L1")
+    operator.submit("/r/0.2/0")
+    operator.release()
+    assert operator.held() is None
+    assert len(robot.stopped) == 1
+
+
+def test_a_motion_accepted_after_a_later_line_is_stopped_not_held(robot, operator):
+    robot.moves("/r/0.2/0", "L1")
+    robot.lines["s"] = ConsoleResult(code=0, text="stopped")
+    gate = robot.blocked["/r/0.2/0"] = threading.Event()
+    late = threading.Thread(target=operator.submit, args=("/r/0.2/0",))
+    late.start()
+    wait_for(lambda: robot.said)
+    operator.submit("s")
+    gate.set()
+    late.join(5)
+    assert operator.held() is None
+    assert robot.stopped == ["another line was said meanwhile"]
+    assert robot.renewed == []
+
+
+def test_the_end_of_a_motion_is_told_unless_a_stop_was_said(robot, operator):
+    told = []
+    operator.on_end = lambda line, ending: told.append((line, ending.text))
+    robot.moves("/r/0.2/0", "L1")
+    operator.submit("/r/0.2/0")
+    robot.dead["L1"] = "an obstacle"
+    wait_for(lambda: told)
+    assert told == [("/r/0.2/0", "an obstacle")]
+
+
+def test_what_the_robot_says_is_kept(robot, operator):
+    wait_for(lambda: robot.keep_telling() or operator.telemetry().status)
+    assert {event.text for event in wait_for(operator.events)} == {"the battery is low"}
+
+
+def test_words_are_the_data_of_help(robot, operator):
+    robot.lines["help"] = ConsoleResult(code=0, text="", data=[{"word": "s"}, "odd"])
+    assert operator.words() == [{"word": "s"}]
+
+
+def test_a_robot_of_another_name_is_a_clear_error(client):
+    operator = BusOperator(client, "nobody", "console@here")
+    with pytest.raises(BusError, match="robot 'nobody' does not answer"):
+        operator.submit("s")
+    operator.close()
