@@ -71,8 +71,9 @@ class World(Capability[WorldSettings]):
 
     def command(self, call: Call) -> None:
         """Answer `fault` and `picture`."""
-        if call.role == "view":
-            call.refuse(f"{call.name} needs the role operate")
+        named = isinstance(call.message, PictureRequest) and bool(call.message.path)
+        if call.role == "view" and (named or call.name == "fault"):
+            call.refuse(f"{call.name} needs the role operate{', unless no path is named' if named else ''}")
         elif isinstance(call.message, FaultRequest):
             self._fault(call, call.message)
         elif isinstance(call.message, PictureRequest):

@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+from lbr.errors import InputError
+
 
 class OutputTrace:
     """Appends at once, unbuffered: `monotonic_ns left right cause` on each change, `monotonic_ns line !…` as heard.
@@ -15,9 +17,7 @@ class OutputTrace:
         self._last: tuple[float, float] = (0.0, 0.0)
         self._file: int | None = None
         if path:
-            place = Path(path).expanduser()
-            place.parent.mkdir(parents=True, exist_ok=True)
-            self._file = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+            self._file = _open(Path(path).expanduser())
 
     def outputs(self, now: float, outputs: tuple[float, float], cause: str, *, always: bool = False) -> None:
         """Write the outputs if they changed."""
@@ -39,3 +39,11 @@ class OutputTrace:
     def _write(self, text: str) -> None:
         if self._file is not None:
             os.write(self._file, text.encode())
+
+
+def _open(path: Path) -> int:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+    except OSError as err:
+        raise InputError(f"world setting `trace`: cannot write {path}: {err.strerror or err}") from err

@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 
+import msgspec
 import pytest
 import serial
 
@@ -230,7 +231,7 @@ def test_a_picture_is_saved_where_asked(bench, tmp_path):
 
 def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    call = bench.ask("picture", PictureRequest())
+    call = bench.ask("picture", PictureRequest(), role="view")
     assert bench.until(lambda: call.answer is not None)
     assert call.answer.path.startswith(str(tmp_path / "home" / "pictures" / "lbr-"))
 
@@ -242,6 +243,7 @@ def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
         ("fault", FaultRequest(device="motors", name="explode"), "operate", "allowed here: silent"),
         ("fault", FaultRequest(device="motors", name="drop", value=7.0), "operate", "fault 'drop'"),
         ("fault", FaultRequest(device="motors", name="unplug"), "view", "needs the role operate"),
+        ("picture", PictureRequest(path="/tmp/room.png"), "view", "needs the role operate, unless no path"),
         ("picture", PictureRequest(path="room.png"), "operate", "absolute"),
         ("picture", PictureRequest(path="/etc/passwd"), "operate", "ends in .png"),
     ],
@@ -289,7 +291,9 @@ def test_a_row_that_is_wrong_is_named(tmp_path):
 def test_it_opens_again_after_closing(bench):
     bench.world.close()
     bench.world.open()
-    assert Client(bench.motors_path).ask("?FF") == b"FF=0\r"
+    client = Client(bench.motors_path)
+    assert client.ask("?FF") == b"FF=0\r"
+    client.tty.close()
 
 
 def test_the_kind_is_light_and_leads_to_the_world():
@@ -297,3 +301,18 @@ def test_the_kind_is_light_and_leads_to_the_world():
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
     assert KIND.load() is World
+
+
+@pytest.mark.parametrize("value", [b"true", b"0.5", b'"left,back"', b'["left"]', b"null"])
+def test_a_fault_travels_as_json(value):
+    request = msgspec.json.decode(
+        b'{"device": "ranges", "name": "missing", "value": ' + value + b"}", type=FaultRequest
+    )
+    assert msgspec.json.encode(request.value) == value
+
+
+def test_a_trace_that_cannot_be_written_is_named(tmp_path):
+    bench = Bench(tmp_path, trace=str(tmp_path))
+    with pytest.raises(ValueError, match="setting `trace`: cannot write"):
+        bench.world.open()
+    bench.world.close()
