@@ -56,7 +56,7 @@ class EstopLatch:
         for message in self._pressed.take():
             reason = self._reason(message.payload)
             if reason is not None:
-                self.reason = reason or "emergency stop"
+                self.reason = reason or "pressed"
                 self.engaged = True
                 self._again = True
         self._wake()

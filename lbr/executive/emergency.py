@@ -126,7 +126,7 @@ class Emergency:
         self._repeat_until = now + 5.0
         if fresh:
             self._stopped.clear()
-            self._engaged, self._reason, self._source = True, request.reason or "emergency stop", source
+            self._engaged, self._reason, self._source = True, request.reason or "pressed", source
             self._persist(True, self._reason)
             self._happened("estop", "executive", f"emergency stop by {source}: {self._reason}", "error")
         with self._changed:
