@@ -101,7 +101,7 @@ def _holder(state: State, event: Command, now: float) -> str:
         return "" if alive else f"lease is dead: {why_dead(state, lease)}"
     if hold is not None and not event.command.take_over:
         return f"held by {hold.source}"
-    if not event.received > state.stopped:
+    if not (state.estop or event.received > state.stopped):
         return "a stop came after this command"
     return ""
 

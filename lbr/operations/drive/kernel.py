@@ -170,7 +170,8 @@ def _stop(state: State, event: Stop, now: float) -> Decision:
 
 
 def _estop(state: State, event: EstopChanged, now: float) -> Decision:
-    state = replace(state, estop=event.engaged, estop_reason=event.reason, stopped=max(state.stopped, now))
+    stopped = max(state.stopped, now) if event.engaged else state.stopped
+    state = replace(state, estop=event.engaged, estop_reason=event.reason, stopped=stopped)
     why = f"emergency stop: {event.reason or 'no reason given'}" if event.engaged else "the emergency stop was reset"
     return _end(state, "fault", why, now)
 

@@ -1,0 +1,105 @@
+"""A robot around one drive capability, for tests: what it hears is set by hand, what it says is kept."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from drive_bench import motors, ranges
+
+from lbr.capability.context import Received
+from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.operations.drive.settings import DriveSettings
+
+
+@dataclass
+class FakeEstop:
+    engaged: bool = False
+    reason: str = ""
+    acknowledged: list[bool] = field(default_factory=list)
+
+    def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
+        self.acknowledged.append(stopped)
+
+
+@dataclass
+class FakeCall:
+    name: str
+    message: Any
+    arrived: float
+    source: str = "console"
+    role: str = "operate"
+    answer: Any = None
+
+    def reply(self, answer):
+        assert self.answer is None, "answered twice"
+        self.answer = answer
+
+    def refuse(self, reason):
+        self.reply(CommandReply(accepted=False, reason=reason))
+
+
+@dataclass
+class FakeAsked:
+    message: Any
+    given: Any = None
+
+    def answers(self):
+        return self.given
+
+
+class FakeContext:
+    """What the runtime gives a capability, without a bus."""
+
+    robot, name, device, devices = "robot", "drive", None, ()
+
+    def __init__(self, **settings):
+        self.settings = DriveSettings(**settings)
+        self.estop = FakeEstop()
+        self.now = 50.0
+        self.published: list[tuple[str, Any]] = []
+        self.events: list[tuple[str, str]] = []
+        self.asked: list[FakeAsked] = []
+        self.checks: dict[str, Any] | None = {}
+        self.drivers_alive = True
+        self._latest: dict[str, Received] = {}
+        self._arrived: list[Received] = []
+
+    def clock(self):
+        return self.now
+
+    def publish(self, output, message):
+        self.published.append((output, message))
+
+    def latest(self, port):
+        return self._latest.get(port)
+
+    def take(self, port):
+        taken, self._arrived = self._arrived, []
+        return taken if port == "ranges" else []
+
+    def sources(self, port):
+        return (port,)
+
+    def alive(self, capability):
+        return self.drivers_alive
+
+    def ask(self, request, message, timeout_s):
+        self.asked.append(FakeAsked(message, self.checks))
+        return self.asked[-1]
+
+    def event(self, kind, text, *, level="info", data=None):
+        self.events.append((kind, text))
+
+    def hear(self, *, armed=True, **metres):
+        self._latest["motors"] = Received(
+            motors(armed=armed, reason="" if armed else "tripped"), None, self.now, "motors"
+        )
+        self._arrived.append(Received(ranges(**metres), None, self.now, "ranges"))
+
+    def said(self, output):
+        return [message for name, message in self.published if name == output]
+
+    def command(self, power, angle_deg=0.0, *, source="console", role="operate", **more):
+        return FakeCall("command", DriveCommand(power=power, angle_deg=angle_deg, **more), self.now, source, role)
+
+    def stop(self, source="phone"):
+        return FakeCall("stop", StopCommand(reason="test"), self.now, source, "view")

@@ -1,0 +1,289 @@
+"""The process around the kernel: what it publishes when, whom it asks, and what it does when things end."""
+
+import msgspec
+import pytest
+from drive_context import FakeContext
+
+from lbr.messages.drive import CheckVerdict
+from lbr.operations.drive import KIND
+from lbr.operations.drive.capability import Drive
+
+
+class Robot:
+    """A drive capability in its loop: 50 steps a second, sensors at 10 Hz."""
+
+    def __init__(self, **settings):
+        self.ctx = FakeContext(**settings)
+        self.drive = Drive(self.ctx)
+        self.ctx.hear()
+        self.drive.open()
+
+    def send(self, call):
+        self.drive.command(call)
+        return call
+
+    def run(self, seconds, renew=None, hear=True):
+        for step in range(round(seconds * 50)):
+            self.ctx.now = round(self.ctx.now + 0.02, 6)
+            if step % 5 == 0:
+                if hear:
+                    self.ctx.hear()
+                if renew:
+                    renew()
+            self.drive.step()
+
+    @property
+    def wheels(self):
+        last = self.ctx.said("setpoint")[-1]
+        return last.left, last.right
+
+
+@pytest.fixture
+def robot():
+    return Robot()
+
+
+def renewing(robot, call, power=0.5):
+    return lambda: robot.send(robot.ctx.command(power, lease=call.answer.lease))
+
+
+def test_the_kind_names_the_class_that_runs():
+    assert KIND.load() is Drive
+    assert KIND.moves
+    assert KIND.parse("{}") == FakeContext().settings
+
+
+@pytest.mark.parametrize(
+    ("row", "complaint"),
+    [
+        ('{"rate_hz": 10}', r"\$.rate_hz"),
+        ('{"max_powr": 1}', "unknown field `max_powr`"),
+        ('{"rules": [{"direction": "up", "sensor": "forward"}]}', r"\$.rules\[0\].direction"),
+        ('{"rules": [{"direction": "back", "sensor": "back", "max_age_s": 60}]}', r"\$.rules\[0\].max_age_s"),
+        ('{"ttl_s": 3}', r"\$.ttl_s"),
+    ],
+)
+def test_a_bad_row_is_refused_naming_the_field(row, complaint):
+    with pytest.raises(msgspec.ValidationError, match=complaint):
+        KIND.parse(row)
+
+
+def test_zero_is_published_from_the_start_at_the_rate_of_the_loop(robot):
+    robot.run(1.0)
+    setpoints = robot.ctx.said("setpoint")
+    assert 50 <= len(setpoints) <= 52
+    assert {(each.left, each.right) for each in setpoints} == {(0.0, 0.0)}
+
+
+def test_the_loop_keeps_its_rate_however_often_it_is_woken(robot):
+    robot.ctx.published.clear()
+    for _ in range(1000):
+        robot.ctx.now += 0.002
+        robot.drive.step()
+    assert len(robot.ctx.said("setpoint")) == pytest.approx(100, abs=2)
+
+
+def test_a_faster_rate_is_a_setting():
+    assert Robot(rate_hz=100).drive.rate_hz == 100
+
+
+def test_a_command_moves_the_base_until_it_is_no_longer_renewed(robot):
+    call = robot.send(robot.ctx.command(0.5))
+    assert call.answer.accepted
+    robot.run(1.0, renewing(robot, call))
+    assert robot.wheels == pytest.approx((0.5, 0.5))
+    robot.run(0.32)
+    assert robot.wheels == (0.0, 0.0)
+    assert ("lapsed", "console: it lapsed, not renewed within 0.3 s") in robot.ctx.events
+
+
+def test_lease_ids_do_not_repeat_and_cannot_be_guessed(robot):
+    leases = set()
+    for _ in range(20):
+        robot.ctx.now += 0.001
+        leases.add(robot.send(robot.ctx.command(0.5)).answer.lease)
+        robot.send(robot.ctx.stop())
+    assert len(leases) == 20
+    assert {len(lease) for lease in leases} == {16}
+
+
+def test_a_stop_is_obeyed_and_answered_at_once(robot):
+    call = robot.send(robot.ctx.command(0.5))
+    robot.run(0.4, renewing(robot, call))
+    assert robot.send(robot.ctx.stop()).answer.accepted
+    assert robot.wheels == (0.0, 0.0)
+    assert robot.ctx.said("state")[-1].reason == "stopped by phone: test"
+
+
+def test_the_emergency_stop_is_obeyed_acknowledged_and_shown(robot):
+    call = robot.send(robot.ctx.command(0.5))
+    robot.run(0.4, renewing(robot, call))
+    robot.ctx.estop.engaged, robot.ctx.estop.reason = True, "button"
+    robot.drive.step()
+    assert robot.wheels == (0.0, 0.0)
+    assert robot.ctx.estop.acknowledged == [True]
+    assert robot.ctx.said("state")[-1].estop
+    assert robot.send(robot.ctx.command(0.5)).answer.reason == "emergency stop: button"
+
+
+def test_a_latch_from_before_the_start_is_obeyed():
+    ctx = FakeContext()
+    ctx.estop.engaged = True
+    ctx.hear()
+    drive = Drive(ctx)
+    drive.open()
+    call = ctx.command(0.5)
+    drive.command(call)
+    assert call.answer.reason.startswith("emergency stop")
+
+
+def test_the_death_of_the_motor_driver_ends_the_motion(robot):
+    call = robot.send(robot.ctx.command(0.5))
+    robot.run(0.2, renewing(robot, call))
+    robot.ctx.drivers_alive = False
+    robot.drive.step()
+    assert robot.wheels == (0.0, 0.0)
+    assert ("fault", "console: the motor driver (motors) is gone") in robot.ctx.events
+
+
+def test_a_driver_that_is_back_can_be_driven_again(robot):
+    robot.ctx.drivers_alive = False
+    robot.run(0.1, hear=False)
+    assert not robot.send(robot.ctx.command(0.5)).answer.accepted
+    robot.ctx.drivers_alive = True
+    robot.run(0.1)
+    assert robot.send(robot.ctx.command(0.5)).answer.accepted
+
+
+def test_new_and_changed_motion_is_shown_to_the_checks_but_no_renewal(robot):
+    call = robot.send(robot.ctx.command(0.5))
+    for _ in range(3):
+        robot.send(robot.ctx.command(0.5, lease=call.answer.lease))
+    robot.send(robot.ctx.command(0.3, lease=call.answer.lease))
+    robot.send(robot.ctx.command(0.0, lease=call.answer.lease))
+    assert [asked.message.command.power for asked in robot.ctx.asked] == [0.5, 0.3]
+    assert robot.ctx.asked[0].message.source == "console"
+
+
+def test_what_is_refused_anyway_is_not_shown_to_the_checks(robot):
+    robot.send(robot.ctx.command(0.5, role="view"))
+    assert robot.ctx.asked == []
+
+
+@pytest.mark.parametrize(
+    ("answers", "reason"),
+    [
+        ({"cliff": CheckVerdict(accepted=False, reason="a cliff")}, "check cliff: a cliff"),
+        ({"cliff": None}, "check cliff did not answer"),
+        ({"cliff": {"accepted": True}}, "check cliff did not answer"),
+    ],
+)
+def test_a_check_that_refuses_or_is_silent_refuses_the_command(robot, answers, reason):
+    robot.ctx.checks = answers
+    assert robot.send(robot.ctx.command(0.5)).answer.reason == reason
+
+
+def test_the_loop_goes_on_while_a_check_thinks(robot):
+    robot.ctx.checks = None
+    call = robot.send(robot.ctx.command(0.5))
+    before = len(robot.ctx.said("setpoint"))
+    robot.run(0.08)
+    assert call.answer is None
+    assert len(robot.ctx.said("setpoint")) == before + 4
+    robot.ctx.asked[0].given = {"cliff": CheckVerdict(accepted=True)}
+    robot.drive.step()
+    assert call.answer.accepted
+
+
+def test_a_stop_while_a_check_thinks_is_the_last_word(robot):
+    robot.ctx.checks = None
+    call = robot.send(robot.ctx.command(0.5))
+    robot.ctx.now += 0.01
+    robot.send(robot.ctx.stop())
+    robot.ctx.asked[0].given = {"cliff": CheckVerdict(accepted=True)}
+    robot.run(0.1)
+    assert call.answer.reason == "a stop came after this command"
+    assert robot.wheels == (0.0, 0.0)
+
+
+def test_a_check_that_never_answers_is_not_waited_for(robot):
+    robot.ctx.checks = None
+    call = robot.send(robot.ctx.command(0.5))
+    robot.run(0.3)
+    assert "did not answer" in call.answer.reason
+
+
+def test_commands_are_decided_in_the_order_they_came(robot):
+    robot.ctx.checks = None
+    first, second = (robot.send(robot.ctx.command(0.5, source=name)) for name in ("a", "b"))
+    robot.ctx.asked[1].given = {}
+    robot.drive.step()
+    assert second.answer is None
+    robot.ctx.asked[0].given = {}
+    robot.drive.step()
+    assert first.answer.accepted
+    assert second.answer.reason == "held by a"
+
+
+def test_refusals_become_events_but_not_a_flood(robot):
+    for _ in range(50):
+        robot.send(robot.ctx.command(0.5, role="view", source="guest"))
+    robot.send(robot.ctx.command(0.5, role="view", source="other"))
+    told = [text for kind, text in robot.ctx.events if kind == "refused"]
+    assert len([text for text in told if text.startswith("guest")]) == 3
+    assert len([text for text in told if text.startswith("other")]) == 1
+    robot.run(1.1)
+    robot.send(robot.ctx.command(0.5, role="view", source="guest"))
+    assert len([kind for kind, _ in robot.ctx.events if kind == "refused"]) == 5
+
+
+def test_the_state_comes_ten_times_a_second_and_at_once_on_change(robot):
+    robot.ctx.published.clear()
+    robot.run(1.0)
+    assert 9 <= len(robot.ctx.said("state")) <= 11
+    before = len(robot.ctx.said("state"))
+    robot.send(robot.ctx.command(0.5))
+    assert len(robot.ctx.said("state")) == before + 1
+    assert robot.ctx.said("state")[-1].holder == "console"
+
+
+def test_the_state_carries_the_loops_statistics(robot):
+    robot.run(0.5)
+    assert robot.ctx.said("state")[-1].loop is None
+    robot.run(1.0)
+    loop = robot.ctx.said("state")[-1].loop
+    assert loop.rate_hz == pytest.approx(50, abs=1)
+    assert loop.period_p99_ms == pytest.approx(20, abs=0.1)
+    assert loop.overruns == 0
+
+
+def test_the_result_of_a_bounded_move_is_published(robot):
+    call = robot.send(robot.ctx.command(0.5, interval_s=0.5))
+    robot.run(0.6, lambda: robot.send(robot.ctx.command(0.5, interval_s=0.5, lease=call.answer.lease)))
+    (result,) = robot.ctx.said("result")
+    assert (result.goal, result.result) == (call.answer.goal, "interval")
+
+
+def test_closing_publishes_zero_and_answers_whoever_waits(robot):
+    call = robot.send(robot.ctx.command(0.5, interval_s=5.0))
+    robot.run(0.2)
+    robot.ctx.checks = None
+    waiting = robot.send(robot.ctx.command(0.5, source="phone", take_over=True))
+    robot.drive.close()
+    assert robot.wheels == (0.0, 0.0)
+    assert waiting.answer.reason == "drive operations end"
+    assert robot.ctx.said("result")[-1].goal == call.answer.goal
+
+
+def test_a_reopened_capability_knows_no_lease_from_before(robot):
+    call = robot.send(robot.ctx.command(0.5))
+    robot.drive.close()
+    robot.drive.open()
+    robot.run(0.1)
+    assert "lease is dead" in robot.send(robot.ctx.command(0.5, lease=call.answer.lease)).answer.reason
+
+
+def test_an_unknown_command_is_refused(robot):
+    call = robot.ctx.command(0.5)
+    call.name = "fly"
+    assert robot.send(call).answer.reason == "fly is not understood here"

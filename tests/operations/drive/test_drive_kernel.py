@@ -1,0 +1,494 @@
+"""The kernel's decisions, one sentence each."""
+
+from math import inf, nan
+
+import pytest
+from drive_bench import Bench, motors, ranges
+
+from lbr.messages.drive import CheckVerdict
+from lbr.operations.drive.acceptance import CHAIN
+from lbr.operations.drive.kernel import drive_state
+
+STILL = (0.0, 0.0)
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+def renewing(bench, reply, power=0.5, angle_deg=0.0, **more):
+    return lambda: bench.drive(power, angle_deg, lease=reply.lease, **more)
+
+
+def moving(bench, power=0.5, angle_deg=0.0, **more):
+    reply = bench.drive(power, angle_deg, **more)
+    assert reply.accepted, reply.reason
+    bench.run(0.4, renewing(bench, reply, power, angle_deg, **more))
+    assert bench.wheels != STILL
+    return reply
+
+
+# accepting
+
+
+def test_the_chain_is_in_the_order_of_the_design():
+    names = [link.__name__.strip("_") for link in CHAIN]
+    assert names == ["form", "rights", "holder", "state", "limits", "rules", "checks"]
+
+
+def test_an_accepted_command_gets_a_lease_and_a_life(bench):
+    reply = bench.drive(0.5)
+    assert (reply.accepted, reply.lease, reply.ttl_s, reply.reason) == (True, "lease1", 0.3, "")
+
+
+def test_a_command_may_ask_for_a_longer_life(bench):
+    assert bench.drive(0.5, ttl_s=0.8).ttl_s == 0.8
+    bench.run(0.7)
+    assert bench.wheels != STILL
+
+
+@pytest.mark.parametrize(
+    ("fields", "complaint"),
+    [
+        ({"power": nan}, "power nan is outside 0 to 1"),
+        ({"power": inf}, "power inf is outside 0 to 1"),
+        ({"power": 1.01}, "power 1.01 is outside 0 to 1"),
+        ({"power": -0.1}, "power -0.1 is outside"),
+        ({"angle_deg": nan}, "angle_deg nan is outside"),
+        ({"angle_deg": 361.0}, "angle_deg 361 is outside -360 to 360"),
+        ({"range_cm": nan}, "range_cm nan"),
+        ({"interval_s": -1.0}, "interval_s -1"),
+        ({"ttl_s": 1.5}, "ttl_s 1.5"),
+        ({"ttl_s": 0.0}, "ttl_s 0 is no life"),
+        ({"sensor": "front"}, "sensor 'front' is none of forward, back"),
+    ],
+)
+def test_nonsense_is_refused_and_named(bench, fields, complaint):
+    reply = bench.drive(**{"power": 0.5, **fields})
+    assert not reply.accepted
+    assert complaint in reply.reason
+    bench.run(0.2)
+    assert bench.wheels == STILL
+
+
+@pytest.mark.parametrize(("role", "accepted"), [("view", False), ("operate", True), ("admin", True)])
+def test_only_operators_drive(bench, role, accepted):
+    assert bench.drive(0.5, role=role).accepted is accepted
+
+
+def test_another_sender_is_told_who_holds_the_robot(bench):
+    moving(bench)
+    assert bench.drive(0.2, source="phone").reason == "held by console"
+    assert "phone: held by console" in bench.texts
+
+
+def test_taking_over_ends_the_other_lease_and_begins_at_zero(bench):
+    first = moving(bench)
+    second = bench.drive(0.5, source="phone", take_over=True)
+    assert second.accepted
+    assert bench.setpoints[-2].left == 0.0
+    assert bench.setpoints[-1].left < 0.1
+    assert bench.drive(0.5, lease=first.lease).reason == "lease is dead: taken over by phone"
+
+
+def test_taking_over_needs_the_right_to_drive(bench):
+    moving(bench)
+    assert not bench.drive(0.5, source="phone", role="view", take_over=True).accepted
+
+
+def test_an_unknown_lease_is_dead(bench):
+    assert bench.drive(0.5, lease="abc").reason.startswith("lease is dead: it is not known here")
+
+
+def test_nothing_is_accepted_before_the_motors_were_heard():
+    bench = Bench.__new__(Bench)
+    Bench.__init__(bench)
+    bench.lose_motors("the motor driver was not heard yet")
+    assert bench.drive(0.5).reason == "the motor driver was not heard yet"
+
+
+def test_motors_that_are_not_armed_are_named_with_their_reason(bench):
+    bench.motors = motors(armed=False, reason="no zero setpoint yet")
+    bench.sense()
+    assert bench.drive(0.5).reason == "the motors are not armed: no zero setpoint yet"
+
+
+def test_silent_motors_refuse_motion(bench):
+    bench.now += 0.31
+    assert "silent for more than 0.3 s" in bench.drive(0.5).reason
+
+
+def test_more_than_the_highest_power_is_limited_and_said():
+    bench = Bench(max_power=0.8)
+    assert bench.drive(1.0).reason == "limited to 0.8"
+    bench.run(0.8, renewing(bench, bench.replies[-1], 1.0))
+    assert bench.wheels == pytest.approx((0.8, 0.8))
+
+
+def test_motion_towards_an_obstacle_does_not_start(bench):
+    bench.see(forward=0.21)
+    assert bench.drive(0.5).reason == "forward 0.21 m is inside 0.25 m"
+    assert bench.drive(0.5, 180).accepted
+
+
+def test_the_asker_is_told_how_far_a_rule_slows_it(bench):
+    bench.see(forward=0.42)
+    assert bench.drive(0.5).reason == "slowed to 0.39 by forward 0.42 m"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "reason"),
+    [
+        (None, "check cliff did not answer"),
+        (CheckVerdict(accepted=False, reason="a cliff"), "check cliff: a cliff"),
+        (CheckVerdict(accepted=False), "check cliff: refused without a reason"),
+    ],
+)
+def test_a_users_check_may_refuse(bench, verdict, reason):
+    assert bench.drive(0.5, checks={"cliff": verdict}).reason == reason
+    assert bench.drive(0.5, checks={"cliff": CheckVerdict(accepted=True)}).accepted
+
+
+# leases
+
+
+def test_renewals_keep_it_moving_and_silence_stops_it(bench):
+    reply = moving(bench)
+    bench.run(1.0, renewing(bench, reply))
+    assert bench.wheels == pytest.approx((0.5, 0.5))
+    bench.run(0.32)
+    assert bench.wheels == STILL
+    assert bench.drive(0.5, lease=reply.lease).reason == "lease is dead: it lapsed, not renewed within 0.3 s"
+
+
+def test_a_renewal_that_comes_at_the_very_end_is_too_late(bench):
+    reply = bench.drive(0.5)
+    bench.now += 0.3
+    assert not bench.drive(0.5, lease=reply.lease).accepted
+
+
+def test_a_changed_command_keeps_the_lease(bench):
+    reply = moving(bench)
+    changed = bench.drive(0.3, 90, lease=reply.lease)
+    assert changed.lease == reply.lease
+    bench.run(0.2)
+    assert bench.wheels == pytest.approx((0.3, -0.3))
+
+
+def test_a_refused_change_changes_nothing(bench):
+    reply = moving(bench)
+    bench.see(back=0.1)
+    assert not bench.drive(0.5, 180, lease=reply.lease).accepted
+    bench.run(0.1)
+    assert bench.wheels == pytest.approx((0.5, 0.5))
+
+
+def test_power_zero_under_the_lease_keeps_it_alive_at_neutral(bench):
+    reply = moving(bench)
+    bench.drive(0.0, lease=reply.lease)
+    assert bench.wheels == STILL
+    bench.run(60.0, renewing(bench, reply, 0.0), sense_each=10)
+    assert bench.drive(0.5, lease=reply.lease).accepted
+
+
+@pytest.mark.parametrize("role", ["view", "operate"])
+def test_power_zero_without_a_lease_is_a_stop_by_anyone(bench, role):
+    reply = moving(bench)
+    assert bench.drive(0.0, source="phone", role=role).accepted
+    assert bench.wheels == STILL
+    assert bench.drive(0.5, lease=reply.lease).reason == "lease is dead: stopped by phone"
+
+
+def test_dead_leases_are_remembered_with_their_reason(bench):
+    leases = []
+    for _ in range(40):
+        bench.now += 0.001
+        leases.append(bench.drive(0.5).lease)
+        bench.stop(reason="enough")
+    for lease in leases[-31:]:
+        bench.drive(0.5, lease=lease)
+    assert bench.drive(0.5, lease=leases[-2]).reason == "lease is dead: stopped by phone: enough"
+    assert len(bench.state.dead) == 32
+
+
+def test_motion_ends_when_nobody_changes_it_for_too_long():
+    bench = Bench(max_run_s=2.0)
+    reply = bench.drive(0.5)
+    bench.run(2.1, renewing(bench, reply))
+    assert bench.wheels == STILL
+    assert bench.drive(0.5, lease=reply.lease).reason == "lease is dead: it ran for 2 s unattended"
+
+
+def test_a_stop_outlives_a_command_that_came_before_it(bench):
+    bench.stop()
+    assert bench.drive(0.5, received=bench.now - 0.01).reason == "a stop came after this command"
+    assert bench.drive(0.5, received=bench.now + 0.01).accepted
+
+
+# faults
+
+
+@pytest.mark.parametrize(
+    ("fault", "why"),
+    [
+        (lambda b: b.lose_motors(), "motors is gone"),
+        (lambda b: (setattr(b, "motors", motors(armed=False, reason="tripped")), b.sense()), "not armed: tripped"),
+        (lambda b: b.estop(True), "emergency stop: button"),
+    ],
+    ids=["lost", "tripped", "e-stop"],
+)
+def test_a_fault_stops_at_once_and_for_ever(bench, fault, why):
+    reply = moving(bench, interval_s=10.0)
+    fault(bench)
+    assert (bench.setpoints[-1].left, bench.setpoints[-1].right, bench.setpoints[-1].lease) == (0.0, 0.0, "")
+    assert [result.result for result in bench.results] == ["fault"]
+    assert any(why in text for text in bench.texts)
+    bench.estop(False)
+    bench.motors = motors()
+    bench.sense()
+    bench.run(1.0, renewing(bench, reply, interval_s=10.0))
+    assert bench.wheels == STILL
+    assert why in bench.replies[-1].reason
+
+
+def test_motors_that_fall_silent_end_the_lease(bench):
+    reply = moving(bench)
+    bench.motors_speak = False
+    bench.run(0.4, renewing(bench, reply))
+    assert bench.wheels == STILL
+    assert "silent" in bench.replies[-1].reason
+
+
+def test_a_latched_emergency_stop_refuses_and_its_reset_moves_nothing(bench):
+    bench.estop(True)
+    assert bench.drive(0.5).reason == "emergency stop: button"
+    bench.estop(False)
+    bench.run(0.5)
+    assert bench.wheels == STILL
+    assert bench.drive(0.5).accepted
+
+
+def test_a_stream_of_new_commands_through_the_latch_does_not_move_it_at_the_reset(bench):
+    bench.estop(True)
+    bench.run(0.5, lambda: bench.drive(0.5))
+    bench.estop(False)
+    bench.run(2.0, lambda: bench.drive(0.5))
+    assert bench.wheels == STILL
+    assert "went on through the emergency stop" in bench.replies[-1].reason
+    bench.drive(0.0)
+    bench.now += 0.02
+    assert bench.drive(0.5).accepted
+
+
+# bounded moves
+
+
+def approach(bench, watched, metres, reply, **command):
+    for value in metres:
+        bench.now += 0.1
+        bench.around = ranges(**{watched: value})
+        bench.sense()
+        bench.drive(lease=reply.lease, **command)
+
+
+def test_a_move_ends_when_the_distance_has_shrunk_to_the_target(bench):
+    bench.see(forward=0.6)
+    command = {"power": 0.2, "range_cm": 40.0, "sensor": "forward"}
+    reply = bench.drive(**command)
+    assert reply.goal == "goal1"
+    approach(bench, "forward", (0.55, 0.48, 0.41), reply, **command)
+    assert bench.results == []
+    approach(bench, "forward", (0.40,), reply, **command)
+    (result,) = bench.results
+    assert (result.goal, result.result, result.range_cm) == ("goal1", "reached", 40.0)
+    assert result.elapsed_s == pytest.approx(0.4)
+    assert bench.setpoints[-1].left == 0.0
+    assert "forward is at 40 cm" in bench.replies[-1].reason
+
+
+def test_a_move_ends_when_the_distance_has_grown_to_the_target(bench):
+    bench.see(forward=0.6)
+    command = {"power": 0.2, "angle_deg": 180.0, "range_cm": 80.0, "sensor": "forward"}
+    reply = bench.drive(**command)
+    approach(bench, "forward", (0.65, 0.75), reply, **command)
+    assert bench.results == []
+    approach(bench, "forward", (0.83,), reply, **command)
+    assert bench.results[0].result == "reached"
+
+
+def test_the_bottom_sensor_can_be_watched(bench):
+    bench.see(bottom=0.2)
+    command = {"power": 0.2, "range_cm": 30.0, "sensor": "bottom"}
+    reply = bench.drive(**command)
+    approach(bench, "bottom", (0.22, 0.31), reply, **command)
+    assert bench.results[0].result == "reached"
+
+
+@pytest.mark.parametrize(
+    ("around", "command", "reason"),
+    [
+        ({"forward": 0.35}, {"range_cm": 40.0}, "forward is at 35 cm already, range_cm is 40"),
+        ({"forward": 0.40}, {"range_cm": 40.0}, "forward is at 40 cm already"),
+        ({"forward": 0.90}, {"range_cm": 80.0, "angle_deg": 180.0}, "forward is at 90 cm already"),
+        ({}, {"range_cm": 80.0, "angle_deg": 180.0}, "forward is beyond its reach already"),
+        ({"forward": 2.0}, {"range_cm": 16.0}, "range_cm 16 is outside 17 to 768"),
+        ({"forward": 2.0}, {"range_cm": 768.5}, "range_cm 768.5 is outside 17 to 768"),
+        ({"forward": 2.0}, {"range_cm": 20.0}, "range_cm 20 is out of reach: the forward rule stops at 25 cm"),
+        ({"bottom": "missing"}, {"range_cm": 40.0, "sensor": "bottom"}, "sensor bottom has no reading to watch"),
+        ({}, {"interval_s": 31.0}, "interval_s 31 is longer than max_run_s 30"),
+    ],
+)
+def test_bounds_that_make_no_sense_are_refused_with_the_present_value(bench, around, command, reason):
+    bench.see(**around)
+    reply = bench.drive(**{"power": 0.2, **command})
+    assert not reply.accepted
+    assert reason in reply.reason
+
+
+def test_a_move_ends_after_its_interval_and_renewals_do_not_prolong_it(bench):
+    reply = bench.drive(0.5, interval_s=1.0)
+    bench.run(0.98, renewing(bench, reply, interval_s=1.0))
+    assert bench.wheels != STILL
+    bench.run(0.04, renewing(bench, reply, interval_s=1.0))
+    assert bench.wheels == STILL
+    assert [(r.result, r.elapsed_s) for r in bench.results] == [("interval", pytest.approx(1.0, abs=0.03))]
+
+
+def test_a_move_whose_sensor_is_lost_is_a_fault(bench):
+    bench.see(bottom=2.0)
+    command = {"power": 0.2, "range_cm": 40.0, "sensor": "bottom"}
+    reply = bench.drive(**command)
+    bench.around = ranges(bottom="missing")
+    bench.run(0.4, lambda: bench.drive(lease=reply.lease, **command))
+    assert [(r.result, r.reason) for r in bench.results] == [("fault", "sensor bottom was lost")]
+
+
+@pytest.mark.parametrize(
+    ("end", "result"),
+    [
+        (lambda b, reply: b.stop(), "stopped"),
+        (lambda b, reply: b.run(0.4), "lapsed"),
+        (lambda b, reply: b.drive(0.3, lease=reply.lease), "superseded"),
+        (lambda b, reply: b.drive(0.0, lease=reply.lease), "superseded"),
+        (lambda b, reply: b.drive(0.3, source="phone", take_over=True), "superseded"),
+        (lambda b, reply: b.estop(True), "fault"),
+    ],
+    ids=["stop", "silence", "change", "neutral", "take-over", "e-stop"],
+)
+def test_a_move_that_is_ended_says_so_once_and_never_acts_later(bench, end, result):
+    reply = bench.drive(0.5, interval_s=1.0)
+    bench.run(0.1)
+    end(bench, reply)
+    assert [r.result for r in bench.results] == [result]
+    bench.estop(False)
+    bench.run(0.5)
+    later = bench.drive(0.2, source="third", take_over=True)
+    bench.run(2.0, renewing(bench, later, 0.2))
+    assert bench.wheels == pytest.approx((0.2, 0.2)), "the old interval must not stop what came after it"
+    assert len(bench.results) == 1
+
+
+# wheels
+
+
+def test_growth_is_limited_and_stops_are_not(bench):
+    reply = bench.drive(1.0)
+    bench.run(0.1, renewing(bench, reply, 1.0))
+    assert bench.wheels[0] == pytest.approx(0.2, abs=0.01)
+    bench.stop()
+    assert bench.setpoints[-1].left == 0.0
+
+
+def test_a_change_of_sense_goes_through_zero(bench):
+    reply = moving(bench)
+    bench.now += 0.02
+    bench.drive(0.5, 180, lease=reply.lease)
+    assert bench.wheels == STILL
+    bench.run(0.02)
+    assert bench.wheels == pytest.approx((-0.04, -0.04))
+
+
+def test_an_arc_keeps_its_shape_while_it_grows_and_while_a_rule_slows_it(bench):
+    bench.noise_m = 0.001
+    bench.see(forward=0.6)
+    reply = bench.drive(1.0, 20)
+    ratio = 0.46677
+    for _ in range(10):
+        bench.run(0.1, renewing(bench, reply, 1.0, 20))
+        left, right = bench.wheels
+        assert right / left == pytest.approx(ratio, abs=1e-3)
+    assert 0.3 < left < 0.99
+
+
+def test_setpoints_quote_the_lease_and_come_with_every_tick(bench):
+    bench.run(0.1)
+    assert len(bench.setpoints) == 5
+    assert {setpoint.lease for setpoint in bench.setpoints} == {""}
+    reply = bench.drive(0.5)
+    assert bench.setpoints[-1].lease == reply.lease
+
+
+# rules while moving
+
+
+def test_a_rule_slows_and_stops_and_lets_go_again(bench):
+    reply = moving(bench)
+    seen = {}
+    for metres in (0.6, 0.4, 0.3, 0.24, 0.27, 0.5, 0.9):
+        bench.see(forward=metres)
+        bench.run(0.2, renewing(bench, reply), sense_each=2)
+        seen[metres] = bench.wheels[0]
+    assert seen[0.6] == pytest.approx(0.5)
+    assert 0.5 > seen[0.4] > seen[0.3] > seen[0.24] == 0.0
+    assert seen[0.27] == 0.0, "a stop is held until there is a margin"
+    assert seen[0.5] > 0.3
+
+
+def test_the_state_names_the_rule_and_the_reason(bench):
+    reply = moving(bench)
+    bench.see(forward=0.3)
+    bench.run(0.04, renewing(bench, reply), sense_each=1)
+    assert drive_state(bench.state, bench.now).limited_by == "forward 0.30 m"
+    bench.see(forward=0.2)
+    bench.run(0.04, renewing(bench, reply), sense_each=1)
+    state = drive_state(bench.state, bench.now)
+    assert state.reason == "stopped by forward 0.20 m is inside 0.30 m"
+    assert (state.moving, state.holder, state.limited_by) == (False, "console", "forward 0.20 m")
+
+
+def test_a_rule_on_the_edge_does_not_flood_the_events(bench):
+    reply = moving(bench)
+    for step in range(50):
+        bench.see(forward=0.52 if step % 2 else 0.47)
+        bench.run(0.1, renewing(bench, reply), sense_each=2)
+    assert 1 <= len([event for event in bench.events if event.kind == "rule"]) <= 10
+
+
+def test_ranges_that_fall_silent_stop_motion_towards_them(bench):
+    reply = moving(bench)
+    bench.ranges_speak = False
+    bench.run(0.34, renewing(bench, reply))
+    assert bench.wheels == STILL
+    assert "older than 0.3 s" in bench.texts[-1]
+    bench.ranges_speak = True
+    bench.run(0.3, renewing(bench, reply))
+    assert bench.wheels != STILL
+
+
+def test_a_frozen_range_stops_motion_towards_it(bench):
+    bench.see(forward=2.0)
+    reply = bench.drive(0.5)
+    bench.run(1.5, renewing(bench, reply))
+    assert bench.wheels == STILL
+    assert "frozen at 2.00 m" in bench.texts[-1]
+
+
+def test_the_state_at_rest_says_why(bench):
+    assert drive_state(bench.state, bench.now).reason == "nobody drives"
+    moving(bench)
+    bench.stop(reason="lunch")
+    state = drive_state(bench.state, bench.now)
+    assert (state.reason, state.holder, state.power) == ("stopped by phone: lunch", None, 0.0)
+    bench.estop(True)
+    assert drive_state(bench.state, bench.now).reason == "emergency stop: button"
