@@ -64,7 +64,7 @@ class Controller:
         """Write the power of both wheels, unless an answer is still due; after a gap, zero first."""
         if not (isfinite(left) and isfinite(right)):
             left = right = 0.0
-        if not self._settle(PATIENCE_S):
+        if not self._settle(PATIENCE_S) or not self._responds():
             return
         if self._gap():
             self.stop()
@@ -112,7 +112,8 @@ class Controller:
     def close(self) -> None:
         """Write zero, wait shortly for it to be acknowledged, and let go of the line."""
         with suppress(DeviceError):
-            if self._known and not any(self._urgent(wire.STOP, CLOSING_TIMEOUT_S) for _ in range(3)):
+            tries = 1 if self._lost_in_a_row else 3
+            if self._known and not any(self._urgent(wire.STOP, CLOSING_TIMEOUT_S) for _ in range(tries)):
                 self._line.drop_output()  # closing a line waits for its output, for half a minute
         self._line.close()
 
@@ -182,6 +183,13 @@ class Controller:
             self._note(outcome)
             self._complain()
         return not self._exchange.busy
+
+    def _responds(self) -> bool:
+        """After a lost answer ask something harmless first: commands must not pile up before a deaf controller."""
+        if self._lost_in_a_row:
+            self._send(wire.query("FF"))
+            self._settle(PATIENCE_S)
+        return not self._lost_in_a_row and not self._exchange.busy
 
     def _note(self, outcome: Outcome) -> None:
         if outcome.result == "lost":

@@ -143,7 +143,7 @@ def _checked(value: int) -> int:
 
 
 def _readable(line: bytes) -> str:
-    return line[:40].decode("ascii", "backslashreplace")
+    return repr(line[:40])[2:-1]
 
 
 _SIGNS: dict[bytes, Ack | Nak] = {b"+": Ack(), b"-": Nak()}

@@ -116,7 +116,7 @@ def classify(cm: int, settings: UltrasonicSettings) -> RangeStatus:
 
 
 def _bad(line: bytes) -> BadLine:
-    return BadLine(line[:40].decode("ascii", "backslashreplace"))
+    return BadLine(repr(line[:40])[2:-1])
 
 
 _decoder = msgspec.json.Decoder(_Line)

@@ -1,0 +1,20 @@
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from peers import Board, ScriptedRoboteq
+
+
+@pytest.fixture
+def peer(tmp_path: Path) -> Iterator[ScriptedRoboteq]:
+    peer = ScriptedRoboteq(tmp_path / "ttyRoboteq")
+    yield peer
+    peer.finish()
+
+
+@pytest.fixture
+def board(tmp_path: Path) -> Iterator[Board]:
+    board = Board(tmp_path / "ttyRanges")
+    yield board
+    if board.master >= 0:
+        board.unplug()

@@ -1,0 +1,196 @@
+"""What sits at the other end of the wire in these tests: ptys with a scripted controller or a talking board."""
+
+import os
+import pty
+import select
+import threading
+import time
+import tty
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from lbr.capability.context import Device, Received
+from lbr.messages.system import Stamp
+
+
+def until(condition: Callable[[], bool], within_s: float = 2.0) -> None:
+    """Poll until something is so."""
+    deadline = time.monotonic() + within_s
+    while not condition():
+        assert time.monotonic() < deadline, "did not happen in time"
+        time.sleep(0.001)
+
+
+class Pty:
+    """A pty under a stable symlink; `replug` gives it a new pts behind the same name."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.plug()
+
+    def plug(self) -> None:
+        self.master, self.keeper = pty.openpty()
+        tty.setraw(self.keeper)
+        os.set_blocking(self.master, False)
+        self.path.unlink(missing_ok=True)
+        self.path.symlink_to(os.ttyname(self.keeper))
+
+    def unplug(self) -> None:
+        self.path.unlink(missing_ok=True)
+        os.close(self.keeper)
+        os.close(self.master)
+        self.master = self.keeper = -1
+
+
+class ScriptedRoboteq(Pty):
+    """Answers as the controller does, and misbehaves when told to."""
+
+    def __init__(self, path: Path) -> None:
+        self.settings = {"RWD": 1000, "MXMD": 0, "ECHOF": 0}
+        self.answers = {
+            "FID": "Roboteq v1.8d SDC2130 01/01/2020",
+            "TRN": "SDC21xx:SDC2130",
+            "V": "135:126:4730",
+            "A": "-51:12",
+            "C": "130:-260",
+            "T": "30:25:26",
+            "FF": "0",
+            "FS": "1",
+        }
+        self.log: list[str] = []
+        self.times: list[float] = []
+        self.motor = (0, 0)
+        self.latched = False
+        self.reading = True
+        self.deaf_to_settings = False
+        self.echo_always: bool | None = None
+        self.answer: Callable[[str], bytes | None] = lambda _line: None  # None: as usual
+        self._buffer = b""
+        self._stop = threading.Event()
+        super().__init__(path)
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def motor_commands(self) -> list[str]:
+        return [line for line in self.log if line.startswith("!")]
+
+    def finish(self) -> None:
+        self._stop.set()
+        self._thread.join()
+        if self.master >= 0:
+            self.unplug()
+
+    def _serve(self) -> None:
+        while not self._stop.is_set():
+            if not self.reading or self.master < 0:
+                time.sleep(0.001)
+                continue
+            try:
+                if select.select([self.master], [], [], 0.005)[0]:
+                    self._take(os.read(self.master, 4096))
+            except (OSError, ValueError):
+                continue
+
+    def _take(self, data: bytes) -> None:
+        self._buffer += data
+        *lines, self._buffer = self._buffer.split(b"\r")
+        for line in lines:
+            text = line.decode("ascii", "replace")
+            self.log.append(text)
+            self.times.append(time.monotonic())
+            echo = self.settings["ECHOF"] == 0 if self.echo_always is None else self.echo_always
+            answer = self.answer(text)
+            if answer is None:
+                answer = (line + b"\r" if echo else b"") + self._reply(text)
+            os.write(self.master, answer)
+
+    def _reply(self, text: str) -> bytes:
+        sign, word, *rest = text[0], *text[1:].split()
+        if sign == "?":
+            return f"{word}={self.answers[word]}\r".encode() if word in self.answers else b"-\r"
+        if sign == "~":
+            return f"{word}={self.settings[word]}\r".encode()
+        if sign == "^":
+            if not self.deaf_to_settings:
+                self.settings[word] = int(rest[0])
+            return b"+\r"
+        if word == "M":
+            self.motor = (int(rest[0]), int(rest[1]))
+        elif word in {"EX", "MG"}:
+            self.latched = word == "EX"
+            self.answers["FF"] = "16" if self.latched else "0"
+        return b"+\r"
+
+
+class Board(Pty):
+    """A range board that says what the test writes, and notes what it hears."""
+
+    def say(self, data: bytes) -> None:
+        os.write(self.master, data)
+
+    def heard(self) -> bytes:
+        try:
+            return os.read(self.master, 4096)
+        except BlockingIOError:
+            return b""
+
+
+class FakeContext:
+    """A capability's context whose bus is a list."""
+
+    def __init__(self, settings: Any, address: Path | str, type_: str) -> None:
+        self.robot = "tester"
+        self.name = "under_test"
+        self.settings = settings
+        self.device = Device(settings.device, type_, str(address), {})
+        self.devices = ()
+        self.estop = SimpleNamespace(engaged=False, reason="", acknowledged=[], acknowledge=self._acknowledge)
+        self.published: list[tuple[str, Any]] = []
+        self.events: list[tuple[str, str]] = []
+        self.phases: list[str] = []
+        self.inbox: list[Received] = []
+        self.wired: tuple[str, ...] = ("drive",)
+        self.living = {"drive"}
+
+    def clock(self) -> float:
+        return time.monotonic()
+
+    def publish(self, output: str, message: Any) -> None:
+        self.published.append((output, message))
+
+    def latest(self, port: str) -> Received | None:
+        return self.inbox[-1] if self.inbox else None
+
+    def take(self, port: str) -> list[Received]:
+        taken, self.inbox = self.inbox, []
+        return taken
+
+    def sources(self, port: str) -> tuple[str, ...]:
+        return self.wired
+
+    def alive(self, capability: str) -> bool:
+        return capability in self.living
+
+    def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
+        self.events.append((kind, text))
+
+    def ready(self, reason: str = "") -> None:
+        self.phases.append("ready")
+
+    def warn(self, reason: str) -> None:
+        self.phases.append(f"warn: {reason}")
+
+    def give(self, message: Any, *, source: str = "drive", stamp: Stamp | None = None) -> None:
+        self.inbox.append(Received(message, stamp, self.clock(), source))
+
+    @property
+    def state(self) -> Any:
+        return self.published[-1][1]
+
+    def kinds(self) -> list[str]:
+        return [kind for kind, _ in self.events]
+
+    def _acknowledge(self, *, stopped: bool, reason: str = "") -> None:
+        self.estop.acknowledged.append((stopped, reason))

@@ -1,0 +1,285 @@
+import os
+import time
+from math import inf, nan
+
+import pytest
+from peers import until
+
+from lbr.capability.context import Device
+from lbr.drivers.roboteq import KIND, Wheel
+from lbr.drivers.roboteq import protocol as wire
+from lbr.drivers.roboteq.controller import Controller, wire_value
+from lbr.drivers.serial_line import open_line
+from lbr.errors import DeviceError
+
+MIRRORED = '{"device": "motors", "left": {"channel": 1, "direction": -1}, "right": {"channel": 2}'
+
+
+def repeat(times, action):
+    for _ in range(times):
+        action()
+
+
+@pytest.fixture
+def bring_up(peer):
+    opened = []
+
+    def build(more=""):
+        settings = KIND.parse(MIRRORED + more + "}")
+        line = open_line(Device("motors", "roboteq", str(peer.path), {}), settings.baud)
+        opened.append(line)
+        return Controller(line, settings, time.monotonic)
+
+    yield build
+    for line in opened:
+        line.close()
+
+
+def test_opening_identifies_then_writes_zero_then_sets_and_reads_back(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    expected = ["?FID", "?TRN", "!M 0 0", "^ECHOF 0", "^RWD 200", "~RWD", "~MXMD", "?FF"]
+    assert peer.log == expected
+    assert peer.settings["RWD"] == 200
+    assert controller.firmware.startswith("Roboteq")
+    assert controller.telemetry.faults == ()
+
+
+@pytest.mark.parametrize("echo_before", [0, 1])
+@pytest.mark.parametrize("echo", ["true", "false"])
+def test_echo_may_be_on_or_off_before_and_after(bring_up, peer, echo_before, echo):
+    peer.settings["ECHOF"] = echo_before
+    controller = bring_up(f', "echo": {echo}')
+    controller.open()
+    assert peer.settings["ECHOF"] == (0 if echo == "true" else 1)
+    controller.drive(0.5, 0.5)
+    assert controller.applied == (0.5, 0.5)
+    for _ in range(12):
+        controller.query_next()
+    measured = controller.telemetry.measured()
+    assert measured["voltage_v"] == 12.6
+    assert measured["internal_v"] == 13.5
+    assert measured["output_v"] == 4.73
+    assert (measured["amps_left_a"], measured["amps_right_a"]) == (-5.1, 1.2)
+    assert (measured["counts_left"], measured["counts_right"]) == (130, -260)
+    assert measured["temperature_c"] == 30.0
+    assert (controller.lost, controller.refused) == (0, 0)
+
+
+def test_a_controller_that_echoes_against_its_setting_is_understood(bring_up, peer):
+    peer.echo_always = True
+    controller = bring_up(', "echo": false')
+    controller.open()
+    assert controller.stop()
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "line"),
+    [
+        (0.5, 0.5, "!M -500 500"),
+        (0.2, -0.2, "!M -200 -200"),
+        (1.0, -1.0, "!M -1000 -1000"),
+        (9.0, -9.0, "!M -1000 -1000"),
+        (nan, 0.5, "!M 0 0"),
+        (0.5, inf, "!M 0 0"),
+    ],
+)
+def test_powers_become_wire_values(bring_up, peer, left, right, line):
+    controller = bring_up()
+    controller.open()
+    controller.drive(left, right)
+    assert peer.motor_commands()[-1] == line
+
+
+@pytest.mark.parametrize(
+    ("power", "wheel", "value"),
+    [
+        (0.5, Wheel(channel=1), 500),
+        (0.5, Wheel(channel=1, direction=-1), -500),
+        (0.5, Wheel(channel=1, trim=1.1), 550),
+        (1.0, Wheel(channel=1, trim=1.5), 1000),
+        (-1.0, Wheel(channel=1, trim=1.5, max_power=0.4), -400),
+        (nan, Wheel(channel=1), 0),
+        (inf, Wheel(channel=1), 0),
+    ],
+)
+def test_trim_and_limit_hold_for_each_wheel(power, wheel, value):
+    assert wire_value(power, wheel) == value
+
+
+def test_swapped_channels_swap_wire_and_telemetry(bring_up, peer):
+    controller = bring_up(', "model": "2130"')
+    swapped = KIND.parse('{"device": "motors", "left": {"channel": 2}, "right": {"channel": 1}}')
+    controller = Controller(controller._line, swapped, time.monotonic)
+    controller.open()
+    controller.drive(0.1, 0.3)
+    assert peer.motor_commands()[-1] == "!M 300 100"
+    assert controller.applied == (0.1, 0.3)
+    for _ in range(3):
+        controller.query_next()
+    assert controller.telemetry.measured()["counts_left"] == -260
+
+
+def test_a_watchdog_that_reads_back_otherwise_is_refused(bring_up, peer):
+    peer.deaf_to_settings = True
+    with pytest.raises(DeviceError, match=r"'motors'.*~RWD with 1000, expected 200"):
+        bring_up().open()
+
+
+@pytest.mark.parametrize("watchdog_ms", [0, 251, 1000])
+def test_a_longer_watchdog_than_a_quarter_second_cannot_be_set(watchdog_ms):
+    with pytest.raises(Exception, match=r"watchdog_ms"):
+        KIND.parse(MIRRORED + f', "watchdog_ms": {watchdog_ms}}}')
+
+
+def test_mixed_channels_are_refused_unless_the_row_says_otherwise(bring_up, peer):
+    peer.settings["MXMD"] = 1
+    with pytest.raises(DeviceError, match="~MXMD with 1, expected 0"):
+        bring_up().open()
+
+
+def test_the_wrong_device_is_named_and_never_told_to_move(bring_up, peer):
+    peer.answers["FID"] = "Frobnicator 3000"
+    controller = bring_up()
+    with pytest.raises(DeviceError, match="Frobnicator 3000"):
+        controller.open()
+    controller.close()
+    assert peer.motor_commands() == []
+
+
+def test_the_wrong_model_is_refused(bring_up):
+    with pytest.raises(DeviceError, match=r"SDC21xx:SDC2130.*HDC"):
+        bring_up(', "model": "HDC"').open()
+
+
+def test_a_half_line_left_by_somebody_else_does_not_stop_the_opening(bring_up, peer):
+    controller = bring_up()
+    controller._line.write(b"!M 700 7")
+    peer.answer = lambda line: b"-\r" if line.startswith("!M 700") else None
+    controller.open()
+    assert peer.motor == (0, 0)
+
+
+def test_a_silent_controller_is_an_error_within_a_second(bring_up, peer):
+    peer.answer = lambda line: b""
+    began = time.monotonic()
+    with pytest.raises(DeviceError, match="does not answer"):
+        bring_up().open()
+    assert time.monotonic() - began < 1.0
+
+
+def test_one_lost_answer_is_counted_and_the_next_command_goes_on(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    lost = []
+    peer.answer = lambda line: b"" if line.startswith("!M") and not lost and not lost.append(line) else None
+    controller.drive(0.2, 0.2)
+    until(lambda: (controller.drive(0.3, 0.3), controller.applied == (0.3, 0.3))[1])
+    assert controller.lost == 1
+
+
+@pytest.mark.parametrize("echo", ["true", "false"])
+def test_a_late_answer_is_not_taken_for_the_stops(bring_up, peer, echo):
+    controller = bring_up(f', "echo": {echo}')
+    controller.open()
+    late = []
+
+    def answer(line):
+        if line == "!M -200 200":
+            late.append(line)
+            return b""
+        if line == "!EX":  # the answer to the command before comes only now, and none to this one
+            return b"+\r"
+        return None
+
+    peer.answer = answer
+    controller.drive(0.2, 0.2)
+    assert not controller.emergency_stop()
+    assert late
+
+
+def test_refusals_are_counted_and_too_many_are_an_error(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    peer.answer = lambda line: line.encode() + b"\r-\r" if line.startswith("!M") else None
+    with pytest.raises(DeviceError, match="refused 5 commands"):
+        repeat(10, lambda: controller.drive(0.1, 0.1))
+    assert controller.refused == 5
+    assert controller.applied == (0.0, 0.0)
+
+
+def test_after_a_gap_as_long_as_the_watchdog_zero_goes_first(bring_up, peer):
+    controller = bring_up(', "watchdog_ms": 50')
+    controller.open()
+    controller.drive(0.4, 0.4)
+    until(lambda: controller.fed_s_ago > 0.05)
+    controller.drive(0.4, 0.4)
+    controller.drive(0.4, 0.4)
+    assert peer.motor_commands()[-3:] == ["!M -400 400", "!M 0 0", "!M -400 400"]
+
+
+def test_a_controller_that_stops_reading_is_never_fed_more_than_one_command(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    controller.drive(0.4, 0.4)
+    peer.reading = False
+    began = time.monotonic()
+    with pytest.raises(DeviceError, match="unanswered"):
+        repeat(1000, lambda: controller.drive(0.4, 0.4))
+    assert time.monotonic() - began < 0.3
+    controller.close()
+    left_behind = os.read(peer.master, 4096)
+    assert left_behind.count(b"!M -400 400") == 1
+    assert left_behind.endswith(wire.STOP)
+    assert len(left_behind) < 50
+
+
+def test_a_reset_that_brings_back_the_long_watchdog_is_noticed(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    peer.settings["RWD"] = 1000
+    with pytest.raises(DeviceError, match="watchdog of 1000 ms"):
+        repeat(15, controller.query_next)
+
+
+def test_closing_writes_zero_and_waits_for_it(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    controller.drive(0.4, 0.4)
+    began = time.monotonic()
+    controller.close()
+    assert time.monotonic() - began < 0.05
+    assert peer.motor == (0, 0)
+
+
+def test_an_emergency_stop_cuts_then_zeroes_and_release_zeroes_first(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    controller.drive(0.4, 0.4)
+    assert controller.emergency_stop()
+    assert peer.motor_commands()[-2:] == ["!EX", "!M 0 0"]
+    assert controller.release()
+    assert peer.motor_commands()[-2:] == ["!M 0 0", "!MG"]
+    assert not peer.latched
+
+
+def test_garbage_between_the_answers_does_no_harm(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    os.write(peer.master, b"\xff\x00V=1:\r\rA=zz\r+\r-\r" + b"x" * 2000)
+    peer.answer = lambda line: b"\r" + line.encode() + b"\r+\r" if line.startswith("!M") else None
+    controller.drive(0.1, 0.1)
+    assert controller.applied == (0.1, 0.1)
+
+
+def test_what_the_controller_does_not_answer_any_more_becomes_unknown(bring_up, peer):
+    now = [0.0]
+    controller = bring_up()
+    controller.telemetry._clock = lambda: now[0]
+    controller.open()
+    for _ in range(12):
+        controller.query_next()
+    assert controller.telemetry.measured()["voltage_v"] == 12.6
+    now[0] = 1.0
+    assert controller.telemetry.measured()["voltage_v"] is None
+    assert controller.telemetry.faults is None
