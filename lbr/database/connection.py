@@ -16,7 +16,7 @@ from lbr.errors import RowError
 BUSY_TIMEOUT_S = 2.0
 
 _SENTENCES = {
-    sqlite3.SQLITE_BUSY: f"is locked by another program for more than {BUSY_TIMEOUT_S:g} s: close its transaction",
+    sqlite3.SQLITE_BUSY: "is locked by another program: close its transaction",
     sqlite3.SQLITE_LOCKED: "is locked by another program: close its transaction",
     sqlite3.SQLITE_READONLY: "is read-only: make the file and its folder writable for you",
     sqlite3.SQLITE_IOERR: "cannot be read or written: check the disk",

@@ -16,7 +16,7 @@ from sqlalchemy.dialects.sqlite import insert
 
 from lbr.database import history
 from lbr.database.checks import check
-from lbr.database.connection import connect, pragma, run, sentences, transaction
+from lbr.database.connection import BUSY_TIMEOUT_S, connect, pragma, run, sentences, transaction
 from lbr.database.files import check_file
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.models import Calibration, Revision, Robot
@@ -27,6 +27,7 @@ from lbr.errors import InputError, RowError
 from lbr.messages.system import Event
 
 APPLICATION_ID = 0x4C425231
+EVENT_PATIENCE_S = 0.1
 
 
 def create(path: Path, sql: Path | None = None) -> None:
@@ -39,7 +40,7 @@ def create(path: Path, sql: Path | None = None) -> None:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         os.close(os.open(building, os.O_CREAT | os.O_TRUNC | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
         with sentences(path), closing(sqlite3.connect(building)) as connection:
-            connection.executescript(source)
+            connection.executescript(source)  # with SQLite's own fsync
         path.hardlink_to(building)  # unlike a rename, never over a file that somebody else built meanwhile
     except OSError as err:
         raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err
@@ -97,8 +98,11 @@ class Database:
             return read_tables(connection)[0]
 
     def append_events(self, events: Iterable[Event]) -> None:
-        """Write events down in one transaction; a `wall_ns` of 0 becomes now. The oldest go when there are many."""
-        with self._writing() as connection:
+        """Write events down in one transaction; a `wall_ns` of 0 becomes now. The oldest go when there are many.
+
+        Waits for other writers a tenth of a second only, because events can be written later.
+        """
+        with self._writing(patience_s=EVENT_PATIENCE_S) as connection:
             history.append_events(connection, events, self._wall_ns())
 
     def events(self, limit: int = 100) -> tuple[Event, ...]:
@@ -167,9 +171,10 @@ class Database:
             yield connection
 
     @contextmanager
-    def _writing(self, *, durable: bool = False) -> Iterator[Connection]:
+    def _writing(self, *, durable: bool = False, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
         """Write in one transaction. Durable waits for the disk, and so keeps other writers waiting as long."""
         with self._lock, sentences(self.path):
+            pragma(self._connection, f"busy_timeout = {patience_s * 1000:.0f}")
             pragma(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
             with transaction(self._connection, "IMMEDIATE") as connection:
                 yield connection

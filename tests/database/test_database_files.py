@@ -2,13 +2,15 @@
 
 import os
 import sqlite3
+import time
 from contextlib import closing
 
 import pytest
 
-from lbr.database.connection import BUSY_TIMEOUT_S
+from lbr.database import connection
 from lbr.database.store import Database, create
 from lbr.errors import InputError, LbrError, RowError
+from lbr.messages.system import Event
 
 AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
 
@@ -23,9 +25,9 @@ def refusal(path) -> str:
 
 
 def plain(path, *statements):
-    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+    with closing(sqlite3.connect(path, isolation_level=None)) as other:
         for statement in statements:
-            connection.execute(statement)
+            other.execute(statement)
 
 
 def test_a_missing_file(tmp_path):
@@ -119,11 +121,12 @@ def test_a_truncated_file(path, kept):
     assert "put a backup in its place" in refusal(path)
 
 
-def test_a_file_that_another_program_keeps_to_itself(path):
+def test_a_file_that_another_program_keeps_to_itself(path, monkeypatch):
+    monkeypatch.setattr(connection, "BUSY_TIMEOUT_S", 0.1)
     with closing(sqlite3.connect(path, isolation_level=None)) as other:
         other.execute("PRAGMA locking_mode = EXCLUSIVE")
         other.execute("UPDATE robot SET owner = 'x'")
-        assert f"is locked by another program for more than {BUSY_TIMEOUT_S:g} s" in refusal(path)
+        assert "is locked by another program: close its transaction" in refusal(path)
 
 
 def test_a_write_lock_that_is_never_released_is_an_error_not_a_hang(path, database):
@@ -132,6 +135,10 @@ def test_a_write_lock_that_is_never_released_is_an_error_not_a_hang(path, databa
         assert database.load("lbr").problems == ()
         with pytest.raises(RowError, match="is locked by another program"):
             database.record_start("lbr")
+        started = time.monotonic()
+        with pytest.raises(RowError, match="is locked by another program"):
+            database.append_events([Event(kind="k", subject="s", text="t")])
+        assert time.monotonic() - started < 1.0
         other.execute("ROLLBACK")
     database.record_start("lbr")
     assert database.load("lbr").robot.last_start

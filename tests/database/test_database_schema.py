@@ -256,9 +256,10 @@ def test_a_new_row_is_a_revision_with_its_defaults(client, database):
 
 
 def test_deleting_a_robot_keeps_every_row_it_had(client, database):
+    (verbs,) = client.execute("SELECT count(*) FROM verb").fetchone()
     client.execute("DELETE FROM robot")
     lost = [(r.table, r.operation) for r in database.revisions()]
-    assert lost.count(("verb", "delete")) == 14
+    assert lost.count(("verb", "delete")) == verbs > 0
     assert ("robot", "delete") in lost
 
 
