@@ -1,0 +1,264 @@
+"""A capability in a process of its own, on a real bus: its ports, its phases, and every way out."""
+
+import json
+import textwrap
+import time
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from lbr.bus import keys, session, stamp, wire
+from lbr.capability.config import InputWire, OutputWire, ProcessConfig
+from lbr.executive.child import Child, open_log
+from lbr.executive.plan import Unit
+from lbr.messages.system import EstopState
+from tests.robot import until
+
+PROBE = """
+    import sys
+    from msgspec import Struct
+    from lbr.capability import Capability, Kind
+    from lbr.errors import DeviceError
+    from lbr.messages.drive import CommandReply
+    from lbr.messages.motors import MotorSetpoint
+
+
+    class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+        device_there: str = ""
+
+
+    class Count(Struct, frozen=True):
+        n: int
+
+
+    class Do(Struct, frozen=True):
+        what: str
+
+
+    class Probe(Capability):
+        rate_hz = 100.0
+
+        def open(self):
+            if self.ctx.settings.device_there and not __import__("os").path.exists(self.ctx.settings.device_there):
+                raise DeviceError("device 'x' is missing; plug it in")
+            self.n = 0
+
+        def step(self):
+            for received in self.ctx.take("setpoint"):
+                self.n += round(received.message.left * 10)
+            self.ctx.publish("count", Count(self.n))
+            if self.ctx.estop.engaged:
+                self.ctx.estop.acknowledge(stopped=True)
+
+        def command(self, call):
+            call.reply(CommandReply(accepted=True, reason=call.message.what))
+            {"raise": self.boom, "exit": lambda: sys.exit(0), "recurse": self.recurse, "hang": self.hang,
+             "memory": lambda: bytearray(1 << 60)}.get(call.message.what, lambda: None)()
+
+        def boom(self):
+            raise ValueError("out of cheese")
+
+        def recurse(self):
+            self.recurse()
+
+        def hang(self):
+            while True:
+                pass
+
+
+    KIND = Kind(name="probe", summary="", family="app", entry=Probe, settings=Settings, moves=True,
+                setpoints={"setpoint": MotorSetpoint}, outputs={"count": Count}, commands={"do": Do})
+"""
+KEY = "5e" * 32
+NOT_ENGAGED = EstopState(engaged=False, reason="")
+
+
+class Stage:
+    def __init__(self, home: Path) -> None:
+        self.home = home
+        (home / "capabilities").mkdir(mode=0o700)
+        (home / "capabilities" / "probe.py").write_text(textwrap.dedent(PROBE))
+        endpoint = f"unixsock-stream/{home}/bus.sock"
+        self.router = session.open_router([endpoint])
+        self.bus = session.open_client([endpoint])
+        self.endpoint = endpoint
+        self.said = []
+        self.child = None
+
+    def start(self, *, settings="{}", estop=NOT_ENGAGED):
+        feed = InputWire(key="r/probe/setpoint", source="drive", seal=KEY, history=8)
+        config = ProcessConfig(
+            robot="r",
+            name="probe",
+            kind="probe",
+            settings=msgspec.Raw(settings.encode()),
+            endpoints=(self.endpoint,),
+            home=str(self.home),
+            wiring={"setpoint": (feed,)},
+            outputs={"count": (OutputWire(key="r/probe/count"),)},
+            estop=estop,
+            release_key=KEY,
+        )
+        unit = Unit(name="probe", kind="probe", family="app", moves=True, restart="never", needs=(), config=config)
+        with open_log(self.home / "log.txt") as log:
+            self.child = Child(unit, config, log)
+        return self
+
+    def heard(self, phase):
+        self.said += [report for report in self.child.reports() if report.phase]
+        return [report for report in self.said if report.phase == phase]
+
+    def ready(self):
+        until(lambda: self.heard("ready"), what=f"ready; log: {(self.home / 'log.txt').read_text()}")
+        return self
+
+    def ask(self, key, message=None):
+        answers = wire.ask(self.bus, key, message, source="test")
+        return json.loads(answers[0].payload) if answers else None
+
+    def ended(self, limit_s=5.0):
+        until(lambda: self.child.returncode() is not None, limit_s=limit_s, what="end of the process")
+        return self.child.returncode()
+
+    def close(self):
+        if self.child is not None:
+            self.child.kill()
+            self.ended()
+            self.child.close()
+        self.bus.close()
+        self.router.close()
+
+
+@pytest.fixture
+def stage(tmp_path_factory):
+    made = Stage(tmp_path_factory.mktemp("p"))
+    yield made
+    made.close()
+
+
+def test_streams_answer_a_get_with_their_latest_value_and_are_stamped(stage):
+    stage.start().ready()
+    until(lambda: stage.ask("r/probe/count") == {"n": 0})
+    raw = wire.ask(stage.bus, "r/probe/count", None, source="test")[0]
+    said = stamp.read(raw.attachment)
+    assert said is not None
+    assert said.source == "probe"
+    assert said.seq > 0
+    assert abs(said.mono_ns - time.monotonic_ns()) < 5e9
+
+
+def test_commands_are_answered_and_malformed_ones_refused_in_one_line(stage):
+    stage.start().ready()
+    assert stage.ask("r/probe/do", {"what": "nothing"}) == {"accepted": True, "reason": "nothing"}
+    for payload in (b"{", b"\xff\xfe", b'{"what": 3}', b"[]", b'{"what": NaN}', b"[" * 5000):
+        reply = json.loads(next(iter(stage.bus.get("r/probe/do", payload=payload))).ok.payload.to_bytes())
+        assert reply["accepted"] is False
+        assert "\n" not in reply["reason"]
+    huge = json.dumps({"what": "x" * 70_000}).encode()
+    reply = json.loads(next(iter(stage.bus.get("r/probe/do", payload=huge))).ok.payload.to_bytes())
+    assert "65536 bytes" in reply["reason"]
+
+
+def test_a_wildcard_get_executes_no_command(stage):
+    stage.start().ready()
+    until(lambda: stage.ask("r/probe/count"))
+    found = [raw.key for raw in wire.ask(stage.bus, "r/*/*", {"what": "raise"}, source="test")]
+    assert found == ["r/probe/count"]
+    assert stage.child.returncode() is None
+
+
+def test_only_the_wired_source_can_write_a_setpoint_and_only_once(stage):
+    stage.start().ready()
+    sealed = wire.Publisher(stage.bus, "r/probe/setpoint", "drive", seal=bytes.fromhex(KEY))
+    heard = wire.Subscription(stage.bus, "r/probe/setpoint", depth=8)
+    sealed.put({"left": 0.1, "right": 0.0})
+    until(lambda: stage.ask("r/probe/count") == {"n": 1})
+    (genuine,) = heard.take()
+    stage.bus.put("r/probe/setpoint", genuine.payload, attachment=genuine.attachment)
+    wire.put(stage.bus, "r/probe/setpoint", {"left": 0.5, "right": 0.5}, source="drive")
+    stage.bus.put("r/probe/setpoint", b'{"left":0.7,"right":0.7}', attachment=genuine.attachment)
+    sealed.put({"left": 0.2, "right": 0.0})
+    until(lambda: stage.ask("r/probe/count") == {"n": 3})
+
+
+def test_the_schema_of_every_port_can_be_asked_for(stage):
+    stage.start().ready()
+    schema = stage.ask(keys.schema("r", "probe", "setpoint"))
+    assert "forward positive" in schema["$defs"]["MotorSetpoint"]["properties"]["left"]["description"]
+
+
+def test_a_missing_device_makes_it_degraded_and_its_return_ready(stage):
+    device = stage.home / "device"
+    stage.start(settings=json.dumps({"device_there": str(device)}))
+    until(lambda: stage.heard("degraded"))
+    assert "missing; plug it in" in stage.heard("degraded")[0].reason
+    assert "missing" in stage.ask("r/probe/do", {"what": "nothing"})["reason"]
+    device.touch()
+    stage.ready()
+
+
+def test_the_emergency_stop_latches_is_acknowledged_and_only_a_sealed_release_lets_go(stage):
+    stage.start().ready()
+    heard = wire.Subscription(stage.bus, keys.estop_acknowledgement("r", "*"), depth=8)
+    wire.put(stage.bus, keys.estop("r"), {"engaged": True, "reason": "test"}, source="test")
+    said = until(heard.take)
+    assert json.loads(said[0].payload) == {"capability": "probe", "engaged": True, "stopped": True, "reason": ""}
+    wire.put(stage.bus, keys.estop("r"), {"engaged": False}, source="test")
+    release = keys.estop_release("r", "probe")
+    assert stage.ask(release, {}) == {"accepted": False, "reason": "only the executive releases"}
+    answers = wire.ask(stage.bus, release, {}, source="executive", seal=bytes.fromhex(KEY))
+    assert json.loads(answers[0].payload) == {"accepted": True}
+
+
+def test_a_stop_that_cannot_be_read_stops_all_the_same(stage):
+    stage.start().ready()
+    heard = wire.Subscription(stage.bus, keys.estop_acknowledgement("r", "*"), depth=8)
+    stage.bus.put(keys.estop("r"), b"\xffSTOP")
+    assert json.loads(until(heard.take)[0].payload)["stopped"] is True
+
+
+def test_it_ends_in_order_when_asked_and_says_so(stage):
+    stage.start().ready()
+    stage.child.terminate()
+    assert stage.ended() == 0
+    assert stage.heard("stopping")
+
+
+def test_it_ends_when_its_executive_is_gone(stage):
+    stage.start().ready()
+    stage.child._popen.stdin.close()
+    assert stage.ended(limit_s=2.0) == 0
+
+
+@pytest.mark.parametrize(
+    ("what", "reason"),
+    [
+        ("raise", "ValueError: out of cheese"),
+        ("exit", "SystemExit: 0"),
+        ("recurse", "RecursionError"),
+        ("memory", "MemoryError"),
+    ],
+)
+def test_whatever_is_raised_ends_the_process_and_is_reported(stage, what, reason):
+    stage.start().ready()
+    stage.ask("r/probe/do", {"what": what})
+    assert stage.ended(limit_s=2.0) == 70
+    assert reason in stage.heard("failed")[0].reason
+
+
+def test_a_hang_is_silence_on_the_heartbeat(stage):
+    stage.start().ready()
+    stage.ask("r/probe/do", {"what": "hang"})
+    stage.child.reports()
+    quiet_from = time.monotonic()
+    until(lambda: time.monotonic() - quiet_from > 0.6)
+    assert stage.child.reports() == []
+    assert stage.child.returncode() is None
+
+
+def test_a_capability_file_that_others_may_change_is_refused(stage):
+    (stage.home / "capabilities" / "probe.py").chmod(0o666)
+    stage.start()
+    assert stage.ended() == 70
+    assert "could be changed by others" in stage.heard("failed")[0].reason

@@ -1,0 +1,173 @@
+"""Rows to a plan: what is wrong is said at once, and an edit touches only what it touches."""
+
+import pytest
+from msgspec.structs import replace
+
+from lbr.database import store
+from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
+from lbr.executive import plan as plans
+from lbr.executive.plan import Change, Site
+from lbr.executive.profile import Profile
+
+SITE = Site(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
+SIMULATED = Profile(robot="lbr", simulate=True)
+REAL = Profile(robot="lbr")
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory) -> RobotRows:
+    path = tmp_path_factory.mktemp("database") / "robot.db"
+    store.create(path)
+    with store.Database.open(path) as database:
+        return database.load("lbr")
+
+
+def planned(rows, profile=SIMULATED):
+    plan, problems = plans.make(rows, profile, SITE)
+    assert not problems
+    return plan
+
+
+def problems(rows, profile=SIMULATED):
+    plan, found = plans.make(rows, profile, SITE)
+    assert plan is None
+    return [str(problem) for problem in found]
+
+
+def edited(rows, table, name, **fields):
+    changed = tuple(replace(row, **fields) if row.name == name else row for row in getattr(rows, table))
+    return replace(rows, **{table: changed})
+
+
+def test_the_shipped_robot_starts_world_drivers_then_drive(rows):
+    order = list(planned(rows).units)
+    assert order.index("world") < order.index("motors") < order.index("drive")
+    assert order.index("ranges") < order.index("drive")
+
+
+def test_the_real_robot_has_no_world_and_its_own_addresses(rows):
+    plan = planned(rows, REAL)
+    assert "world" not in plan.units
+    assert plan.units["motors"].config.devices[0].address.startswith("/dev/")
+
+
+def test_a_profile_may_name_another_address_for_a_device(rows):
+    profile = Profile(robot="lbr", devices={"motor_controller": "/dev/ttyACM1"})
+    assert planned(rows, profile).units["motors"].config.devices[0].address == "/dev/ttyACM1"
+
+
+def test_a_setpoint_travels_sealed_on_its_targets_key(rows):
+    plan = planned(rows)
+    sent = plan.units["drive"].config.outputs["setpoint"]
+    taken = plan.units["motors"].config.wiring["setpoint"]
+    assert [wire.key for wire in sent] == ["lbr/motors/setpoint"] == [wire.key for wire in taken]
+    assert sent[0].seal == taken[0].seal != ""
+    assert taken[0].source == "drive"
+
+
+def test_every_problem_is_named_at_once(rows):
+    bad = replace(
+        rows,
+        capabilities=(
+            *edited(rows, "capabilities", "drive", needs=("motors", "wings")).capabilities,
+            CapabilityRow(name="shell", kind="os.system", settings="{}"),
+            CapabilityRow(name="second", kind="roboteq", settings='{"device": "motor_controller", "watchdog_ms": 900}'),
+            CapabilityRow(name="third", kind="ultrasonic_ring", settings='{"device": "nothing"}'),
+        ),
+        channels=(*rows.channels, ChannelRow(source="drive.nonsense", target="motors.setpoint")),
+        verbs=(
+            *rows.verbs,
+            VerbRow(word="fly", pattern="/fly/{height}", target="drive.command", role="operate", help=""),
+        ),
+    )
+    found = "\n".join(problems(bad))
+    for words in (
+        "capability 'drive', needs: there is no capability 'wings'",
+        "capability 'shell', kind: 'os.system' is no kind's name",
+        "capability 'second', settings: Expected `int` <= 250 - at `$.watchdog_ms`",
+        "capability 'third', settings: device: there is no device row 'nothing'",
+        "channel 'drive.nonsense -> motors.setpoint', source: 'drive' has no output 'nonsense'",
+        "verb '/fly/{height}', pattern: drive.command has no field 'height'",
+    ):
+        assert words in found
+
+
+@pytest.mark.parametrize(
+    ("channel", "complaint"),
+    [
+        (
+            ChannelRow(source="ranges.readings", target="motors.setpoint"),
+            "sends Ranges, and motors.setpoint takes Motor",
+        ),
+        (ChannelRow(source="ghost.state", target="drive.motors"), "there is no capability 'ghost'"),
+        (ChannelRow(source="motors.state", target="drive.tail"), "'drive' has no input 'tail'; it has motors, ranges"),
+    ],
+)
+def test_a_channel_that_cannot_be_is_explained(rows, channel, complaint):
+    assert complaint in "\n".join(problems(replace(rows, channels=(*rows.channels, channel))))
+
+
+def test_a_setpoint_has_one_writer(rows):
+    other = CapabilityRow(name="drive2", kind="drive", settings="{}")
+    channel = ChannelRow(source="drive2.setpoint", target="motors.setpoint")
+    twice = replace(rows, capabilities=(*rows.capabilities, other), channels=(*rows.channels, channel))
+    assert "a setpoint has one writer" in "\n".join(problems(twice))
+
+
+def test_two_capabilities_cannot_own_one_device(rows):
+    twin = CapabilityRow(name="motors2", kind="roboteq", settings='{"device": "motor_controller"}')
+    assert "already belongs to" in "\n".join(problems(replace(rows, capabilities=(*rows.capabilities, twin))))
+
+
+def test_capabilities_that_need_each_other_are_refused(rows):
+    assert "these need one another" in "\n".join(problems(edited(rows, "capabilities", "motors", needs=("drive",))))
+
+
+def test_the_executives_name_is_taken(rows):
+    more = (*rows.capabilities, CapabilityRow(name="executive", kind="drive"))
+    assert "choose another" in "\n".join(problems(replace(rows, capabilities=more)))
+
+
+def test_a_profile_that_names_nothing_is_refused(rows):
+    assert "there is no capability 'wings'" in "\n".join(problems(rows, Profile(robot="lbr", without=("wings",))))
+
+
+def test_no_edit_no_change(rows):
+    assert plans.difference(planned(rows), planned(rows)) == Change()
+
+
+def test_settings_restart_their_capability_alone(rows):
+    new = edited(rows, "capabilities", "ranges", settings='{"device": "range_board", "timeout_s": 0.7}')
+    assert plans.difference(planned(rows), planned(new)) == Change(restart=("ranges",))
+
+
+def test_a_new_word_touches_no_process(rows):
+    verb = VerbRow(
+        word="creep", pattern="creep", target="drive.command", role="operate", help="", payload={"power": 0.1}
+    )
+    assert plans.difference(planned(rows), planned(replace(rows, verbs=(*rows.verbs, verb)))) == Change()
+
+
+def test_a_device_restarts_its_driver_and_in_simulation_its_world(rows):
+    new = replace(
+        rows,
+        devices=tuple(
+            DeviceRow(name=d.name, type=d.type, address="/dev/other", settings=d.settings)
+            if d.name == "range_board"
+            else d
+            for d in rows.devices
+        ),
+    )
+    assert plans.difference(planned(rows, REAL), planned(new, REAL)) == Change(restart=("ranges",))
+
+
+def test_disabling_stops_and_a_cut_wire_rewires_its_reader(rows):
+    new = edited(rows, "capabilities", "ranges", enabled=False)
+    change = plans.difference(planned(rows), planned(new))
+    assert change.stop == ("ranges",)
+    assert change.restart == ("drive",)
+
+
+def test_rows_of_an_unknown_robot_make_an_empty_plan():
+    plan = planned(RobotRows(robot=RobotRow(name="lbr")), REAL)
+    assert plan.units == {}

@@ -1,0 +1,233 @@
+"""Histories of processes, replayed with a clock and a process factory that the test holds."""
+
+import random
+from collections import deque
+
+import msgspec
+import pytest
+
+from lbr.capability.config import ProcessConfig, Report
+from lbr.executive.plan import Change, Unit
+from lbr.executive.supervisor import HANG_S, HANG_STARTING_S, TERM_S, Supervisor
+
+
+class FakeProcess:
+    def __init__(self, unit, log):
+        self.unit, self.log, self.pid = unit, log, 4000 + len(log)
+        self.said = deque()
+        self.code = None
+        self.obeys = True
+
+    def reports(self):
+        said = list(self.said)
+        self.said.clear()
+        return said
+
+    def terminate(self):
+        self.log.append(("term", self.unit.name))
+        if self.obeys:
+            self.code = 0
+
+    def kill(self):
+        self.log.append(("kill", self.unit.name))
+        self.code = -9
+
+    def returncode(self):
+        return self.code
+
+    def close(self):
+        pass
+
+
+class Stage:
+    """A supervisor whose time and processes are ours."""
+
+    def __init__(self, *units):
+        self.now = 100.0
+        self.log = []
+        self.told = []
+        self.processes = {}
+        self.units = {unit.name: unit for unit in units}
+        self.supervisor = Supervisor(
+            self.start, lambda *about: self.told.append(about), lambda: self.now, random.Random(1)
+        )
+        self.adopt(Change(start=tuple(self.units)))
+
+    def adopt(self, change):
+        class Plan:
+            units = self.units
+
+        self.supervisor.adopt(Plan, change)
+        self.supervisor.step()
+
+    def start(self, unit):
+        process = FakeProcess(unit, self.log)
+        self.log.append(("start", unit.name))
+        self.processes[unit.name] = process
+        return process
+
+    def says(self, name, phase="ready", reason=""):
+        self.processes[name].said.append(Report(phase=phase, reason=reason))
+        self.supervisor.step()
+
+    def passes(self, seconds, beating=()):
+        end = self.now + seconds
+        while self.now < end:
+            self.now = min(self.now + 0.1, end)
+            for name in beating:
+                self.processes[name].said.append(Report())
+            self.supervisor.step()
+
+    def dies(self, name, code=1):
+        self.processes[name].code = code
+        self.supervisor.step()
+
+    def phase(self, name):
+        return self.supervisor.slots[name].phase
+
+    def starts(self, name):
+        return self.log.count(("start", name))
+
+
+def unit(name, *, needs=(), moves=False, family="app", restart="on-failure", mark=""):
+    config = ProcessConfig(
+        robot="r", name=name, kind="k", settings=msgspec.Raw(b"{}"), endpoints=(), home="", device=mark
+    )
+    return Unit(name=name, kind="k", family=family, moves=moves, restart=restart, needs=needs, config=config)
+
+
+def test_a_capability_waits_for_what_it_needs():
+    stage = Stage(unit("motors"), unit("drive", needs=("motors",)))
+    assert stage.starts("drive") == 0
+    stage.says("motors")
+    assert stage.starts("drive") == 1
+
+
+def test_a_missing_device_does_not_hold_up_the_others():
+    stage = Stage(unit("motors"), unit("drive", needs=("motors",)))
+    stage.says("motors", "degraded", "device missing")
+    assert stage.starts("drive") == 1
+    assert ("degraded", "motors", "device missing", "warning") in stage.told
+
+
+def test_a_crash_is_restarted_after_a_delay_and_its_dependants_are_told():
+    stage = Stage(unit("motors"), unit("drive", needs=("motors",)))
+    stage.says("motors")
+    stage.says("drive")
+    stage.dies("motors", -11)
+    assert stage.starts("motors") == 1
+    stage.passes(0.2, beating=["drive"])
+    assert stage.starts("motors") == 2
+    assert stage.starts("drive") == 1
+    kinds = [(kind, subject) for kind, subject, _text, _level in stage.told]
+    assert ("crashed", "motors") in kinds
+    assert ("need_lost", "drive") in kinds
+
+
+def test_a_hang_is_killed_and_told_apart_from_a_crash():
+    stage = Stage(unit("motors"))
+    stage.says("motors")
+    stage.passes(HANG_S + 0.3)
+    assert ("kill", "motors") in stage.log
+    assert [kind for kind, *_ in stage.told][-1] == "hung"
+
+
+def test_heartbeats_keep_a_process_alive():
+    stage = Stage(unit("motors"))
+    stage.says("motors")
+    stage.passes(10 * HANG_S, beating=["motors"])
+    assert stage.phase("motors") == "ready"
+    assert ("kill", "motors") not in stage.log
+
+
+def test_a_slow_start_is_no_hang_but_an_endless_one_is():
+    stage = Stage(unit("world"))
+    stage.passes(HANG_STARTING_S - 1)
+    assert ("kill", "world") not in stage.log
+    stage.passes(1.5)
+    assert ("kill", "world") in stage.log
+
+
+def test_a_crash_loop_ends_in_failed_and_a_restart_by_hand_begins_anew():
+    stage = Stage(unit("bad"))
+    for _ in range(6):
+        stage.passes(4.0)
+        stage.dies("bad")
+    assert stage.phase("bad") == "failed"
+    started = stage.starts("bad")
+    stage.passes(60.0)
+    assert stage.starts("bad") == started
+    stage.supervisor.restart("bad")
+    stage.passes(0.2)
+    assert stage.starts("bad") == started + 1
+
+
+def test_an_edit_touches_only_what_it_names():
+    stage = Stage(unit("a"), unit("b"), unit("c"))
+    for name in "abc":
+        stage.says(name)
+    stage.units = {"a": stage.units["a"], "b": unit("b", mark="new"), "d": unit("d")}
+    stage.adopt(Change(start=("d",), stop=("c",), restart=("b",)))
+    stage.passes(0.3, beating=["a"])
+    assert (stage.starts("a"), stage.starts("b"), stage.starts("d")) == (1, 2, 1)
+    assert ("term", "a") not in stage.log
+    assert set(stage.supervisor.slots) == {"a", "b", "d"}
+
+
+def test_the_new_process_waits_until_the_old_one_has_let_go_of_its_device():
+    stage = Stage(unit("motors"))
+    stage.says("motors")
+    old = stage.processes["motors"]
+    old.obeys = False
+    stage.adopt(Change(restart=("motors",)))
+    stage.passes(TERM_S / 2)
+    assert stage.starts("motors") == 1
+    stage.passes(TERM_S)
+    assert ("kill", "motors") in stage.log
+    assert stage.starts("motors") == 2
+
+
+def test_shutdown_stops_motion_first_and_simulation_last():
+    stage = Stage(
+        unit("world", family="simulation"),
+        unit("motors", family="driver", moves=True),
+        unit("camera", family="driver"),
+        unit("drive", family="operation", moves=True),
+        unit("web"),
+    )
+    for name in stage.units:
+        stage.says(name)
+    stage.log.clear()
+
+    def tick(seconds):
+        stage.now += seconds
+
+    stage.supervisor.shut_down(tick)
+    assert [name for what, name in stage.log if what == "term"] == ["drive", "motors", "web", "camera", "world"]
+
+
+def test_shutdown_kills_what_does_not_end():
+    stage = Stage(unit("motors", family="driver", moves=True))
+    stage.says("motors")
+    stage.processes["motors"].obeys = False
+
+    def tick(seconds):
+        stage.now += seconds
+
+    stage.supervisor.shut_down(tick)
+    assert ("kill", "motors") in stage.log
+
+
+@pytest.mark.parametrize("family", ["app", "driver"])
+def test_a_program_that_cannot_start_is_reported_and_not_retried_for_ever(family):
+    stage = Stage()
+    stage.units = {"x": unit("x", family=family)}
+    stage.start = None
+
+    def refuse(_unit):
+        raise OSError(2, "No such file")
+
+    stage.supervisor = Supervisor(refuse, lambda *about: stage.told.append(about), lambda: stage.now)
+    stage.adopt(Change(start=("x",)))
+    assert stage.phase("x") == "failed"
+    assert "could not be started" in stage.told[-1][2]
