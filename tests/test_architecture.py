@@ -1,0 +1,194 @@
+"""The floors: who may import whom, what stays light, and how large a module may grow."""
+
+import ast
+import json
+import statistics
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / "lbr"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+
+GROUND = {"errors", "messages"}
+BUS = GROUND | {"bus"}
+CAPABILITY = BUS | {"capability"}
+FLOORS = {
+    "errors": set(),
+    "messages": {"messages"},
+    "home": {"errors"},
+    "bus": BUS,
+    "capability": CAPABILITY,
+    "drivers": CAPABILITY | {"drivers"},
+    "operations": CAPABILITY | {"operations"},
+    "apps": CAPABILITY | {"apps"},
+    "simulation": CAPABILITY | {"simulation"},
+    "database": GROUND | {"database"},
+    "console": BUS | {"console", "database", "home"},
+    "executive": CAPABILITY | {"executive", "console", "database", "home"},
+}
+TOP = {"cli", "console.commands"}
+"""What people start: may import everything below."""
+
+OWNERS = {
+    "zenoh": {"bus"},
+    "sqlalchemy": {"database"},
+    "alembic": {"database"},
+    "sqlite3": {"database"},
+    "mujoco": {"simulation"},
+    "numpy": {"simulation"},
+    "PIL": {"simulation"},
+    "serial": {"drivers", *TOP},
+    "prompt_toolkit": {"console", *TOP},
+    "rich": TOP,
+    "click": TOP,
+    "psutil": {"executive", *TOP},
+}
+"""Which floor may import a library, so that replacing one stays a matter of one package."""
+
+HEAVY = ("numpy", "mujoco", "sqlalchemy", "alembic", "PIL", "prompt_toolkit", "rich", "click", "psutil")
+LARGEST_LINES = 600
+MEDIAN_LINES = 150
+
+
+def dotted(path: Path, root: Path = ROOT) -> str:
+    parts = path.relative_to(root).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports(source: str, module: str, *, package: bool = False) -> set[str]:
+    """Every module that a source imports, at its top or inside a function, by full name."""
+    base = module.split(".") if package else module.split(".")[:-1]
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            start = base[: len(base) + 1 - node.level] if node.level else []
+            origin = ".".join([*start, *([node.module] if node.module else [])])
+            found |= {f"{origin}.{alias.name}" for alias in node.names}
+    return found
+
+
+def floor(module: str) -> str:
+    """The floor of `lbr.drivers.roboteq.protocol` is `drivers`; commands stand above the console."""
+    parts = module.split(".")
+    return "console.commands" if parts[1:3] == ["console", "commands"] else parts[1] if len(parts) > 1 else ""
+
+
+def forbidden(source: str, module: str, *, package: bool = False) -> list[str]:
+    here = floor(module)
+    wrong = []
+    for name in sorted(imports(source, module, package=package)):
+        library = name.split(".")[0]
+        if library == "lbr":
+            target = floor(name)
+            if here not in TOP and target and target not in FLOORS.get(here, set()):
+                wrong.append(name)
+        elif here not in OWNERS.get(library, {here}):
+            wrong.append(name)
+    return wrong
+
+
+@pytest.mark.parametrize("path", MODULES, ids=dotted)
+def test_imports_go_down_only_and_each_library_has_one_owner(path):
+    wrong = forbidden(path.read_text(), dotted(path), package=path.name == "__init__.py")
+    assert not wrong, f"{dotted(path)} must not import {', '.join(wrong)}"
+
+
+@pytest.mark.parametrize(
+    ("module", "source"),
+    [
+        ("lbr.messages.drive", "from lbr.bus import keys"),
+        ("lbr.bus.wire", "import lbr.capability.kind"),
+        ("lbr.drivers.roboteq.capability", "from lbr.operations.drive import KIND"),
+        ("lbr.drivers.roboteq.capability", "from lbr.executive import plan"),
+        ("lbr.simulation.roboteq", "from lbr.drivers.roboteq import protocol"),
+        ("lbr.executive.executive", "from lbr.console.commands import run"),
+        ("lbr.console.terminal", "def f():\n    from lbr.executive import executive"),
+        ("lbr.capability.runtime", "import zenoh"),
+        ("lbr.executive.plan", "from sqlalchemy.orm import Session"),
+        ("lbr.bus.wire", "from ..capability import kind"),
+    ],
+)
+def test_the_check_sees_what_goes_up(module, source):
+    assert forbidden(source, module)
+
+
+def test_the_check_lets_pass_what_goes_down():
+    source = "from lbr.bus import keys\nfrom lbr.capability import Kind\nimport json\nfrom . import protocol"
+    assert not forbidden(source, "lbr.drivers.roboteq.capability")
+
+
+@pytest.mark.parametrize("path", [p for p in MODULES if floor(dotted(p)) in {"drivers", "operations"}], ids=dotted)
+def test_families_of_devices_and_operations_do_not_import_one_another(path):
+    module = dotted(path)
+    place = module.split(".")
+    shared = {dotted(other) for other in (PACKAGE / place[1]).glob("*.py")}
+    for name in imports(path.read_text(), module, package=path.name == "__init__.py"):
+        parts = name.split(".")
+        if parts[:2] == place[:2] and len(parts) > 2:
+            own = len(place) > 2 and parts[2] == place[2]
+            assert own or ".".join(parts[:3]) in shared, f"{module} imports {name} of another family"
+
+
+@pytest.mark.parametrize("path", [p for p in MODULES if floor(dotted(p)) == "console"], ids=dotted)
+def test_the_console_uses_of_the_database_only_its_light_rows_and_patterns(path):
+    used = {name for name in imports(path.read_text(), dotted(path)) if name.startswith("lbr.database")}
+    light = ("lbr.database.rows", "lbr.database.patterns")
+    assert all(name.startswith(light) for name in used), used
+
+
+def loaded_after(*modules: str) -> list[str]:
+    script = "import sys, json, importlib\nfor name in json.loads(sys.argv[1]): importlib.import_module(name)\n"
+    script += "print(json.dumps(sorted({name.split('.')[0] for name in sys.modules})))"
+    done = subprocess.run(
+        [sys.executable, "-c", script, json.dumps(modules)], capture_output=True, text=True, check=True
+    )
+    return json.loads(done.stdout)
+
+
+def registered() -> dict[str, str]:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    return {name: entry.partition(":")[0] for name, entry in project["entry-points"]["lbr.capabilities"].items()}
+
+
+def test_declaring_kinds_loads_nothing_heavy():
+    loaded = loaded_after(*registered().values())
+    assert not set(HEAVY) & set(loaded)
+    assert "zenoh" not in loaded
+
+
+def test_a_driver_or_operation_loads_nothing_heavy_in_its_process():
+    entries = [dotted(path) for path in MODULES if floor(dotted(path)) in {"drivers", "operations"}]
+    loaded = loaded_after(*entries, "lbr.capability.process")
+    assert not set(HEAVY) & set(loaded)
+
+
+def test_the_command_line_loads_neither_bus_nor_database_for_its_help():
+    loaded = loaded_after("lbr.cli")
+    assert not {"zenoh", "sqlalchemy", "mujoco", "numpy", "prompt_toolkit"} & set(loaded)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=dotted)
+def test_modules_stay_small_and_finished(path):
+    text = path.read_text()
+    assert len(text.splitlines()) < LARGEST_LINES
+    for word in ("TODO", "FIXME", "XXX", "NotImplementedError"):
+        assert word not in text, f"{dotted(path)} still has a {word}"
+
+
+def test_half_of_the_modules_fit_on_a_few_screens():
+    assert statistics.median(len(path.read_text().splitlines()) for path in MODULES) < MEDIAN_LINES
+
+
+def test_every_registered_kind_carries_its_own_name():
+    script = "from lbr.capability.registry import find; from pathlib import Path; import sys, json\n"
+    script += "print(json.dumps({name: find(name, Path('/nowhere')).name for name in json.loads(sys.argv[1])}))"
+    names = sorted(registered())
+    done = subprocess.run([sys.executable, "-c", script, json.dumps(names)], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == {name: name for name in names}
