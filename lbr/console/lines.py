@@ -114,15 +114,15 @@ def show(result: ConsoleResult, out: IO[str], err: IO[str]) -> None:
 Announce = Callable[[ConsoleResult], None]
 
 
-def say_once(operator: Operator, line: str, *, hold_s: float, announce: Announce) -> tuple[int, str]:
-    """Say one line and see its motion to the end; return the exit code and, after a motion, how it ended."""
+def say_once(operator: Operator, line: str, *, hold_s: float, announce: Announce) -> tuple[ConsoleResult, int, str]:
+    """Say one line and see its motion to the end; return its result, the exit code, and how a motion ended."""
     result = operator.submit(line)
     announce(result)
     held = operator.latest()
     if held is None or held.hold is not result.hold:
-        return result.code, ""
+        return result, result.code, ""
     ending = held.wait(None if held.hold.goal else hold_s)
     if ending is None:
         operator.release()
-        return result.code, f"stopped after {held.elapsed_s:.1f} s"
-    return (result.code if ending.good else FAILED), ending.text
+        return result, result.code, f"stopped after {held.elapsed_s:.1f} s"
+    return result, (result.code if ending.good else FAILED), ending.text

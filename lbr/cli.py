@@ -1,0 +1,118 @@
+"""The `lbr` command. Every subcommand is imported only when it runs, so that all of them start fast."""
+
+import importlib
+import os
+import sys
+from importlib import metadata
+
+import click
+
+from lbr.errors import AlreadyRunningError, InputError, LbrError, RowError
+
+FAILED, BAD_INPUT, ALREADY_RUNNING, INTERRUPTED = 1, 2, 3, 130
+
+COMMANDS = {
+    "run": ("run", "Start a robot."),
+    "console": ("console", "Open a console on a running robot, here or over the LAN."),
+    "send": ("send", "Say one console line; its result is text and exit code."),
+    "status": ("status", "Show what runs."),
+    "stop": ("stop", "Shut a robot down and wait until it is gone."),
+    "doctor": ("doctor", "Look for what is wrong with this machine, and say what to type."),
+    "topic": ("topic", "List, describe, print, measure and publish streams."),
+    "graph": ("graph", "Show who feeds whom."),
+    "view": ("view", "Watch a simulated robot from above."),
+    "db": ("db", "Create, check and compare the robot's rows."),
+}
+HELP = """Run a robot that is rows in a database, and talk to it.
+
+\b
+  lbr run                  start the simulated robot, with a console
+  lbr send /r/0.2/0        drive at a fifth of full power, for 5 s
+  lbr status               what runs
+
+Commands that talk to a robot mean the only one that runs here, unless --robot or --connect says otherwise.
+
+\b
+Exit codes: 0 done, 1 failed or refused, 2 bad input or rows, 3 already running.
+Completion: eval "$(_LBR_COMPLETE=bash_source lbr)"    (or zsh_source, fish_source)
+"""
+
+
+class LazyGroup(click.Group):
+    """Knows its commands by name and one line of help; a command's module loads when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        """Return the names in the order of a robot's day."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """Import a command."""
+        if cmd_name not in COMMANDS:
+            return None
+        command = importlib.import_module(f"lbr.console.commands.{COMMANDS[cmd_name][0]}").command
+        if not isinstance(command, click.Command):
+            raise TypeError(f"lbr.console.commands.{cmd_name} has no command")
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """Write the commands without importing any."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
+def _version(ctx: click.Context, _parameter: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        click.echo(f"lbr {metadata.version('lbr')}")
+        ctx.exit()
+
+
+@click.group(cls=LazyGroup, help=HELP, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option("--version", is_flag=True, expose_value=False, is_eager=True, callback=_version, help="Show the version.")
+def cli() -> None:
+    """Take the options before the command."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run `lbr`; return its exit code."""
+    try:
+        code = cli.main(arguments, prog_name="lbr", standalone_mode=False)
+    except click.exceptions.Exit as leaving:
+        code = leaving.exit_code
+    except click.ClickException as err:
+        code = _complain(_explained(err), err.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        code = INTERRUPTED
+    except BrokenPipeError:
+        code = _quiet()
+    except LbrError as err:
+        code = _complain(str(err), code_of(err))
+    return code if isinstance(code, int) else 0
+
+
+def _explained(err: click.ClickException) -> str:
+    if isinstance(err, click.UsageError) and err.ctx is not None:
+        return f"{err.format_message()} ('{err.ctx.command_path} --help' shows how)"
+    return err.format_message()
+
+
+def code_of(err: LbrError) -> int:
+    """Return the exit code for an error."""
+    if isinstance(err, AlreadyRunningError):
+        return ALREADY_RUNNING
+    return BAD_INPUT if isinstance(err, InputError | RowError) else FAILED
+
+
+def _complain(text: str, code: int) -> int:
+    for line in text.splitlines() or ["failed"]:
+        print(f"lbr: {line}", file=sys.stderr)
+    return code
+
+
+def _quiet() -> int:
+    """Nobody reads on: let the interpreter's last flush go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

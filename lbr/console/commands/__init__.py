@@ -1,0 +1,1 @@
+"""The subcommands of `lbr`, one module for each."""

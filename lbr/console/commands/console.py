@@ -1,0 +1,26 @@
+"""`lbr console`."""
+
+import click
+
+from lbr.console.commands.options import robot_options
+
+
+@click.command("console")
+@robot_options
+@click.option(
+    "--hold",
+    "hold_s",
+    type=click.FloatRange(0.0, 30.0),
+    metavar="SECONDS",
+    help="For lines from a pipe: hold each unbounded motion so long. Without it a motion is held until a later line "
+    "moves or stops the robot, or the input ends.",
+)
+def command(robot: str | None, connect: str | None, hold_s: float | None) -> int:
+    """Open a console on a running robot.
+
+    End of input, Ctrl-C and a closed terminal stop what this console moves, and leave; the robot runs on. Lines may also
+    come from a pipe: results go to standard output, errors to standard error, and the exit code is the worst line's.
+    """
+    from lbr.console import local, target  # noqa: PLC0415 - prompt-toolkit is for those who have a console
+
+    return local.run_remote(target.find(robot, connect), hold_s=hold_s)

@@ -1,0 +1,28 @@
+"""`lbr run`."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("run")
+@click.argument("profile", default="lbr-sim")
+@click.option(
+    "--db",
+    "database",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="The rows; $LBR_HOME/robot.db if left out.",
+)
+@click.option(
+    "--listen", multiple=True, metavar="ENDPOINT", help="Also listen here, such as tcp/0.0.0.0:7447; may be repeated."
+)
+@click.option("--no-console", is_flag=True, help="No prompt: print one JSON line when the robot is ready.")
+def command(profile: str, database: Path | None, listen: tuple[str, ...], no_console: bool) -> int:
+    """Start a robot with launch profile PROFILE (default lbr-sim).
+
+    End of input and Ctrl-C at the console stop the motors and shut the robot down in order.
+    """
+    from lbr.executive.executive import run  # noqa: PLC0415 - only `run` needs the database and the supervisor
+
+    return run(profile, database, listen, console=not no_console)

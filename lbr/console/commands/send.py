@@ -1,0 +1,55 @@
+"""`lbr send`."""
+
+import sys
+
+import click
+
+from lbr.console.commands.options import json_option, print_json, robot_options
+
+
+@click.command("send", context_settings={"ignore_unknown_options": True})
+@click.argument("words", nargs=-1, required=True, type=click.UNPROCESSED, metavar="LINE")
+@robot_options
+@click.option(
+    "--hold",
+    "hold_s",
+    type=click.FloatRange(0.0, 30.0),
+    default=5.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long to hold a motion that has no bounds of its own.",
+)
+@json_option
+def command(words: tuple[str, ...], robot: str | None, connect: str | None, hold_s: float, as_json: bool) -> int:
+    """Say one console LINE, such as /r/0.2/0 or stop.
+
+    A motion without bounds is held for --hold seconds and then stopped; a bounded one lasts until its result. Ctrl-C
+    stops it. Exit code 0: done, 1: refused or failed, 2: bad input.
+    """
+    from lbr.console import lines, operator, target  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console.interrupt import interruptible  # noqa: PLC0415
+    from lbr.console.printable import clean  # noqa: PLC0415
+    from lbr.errors import InputError  # noqa: PLC0415
+    from lbr.messages.system import ConsoleResult  # noqa: PLC0415
+
+    line = clean(" ".join(words))
+    if line.startswith("!"):
+        raise InputError("Python runs at the robot's own console only; 'lbr send help' lists what can be said")
+
+    def announce(result: ConsoleResult) -> None:
+        if not as_json:
+            lines.show(result, sys.stdout, sys.stderr)
+
+    found = target.find(robot, connect)
+    with target.connected(found) as bus:
+        said = operator.BusOperator(bus, found.robot, target.source("lbr send"), token=found.token, listen=False)
+        try:
+            with interruptible():
+                result, code, ending = lines.say_once(said, line, hold_s=hold_s, announce=announce)
+        finally:
+            said.close()
+    if as_json:
+        print_json({"code": code, "text": result.text, "data": result.data, "ending": ending})
+    elif ending:
+        click.echo(ending, err=code != 0)
+    return code

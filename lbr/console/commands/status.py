@@ -1,0 +1,88 @@
+"""`lbr status`."""
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.console.commands.options import json_option, robot_options
+
+if TYPE_CHECKING:
+    from lbr.messages.system import CapabilityStatus, Status
+
+PIPE_WIDTH = 160
+PHASES = {"ready": "green", "degraded": "yellow", "failed": "red", "starting": "yellow", "stopped": "dim"}
+
+
+@click.command("status")
+@robot_options
+@json_option
+def command(robot: str | None, connect: str | None, as_json: bool) -> int:
+    """Show every capability of a running robot: state, process, restarts, rates and the reason if it is not ready."""
+    from lbr.bus import keys, wire  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console import target  # noqa: PLC0415
+    from lbr.errors import BusError  # noqa: PLC0415
+
+    found = target.find(robot, connect)
+    with target.connected(found) as bus:
+        answers = wire.ask(bus, keys.status(found.robot), None, source=target.source("lbr status"))
+    if not answers:
+        raise BusError(f"robot '{found.robot}' does not answer")
+    if as_json:
+        click.echo(answers[0].payload.decode())
+        return 0
+    import msgspec  # noqa: PLC0415
+
+    from lbr.messages.system import Status  # noqa: PLC0415
+
+    show(msgspec.json.decode(answers[0].payload, type=Status))
+    return 0
+
+
+def show(status: "Status") -> None:
+    """Print a robot's status as a table."""
+    from rich.console import Console  # noqa: PLC0415 - tables are for people
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    from lbr.console.toolbar import state_of  # noqa: PLC0415
+
+    screen = Console(highlight=False, width=None if sys.stdout.isatty() else PIPE_WIDTH)
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("capability", "kind", "state", "pid"):
+        table.add_column(name, no_wrap=True)
+    for name in ("restarts", "up s", "CPU %", "MB"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("rates in Hz", overflow="fold")
+    for one in status.capabilities:
+        table.add_row(*(Text(*cell) for cell in _cells(one)))
+    words = state_of(status)[1]
+    title = f"{status.robot} ({status.profile}): {words}; pid {status.pid}, up {status.uptime_s:.0f} s"
+    screen.print(Text(title, style="bold red" if status.estop.engaged else "bold"))
+    screen.print(table)
+    for one in status.capabilities:
+        if one.reason:
+            screen.print(Text(f"{one.name}: {one.reason}", style=PHASES.get(one.phase, "")))
+    for problem in status.problems:
+        screen.print(Text(f"rows: {problem}", style="red"))
+    if status.estop.waiting:
+        screen.print(Text(f"e-stop not yet acknowledged by {', '.join(status.estop.waiting)}", style="red"))
+
+
+def _cells(one: "CapabilityStatus") -> list[tuple[str, str]]:
+    rates = "  ".join(f"{name} {rate:.0f}" for name, rate in sorted(one.rates_hz.items()) if rate)
+    return [
+        (one.name, "bold"),
+        (one.kind, ""),
+        (one.phase, PHASES.get(one.phase, "")),
+        (str(one.pid or "-"), ""),
+        (str(one.restarts), "yellow" if one.restarts else ""),
+        (_number(one.uptime_s), ""),
+        (_number(one.cpu_percent), ""),
+        (_number(one.memory_mb), ""),
+        (rates, ""),
+    ]
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.0f}"

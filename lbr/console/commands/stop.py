@@ -1,0 +1,39 @@
+"""`lbr stop`."""
+
+import contextlib
+import os
+import signal
+import time
+
+import click
+
+from lbr.console.commands.options import robot_options
+
+GONE_S = 15.0
+POLL_S = 0.05
+
+
+@click.command("stop")
+@robot_options
+def command(robot: str | None, connect: str | None) -> int:
+    """Shut a robot down in order, and wait until it is gone. (To stop driving only, say 'lbr send stop'.)"""
+    from lbr import home  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console import operator, target  # noqa: PLC0415
+    from lbr.errors import BusError  # noqa: PLC0415
+
+    found = target.find(robot, connect)
+    if found.running is not None:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(found.running.pid, signal.SIGTERM)
+        until = time.monotonic() + GONE_S
+        while any(one.pid == found.running.pid for one in home.running()):
+            if not time.monotonic() < until:
+                raise BusError(f"robot '{found.robot}' (pid {found.running.pid}) is not gone after {GONE_S:g} s")
+            time.sleep(POLL_S)
+        click.echo(f"robot '{found.robot}' has shut down")
+        return 0
+    with target.connected(found) as bus:
+        said = operator.BusOperator(bus, found.robot, target.source("lbr stop"), listen=False)
+        result = said.submit("Shutdown")
+    click.echo(result.text, err=result.code != 0)
+    return result.code

@@ -1,0 +1,81 @@
+"""Which robot a command means, and how to reach it."""
+
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import msgspec
+from msgspec import Struct
+
+from lbr import home
+from lbr.bus import probe, session, wire
+from lbr.bus.session import Session
+from lbr.console.printable import listed, shown
+from lbr.errors import BusError, InputError
+from lbr.messages.system import Status
+
+
+class Target(Struct, frozen=True, kw_only=True):
+    """A robot to talk to; `running` is its record if it runs on this machine."""
+
+    robot: str
+    endpoints: tuple[str, ...]
+    token: str = ""
+    running: home.Running | None = None
+
+
+def source(what: str) -> str:
+    """Return who this process is to a robot: `console@host:pid`."""
+    return f"{what}@{socket.gethostname()[:40]}:{os.getpid()}"
+
+
+def find(robot: str | None, connect: str | None) -> Target:
+    """Return the robot that is meant: the named one, the one behind `connect`, or the only one that runs here."""
+    here = home.running()
+    if connect:
+        return _behind(connect, robot, here)
+    wanted = [one for one in here if robot in {None, one.robot}]
+    if len(wanted) == 1:
+        one = wanted[0]
+        return Target(robot=one.robot, endpoints=one.endpoints, token=one.token, running=one)
+    names = listed([one.robot for one in here], "and")
+    if robot:
+        there = f"{names} run here" if here else "none runs here"
+        raise BusError(f"robot '{shown(robot)}' does not run here ({there}); 'lbr run' starts one")
+    if not here:
+        raise BusError("no robot runs here; 'lbr run' starts one, and --connect ENDPOINT reaches one elsewhere")
+    raise InputError(f"several robots run here: {names}; say which with --robot NAME")
+
+
+@contextmanager
+def connected(target: Target) -> Iterator[Session]:
+    """Open a session to a robot for the time of a `with`."""
+    bus = session.open_client(target.endpoints[:1] if target.running else target.endpoints)
+    try:
+        yield bus
+    finally:
+        bus.close()
+
+
+def _behind(connect: str, robot: str | None, here: list[home.Running]) -> Target:
+    local = [one for one in here if connect in one.endpoints]
+    if local and robot in {None, local[0].robot}:
+        return Target(robot=local[0].robot, endpoints=(connect,), token=local[0].token, running=local[0])
+    if robot:
+        return Target(robot=robot, endpoints=(connect,))
+    with session.open_client([connect]) as bus:
+        answers = probe.survey(bus, "*/@status", source=source("lbr"))
+    names = sorted({name for name in map(_robot_of, answers) if name})
+    if len(names) == 1:
+        return Target(robot=names[0], endpoints=(connect,))
+    if not names:
+        raise BusError(f"something listens at {shown(connect)}, but no robot answers there")
+    raise InputError(f"several robots are behind {shown(connect)}: {listed(names, 'and')}; say which with --robot NAME")
+
+
+def _robot_of(answer: wire.Raw) -> str:
+    try:
+        return msgspec.json.decode(answer.payload, type=Status).robot
+    except msgspec.DecodeError:
+        return ""
