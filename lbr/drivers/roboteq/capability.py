@@ -222,6 +222,7 @@ class Roboteq(Capability[RoboteqSettings]):
             self._arming.trips,
             self.ctx.estop.engaged,
             controller.telemetry.faults,
+            controller.applied == (0.0, 0.0),
         )
         if shown != self._shown or not self.ctx.clock() - self._published < PUBLISH_PERIOD_S:
             self._shown = shown

@@ -1,0 +1,327 @@
+import time
+from math import nan
+from types import SimpleNamespace
+
+import pytest
+from peers import FakeContext, until
+
+from lbr.bus.stamp import boot_id
+from lbr.drivers.roboteq import KIND, EnableCommand
+from lbr.drivers.roboteq.capability import Roboteq
+from lbr.errors import DeviceError
+from lbr.messages.motors import MotorSetpoint
+from lbr.messages.system import Stamp
+
+SETTINGS = '{"device": "motors", "left": {"channel": 1, "direction": -1}, "right": {"channel": 2}}'
+
+
+def setpoint(left, right, lease="L1"):
+    return MotorSetpoint(left=left, right=right, lease=lease)
+
+
+def stamp(age_s, boot):
+    return Stamp(source="drive", seq=1, mono_ns=time.monotonic_ns() - int(age_s * 1e9), wall_ns=0, boot=boot)
+
+
+@pytest.fixture
+def ctx(peer):
+    return FakeContext(KIND.parse(SETTINGS), peer.path, "roboteq")
+
+
+@pytest.fixture
+def motors(ctx):
+    motors = KIND.load()(ctx)
+    assert isinstance(motors, Roboteq)
+    motors.open()
+    yield motors
+    motors.close()
+
+
+@pytest.fixture
+def drive(motors, ctx, peer):
+    """Arms, then drives with fresh setpoints until the wheels turn."""
+
+    def go(left=0.5, right=0.5, lease="L1"):
+        ctx.give(setpoint(0.0, 0.0))
+        motors.step()
+        ctx.give(setpoint(left, right, lease))
+        motors.step()
+
+    return go
+
+
+def moves(peer):
+    return [line for line in peer.motor_commands() if line.startswith("!M ") and line != "!M 0 0"]
+
+
+def test_a_zero_arms_and_then_setpoints_turn_the_wheels(drive, ctx, peer):
+    drive(0.2, -0.2)
+    assert peer.motor == (-200, -200)
+    assert ctx.state.armed
+    assert (ctx.state.left, ctx.state.right) == (0.2, -0.2)
+    assert ctx.state.reason == ""
+
+
+def test_after_opening_a_power_without_a_zero_before_it_moves_nothing(motors, ctx, peer):
+    for _ in range(5):
+        ctx.give(setpoint(0.5, 0.5))
+        motors.step()
+    assert moves(peer) == []
+    assert not ctx.state.armed
+    assert ctx.state.reason == "waiting for a zero setpoint"
+
+
+def test_silence_of_the_source_stops_the_wheels_within_a_tenth_of_a_second_and_kills_the_lease(
+    drive, motors, ctx, peer
+):
+    drive()
+    began = time.monotonic()
+    until(lambda: (motors.step(), peer.motor == (0, 0))[1])
+    assert 0.08 < time.monotonic() - began < 0.15
+    assert ctx.kinds() == ["trip"]
+    assert ctx.state.trips == 1
+    drive(0.5, 0.5, "L1")
+    assert peer.motor == (0, 0)
+    drive(0.5, 0.5, "L2")
+    assert peer.motor == (-500, 500)
+
+
+@pytest.mark.parametrize(
+    ("age_s", "boot", "moving"),
+    [(0.0, "here", True), (0.5, "here", False), (0.5, "elsewhere", True), (0.5, "", True)],
+)
+def test_a_stamp_of_this_boot_tells_a_setpoint_that_was_long_on_its_way(motors, ctx, peer, age_s, boot, moving):
+    ctx.give(setpoint(0.0, 0.0))
+    motors.step()
+    ctx.give(setpoint(0.5, 0.5), stamp=stamp(age_s, boot_id() if boot == "here" else boot))
+    motors.step()
+    assert (peer.motor != (0, 0)) is moving
+
+
+def test_setpoints_from_anyone_but_the_wired_source_are_ignored(motors, ctx, peer):
+    ctx.give(setpoint(0.0, 0.0), source="stranger")
+    motors.step()
+    assert not ctx.state.armed
+
+
+def test_the_death_of_the_source_stops_at_once(drive, motors, ctx, peer):
+    drive()
+    ctx.living.clear()
+    motors.step()
+    assert peer.motor == (0, 0)
+    assert "'drive' is not on the bus" in ctx.state.reason
+    assert ctx.kinds() == ["trip"]
+
+
+def test_no_wired_source_never_arms(motors, ctx):
+    ctx.wired = ()
+    ctx.give(setpoint(0.0, 0.0))
+    motors.step()
+    assert not ctx.state.armed
+    assert "wired" in ctx.state.reason
+
+
+def test_a_power_that_is_no_number_stops_the_wheels(drive, motors, ctx, peer):
+    drive()
+    ctx.give(setpoint(nan, 0.5))
+    motors.step()
+    assert peer.motor == (0, 0)
+    assert not ctx.state.armed
+    assert ctx.state.trips == 1
+
+
+def test_armed_wheels_are_fed_at_fifty_hertz_or_more_and_only_from_fresh_setpoints(drive, motors, ctx, peer):
+    drive()
+    peer.log.clear()
+    peer.times.clear()
+    for _ in range(20):
+        began = time.monotonic()
+        ctx.give(setpoint(0.5, 0.5))
+        motors.step()
+        time.sleep(max(0.0, began + 0.02 - time.monotonic()))
+    assert len(moves(peer)) >= 19
+    assert {line for line in peer.log if line[0] in "?~"} >= {"?FF", "?A", "?C", "?V"}
+
+
+def test_an_emergency_stop_is_acknowledged_only_with_the_controllers_word(drive, motors, ctx, peer):
+    drive()
+    peer.answer = lambda line: b"!EX\r" if line == "!EX" else None
+    ctx.estop.engaged, ctx.estop.reason = True, "button"
+    motors.step()
+    assert peer.motor == (0, 0)
+    assert ctx.estop.acknowledged == [(False, "the controller has not acknowledged")]
+    peer.answer = lambda line: None
+    motors.step()
+    assert ctx.estop.acknowledged[-1] == (True, "")
+    assert ctx.state.estop
+    assert ctx.state.reason == "emergency stop: button"
+
+
+def test_release_zeroes_first_and_moves_nothing_until_a_new_zero(drive, motors, ctx, peer):
+    drive()
+    ctx.estop.engaged = True
+    motors.step()
+    peer.log.clear()
+    ctx.estop.engaged = False
+    for _ in range(4):
+        ctx.give(setpoint(0.5, 0.5))
+        motors.step()
+    assert peer.motor_commands()[:2] == ["!M 0 0", "!MG"]
+    assert not peer.latched
+    assert moves(peer) == []
+    assert not ctx.state.armed
+    drive(0.3, 0.3, "L2")
+    assert peer.motor == (-300, 300)
+
+
+def test_a_latch_that_the_controller_lost_is_set_again(motors, ctx, peer):
+    ctx.estop.engaged = True
+    motors.step()
+    peer.latched, peer.answers["FF"] = False, "0"
+    until(lambda: (motors.step(), peer.latched)[1])
+
+
+def test_a_latch_engaged_before_opening_is_set_on_the_controller(ctx, peer):
+    ctx.estop.engaged = True
+    motors = Roboteq(ctx)
+    motors.open()
+    motors.step()
+    assert peer.latched
+    motors.close()
+
+
+def test_the_controllers_own_emergency_stop_is_reported_and_ended_by_stop_and_reset(drive, motors, ctx, peer):
+    drive()
+    peer.latched, peer.answers["FF"] = True, "16"
+    until(lambda: (ctx.give(setpoint(0.5, 0.5)), motors.step(), not ctx.state.armed)[2])
+    motors.step()
+    assert "nobody here asked" in ctx.state.reason
+    assert ctx.state.faults == ("emergency_stop",)
+    assert any(phase.startswith("warn: ") for phase in ctx.phases)
+    ctx.estop.engaged = True
+    motors.step()
+    ctx.estop.engaged = False
+    until(lambda: (motors.step(), not peer.latched)[1])
+    drive(0.1, 0.1, "L2")
+    assert peer.motor == (-100, 100)
+
+
+@pytest.mark.parametrize(("bits", "name"), [(1, "overheat"), (4, "undervoltage"), (8, "short_circuit"), (64, "mosfet")])
+def test_a_fault_disarms_and_is_named(drive, motors, ctx, peer, bits, name):
+    drive()
+    peer.answers["FF"] = str(bits)
+    until(lambda: (ctx.give(setpoint(0.5, 0.5)), motors.step(), peer.motor == (0, 0))[2])
+    motors.step()
+    assert name in ctx.state.reason
+    assert ctx.state.faults == (name,)
+    assert "fault" in ctx.kinds()
+    peer.answers["FF"] = "0"
+    until(lambda: (motors.step(), ctx.state.reason == "waiting for a zero setpoint")[1])
+    assert ctx.phases[-1] == "ready"
+
+
+def test_a_tolerated_fault_is_shown_but_does_not_disarm(drive, motors, ctx, peer):
+    peer.answers["FF"] = "128"
+    until(lambda: (motors.step(), ctx.state.faults == ("default_configuration",))[1])
+    drive()
+    assert peer.motor == (-500, 500)
+
+
+def test_disabling_execution_stops_and_enabling_waits_for_a_zero(drive, motors, ctx, peer):
+    replies = []
+    drive()
+    motors.command(SimpleNamespace(name="enable", message=EnableCommand(enabled=False), reply=replies.append))
+    assert peer.motor == (0, 0)
+    assert ctx.state.reason == "execution is disabled"
+    drive(0.5, 0.5, "L2")
+    assert peer.motor == (0, 0)
+    motors.command(SimpleNamespace(name="enable", message=EnableCommand(enabled=True), reply=replies.append))
+    ctx.give(setpoint(0.5, 0.5, "L3"))
+    motors.step()
+    assert peer.motor == (0, 0)
+    drive(0.5, 0.5, "L3")
+    assert peer.motor == (-500, 500)
+    assert [reply.accepted for reply in replies] == [True, True]
+
+
+def test_a_pause_as_long_as_the_watchdog_needs_a_new_zero(drive, motors, ctx, peer):
+    drive()
+    time.sleep(0.21)
+    peer.log.clear()
+    ctx.give(setpoint(0.5, 0.5))
+    motors.step()
+    assert peer.motor_commands() == ["!M 0 0"]
+    assert not ctx.state.armed
+    assert "held up" in ctx.state.reason
+
+
+def test_closing_while_moving_writes_zero_within_fifty_milliseconds(drive, motors, peer):
+    drive()
+    began = time.monotonic()
+    motors.close()
+    assert time.monotonic() - began < 0.05
+    assert peer.motor == (0, 0)
+
+
+def test_unplugging_is_an_error_and_after_replugging_zero_comes_first_and_nothing_moves(drive, motors, ctx, peer):
+    drive()
+    peer.unplug()
+    with pytest.raises(DeviceError, match=r"'motors'.*went away"):
+        until(motors.step, 0.2)
+    motors.close()
+    motors.degraded("unplugged")
+    assert not ctx.state.armed
+    assert ctx.state.reason == "unplugged"
+    with pytest.raises(DeviceError, match="missing"):
+        motors.open()
+    motors.close()
+    peer.log.clear()
+    peer.settings["RWD"] = 1000
+    peer.plug()
+    motors.open()
+    ctx.give(setpoint(0.5, 0.5))
+    motors.step()
+    assert peer.motor_commands()[0] == "!M 0 0"
+    assert peer.settings["RWD"] == 200
+    assert moves(peer) == []
+    drive(0.5, 0.5, "L1")
+    assert moves(peer) == []  # that lease died with the cable
+    drive(0.5, 0.5, "L2")
+    assert peer.motor == (-500, 500)
+
+
+def test_while_away_an_emergency_stop_is_answered_with_the_truth(motors, ctx, peer):
+    peer.unplug()
+    motors.close()
+    ctx.estop.engaged = True
+    motors.degraded("unplugged")
+    assert ctx.estop.acknowledged == [(False, "unplugged")]
+    assert ctx.state.estop
+
+
+def test_idle_the_controller_is_fed_with_zero_before_its_watchdog_ends(motors, peer):
+    began = time.monotonic()
+    peer.log.clear()
+    while time.monotonic() - began < 0.35:
+        motors.step()
+        time.sleep(0.01)
+    assert 3 <= len(peer.motor_commands()) <= 4
+    assert set(peer.motor_commands()) == {"!M 0 0"}
+
+
+def test_telemetry_goes_out_twenty_times_a_second(motors, ctx):
+    ctx.published.clear()
+    began = time.monotonic()
+    while time.monotonic() - began < 0.5:
+        motors.step()
+        time.sleep(0.005)
+    assert 8 <= len(ctx.published) <= 13
+    assert ctx.state.voltage_v == 12.6
+
+
+def test_unanswered_commands_are_reported(drive, motors, ctx, peer):
+    drive()
+    counted = []
+    peer.answer = lambda line: b"" if line == "!M -500 500" and len(counted) < 2 and not counted.append(line) else None
+    until(lambda: (ctx.give(setpoint(0.5, 0.5)), motors.step(), "unanswered" in ctx.kinds())[2])
+    assert ctx.state.armed

@@ -1,0 +1,120 @@
+import time
+
+import pytest
+from peers import FakeContext, until
+
+from lbr.drivers.ultrasonic import KIND
+from lbr.errors import DeviceError
+
+LINE = b'{ "Ranges": { "Forward": %d, "Left": 45, "Right": 60, "Back": 70, "Bottom": 0, "Deltat": 100}}\r\n'
+
+
+@pytest.fixture
+def ctx(board):
+    settings = KIND.parse('{"device": "ring", "timeout_s": 0.2, "start_timeout_s": 0.4}')
+    return FakeContext(settings, board.path, "ultrasonic_ring")
+
+
+@pytest.fixture
+def ring(ctx):
+    ring = KIND.load()(ctx)
+    ring.open()
+    yield ring
+    ring.close()
+
+
+def hear(ring, ctx, count=1):
+    until(lambda: (ring.step(), len(ctx.published) >= count)[1])
+
+
+def test_opening_starts_the_board_and_closing_stops_it(ring, board):
+    assert board.heard() == b"g\n"
+    ring.close()
+    assert board.heard() == b"s\n"
+
+
+def test_every_good_frame_is_published_at_once(ring, ctx, board):
+    board.say(b"received: g\nreceived: \n\n" + LINE % 120)
+    hear(ring, ctx)
+    output, ranges = ctx.published[0]
+    assert output == "readings"
+    assert ranges.forward_m == 1.2
+    assert ranges.bottom_m is None
+    assert ranges.status["bottom"] == "missing"
+    board.say(LINE % 121 + LINE % 122)
+    hear(ring, ctx, 3)
+    assert [ranges.forward_m for _, ranges in ctx.published] == [1.2, 1.21, 1.22]
+    assert ctx.kinds() == []
+
+
+def test_it_is_ready_only_once_it_has_measured(ring, ctx, board):
+    ring.step()
+    assert ctx.phases == ["warn: waiting for the first reading"]
+    board.say(LINE % 120)
+    hear(ring, ctx)
+    assert ctx.phases[-1] == "ready"
+
+
+def test_a_board_that_was_still_starting_is_asked_again(ring, ctx, board):
+    assert board.heard() == b"g\n"
+    until(lambda: (ring.step(), board.heard() == b"g\n")[1])
+
+
+def test_no_frame_means_no_message_and_then_silence_is_an_error(ring, ctx, board):
+    board.say(LINE % 120)
+    hear(ring, ctx)
+    began = time.monotonic()
+    with pytest.raises(DeviceError, match=r"'ring' is silent: no reading for 0\.2 s; check"):
+        until(ring.step)
+    assert 0.15 < time.monotonic() - began < 0.35
+    assert len(ctx.published) == 1
+
+
+def test_a_board_that_never_speaks_is_an_error_after_its_start_up_time(ring, ctx):
+    began = time.monotonic()
+    with pytest.raises(DeviceError, match="silent"):
+        until(ring.step)
+    assert 0.35 < time.monotonic() - began < 0.6
+    assert ctx.published == []
+
+
+def test_noise_never_becomes_a_number_and_counts_as_silence(ring, ctx, board):
+    def babble():
+        board.say(b'{ "Ranges": { "Forward": 1\xff' + b"x" * 100 + b"\n")
+        ring.step()
+        time.sleep(0.005)
+
+    with pytest.raises(DeviceError, match=r"but [0-9]+ lines that are none"):
+        until(babble)
+    assert ctx.published == []
+    assert "bad_lines" in ctx.kinds()
+
+
+def test_what_came_in_during_a_long_pause_is_too_old_to_publish(ring, ctx, board):
+    board.say(LINE % 120)
+    hear(ring, ctx)
+    board.say(LINE % 500)
+    time.sleep(0.3)
+    ring.step()
+    assert len(ctx.published) == 1
+    board.say(LINE % 121)
+    hear(ring, ctx, 2)
+    assert ctx.published[1][1].forward_m == 1.21
+
+
+def test_unplugging_is_an_error_and_replugging_goes_on(ring, ctx, board):
+    board.say(LINE % 120)
+    hear(ring, ctx)
+    board.unplug()
+    with pytest.raises(DeviceError, match="went away"):
+        until(ring.step)
+    ring.close()
+    with pytest.raises(DeviceError, match="missing"):
+        ring.open()
+    ring.close()
+    board.plug()
+    ring.open()
+    assert board.heard() == b"g\n"
+    board.say(LINE % 130)
+    hear(ring, ctx, 2)
+    assert ctx.published[-1][1].forward_m == 1.3

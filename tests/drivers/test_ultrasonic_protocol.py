@@ -1,0 +1,141 @@
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lbr.drivers.ultrasonic import KIND, UltrasonicSettings
+from lbr.drivers.ultrasonic.protocol import MAX_LINE_BYTES, BadLine, Frame, LineParser, classify, parse_line, to_ranges
+
+GOOD = b'{ "Ranges": { "Forward": 120, "Left": 45, "Right": 758, "Back": 0, "Bottom": -1, "Deltat": 102}}'  # as the board writes
+FRAME = Frame(forward=120, left=45, right=758, back=0, bottom=-1, deltat=102)
+ARDUINO = UltrasonicSettings(device="ring", board="arduino", absent=())
+PARALLAX = UltrasonicSettings(device="ring", board="parallax", absent=())
+
+integers = st.integers(-2, 1000)
+frames = st.builds(
+    Frame, forward=integers, left=integers, right=integers, back=integers, bottom=integers, deltat=st.integers(0, 10**9)
+)
+
+
+def spelt(frame):
+    names = ("Forward", "Left", "Right", "Back", "Bottom", "Deltat")
+    return json.dumps({"Ranges": {name: getattr(frame, name.lower()) for name in names}}).encode() + b"\r\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (GOOD, FRAME),
+        (b"  " + GOOD + b"\r", FRAME),
+        (b"", None),
+        (b"\r", None),
+        (b"received: g", None),
+        (b"received: s\r", None),
+        (b"received:", None),
+    ],
+)
+def test_a_line_is_a_frame_or_nothing(line, expected):
+    assert parse_line(line) == expected
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        GOOD[:-1],
+        GOOD[5:],
+        GOOD[:40] + GOOD,
+        GOOD.replace(b"120", b"12x"),
+        GOOD.replace(b"120", b"NaN"),
+        GOOD.replace(b"120", b"1e999"),
+        GOOD.replace(b"120", b'"120"'),
+        GOOD.replace(b"120", b"true"),
+        GOOD.replace(b"120", b"120.5"),
+        GOOD.replace(b'"Back": 0, ', b""),
+        b'{"Ranges": null}',
+        b"received: { ",
+        b"\xff\xfe\x00",
+        b"[" * 400,
+    ],
+)
+def test_what_is_damaged_becomes_no_frame(line):
+    assert isinstance(parse_line(line), BadLine)
+
+
+@pytest.mark.parametrize(
+    ("cm", "status"),
+    [
+        (-2, "invalid"),
+        (-1, "missing"),
+        (0, "invalid"),
+        (19, "invalid"),
+        (20, "ok"),
+        (757, "ok"),
+        (758, "over_range"),
+        (800, "over_range"),
+        (801, "invalid"),
+        (10**9, "invalid"),
+    ],
+)
+def test_special_numbers_are_told_apart(cm, status):
+    assert classify(cm, ARDUINO) == status
+
+
+def test_a_frame_in_metres_has_null_wherever_nothing_was_measured():
+    ranges = to_ranges(FRAME, ARDUINO)
+    assert (ranges.forward_m, ranges.left_m) == (1.2, 0.45)
+    assert (ranges.right_m, ranges.back_m, ranges.bottom_m) == (None, None, None)
+    assert ranges.status == {
+        "forward": "ok",
+        "left": "ok",
+        "right": "over_range",
+        "back": "invalid",
+        "bottom": "missing",
+    }
+
+
+def test_a_sensor_declared_absent_is_missing_whatever_the_board_says():
+    settings = KIND.parse('{"device": "ring", "absent": ["forward"]}')
+    ranges = to_ranges(FRAME, settings)
+    assert ranges.forward_m is None
+    assert ranges.status["forward"] == "missing"
+
+
+@pytest.mark.parametrize(
+    ("settings", "deltat", "cycle_s"),
+    [(ARDUINO, 102, 0.102), (PARALLAX, 8_160_000, 0.102), (ARDUINO, 0, None), (PARALLAX, -5, None)],
+)
+def test_the_cycle_is_in_the_boards_own_unit(settings, deltat, cycle_s):
+    frame = Frame(forward=20, left=20, right=20, back=20, bottom=20, deltat=deltat)
+    assert to_ranges(frame, settings).cycle_s == cycle_s
+
+
+@given(frames)
+def test_what_a_board_writes_is_what_is_read(frame):
+    assert LineParser().feed(spelt(frame)) == [frame]
+
+
+@given(st.lists(st.sampled_from([GOOD, b"\r\n", b"\n", b"received: g\n", b"{", b"\xff", b"x" * 600]), max_size=15))
+def test_how_the_bytes_are_cut_changes_nothing(pieces):
+    data = b"".join(pieces)
+    single = LineParser()
+    expected = LineParser().feed(data)
+    assert [item for index in range(len(data)) for item in single.feed(data[index : index + 1])] == expected
+
+
+@given(st.lists(st.binary(max_size=700), max_size=10), frames)
+def test_whatever_babbles_little_is_held_and_the_next_clean_line_is_read(pieces, frame):
+    parser = LineParser()
+    for piece in pieces:
+        parser.feed(piece)
+        assert parser.held_bytes <= MAX_LINE_BYTES
+    assert parser.feed(b"\n" + spelt(frame))[-1] == frame
+
+
+@given(frames)
+def test_no_number_comes_out_that_was_not_measured(frame):
+    ranges = to_ranges(frame, ARDUINO)
+    for name, status in ranges.status.items():
+        metres = getattr(ranges, f"{name}_m")
+        assert (metres is not None) == (status == "ok")
+        assert metres is None or 0.2 <= metres < 7.58
