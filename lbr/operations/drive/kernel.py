@@ -93,8 +93,6 @@ def _command(state: State, event: Command, now: float) -> Decision:
         return _stop(state, Stop(source=event.source, received=event.received), now)
     if why := refusal(state, event, now):
         return _refuse(state, event, why, now)
-    if event.command.power == 0.0:
-        state = _forget_insisting(state, event.source)
     if wanted == "renewal":
         return _renew(state, event, now)
     return _change(state, event, now) if wanted == "change" else _begin(state, event, now)

@@ -5,7 +5,7 @@ from math import ceil
 from lbr.messages.drive import LoopStatistics
 
 OVERRUN = 1.5
-EARLY = 0.15
+EARLY = 0.25
 
 
 class Beat:

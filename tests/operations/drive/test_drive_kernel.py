@@ -220,6 +220,15 @@ def test_motion_ends_when_nobody_changes_it_for_too_long():
     assert bench.drive(0.5, lease=reply.lease).reason == "lease is dead: it ran for 2 s unattended"
 
 
+def test_a_changed_command_may_run_anew():
+    bench = Bench(max_run_s=2.0)
+    reply = bench.drive(0.5)
+    bench.run(1.5, renewing(bench, reply))
+    bench.drive(0.4, lease=reply.lease)
+    bench.run(1.5, renewing(bench, reply, 0.4))
+    assert bench.wheels == pytest.approx((0.4, 0.4))
+
+
 def test_a_stop_outlives_a_command_that_came_before_it(bench):
     bench.stop()
     assert bench.drive(0.5, received=bench.now - 0.01).reason == "a stop came after this command"
@@ -419,6 +428,19 @@ def test_an_arc_keeps_its_shape_while_it_grows_and_while_a_rule_slows_it(bench):
         left, right = bench.wheels
         assert right / left == pytest.approx(ratio, abs=1e-3)
     assert 0.3 < left < 0.99
+
+
+def test_what_the_wheels_do_between_two_commands_is_ruled_too(bench):
+    reply = moving(bench, 0.5, 45)
+    assert bench.wheels == pytest.approx((0.5, 0.0))
+    bench.see(forward=0.1)
+    assert bench.drive(0.5, 90, lease=reply.lease).accepted
+    seen = []
+    for _ in range(10):
+        bench.run(0.02, renewing(bench, reply, 0.5, 90), sense_each=1)
+        seen.append(sum(bench.wheels))
+    assert max(seen) <= 0.01, "no way ahead on the way to the spin"
+    assert bench.wheels[0] > 0.1
 
 
 def test_setpoints_quote_the_lease_and_come_with_every_tick(bench):
