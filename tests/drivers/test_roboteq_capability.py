@@ -231,6 +231,7 @@ def test_disabling_execution_stops_and_enabling_waits_for_a_zero(drive, motors, 
     replies = []
     drive()
     motors.command(SimpleNamespace(name="enable", message=EnableCommand(enabled=False), reply=replies.append))
+    motors.step()
     assert peer.motor == (0, 0)
     assert ctx.state.reason == "execution is disabled"
     drive(0.5, 0.5, "L2")

@@ -242,6 +242,16 @@ def test_a_reset_that_brings_back_the_long_watchdog_is_noticed(bring_up, peer):
         repeat(15, controller.query_next)
 
 
+def test_one_misread_watchdog_is_asked_for_again_and_forgiven(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    misread = []
+    peer.answer = lambda line: b"RWD=300\r" if line == "~RWD" and not misread and not misread.append(1) else None
+    repeat(15, controller.query_next)
+    assert misread
+    assert peer.log[-15:].count("~RWD") == 2
+
+
 def test_closing_writes_zero_and_waits_for_it(bring_up, peer):
     controller = bring_up()
     controller.open()

@@ -75,11 +75,7 @@ class Roboteq(Capability[RoboteqSettings]):
         if not isinstance(call.message, EnableCommand):
             super().command(call)
             return
-        self._enabled = call.message.enabled
-        if self._controller is not None and not self._enabled:
-            self._decide(self._controller)
-            self._act(self._controller)
-            self._publish()
+        self._enabled = call.message.enabled  # the step that follows at once acts on it
         call.reply(CommandReply(accepted=True))
 
     def degraded(self, reason: str) -> None:
@@ -179,7 +175,7 @@ class Roboteq(Capability[RoboteqSettings]):
 
     def _ask(self, controller: Controller) -> None:
         now = self.ctx.clock()
-        if now - self._queried < (RESEND_S if self._arming.armed else IDLE_QUERY_S):
+        if now - self._queried < (RESEND_S if self._arming.moving else IDLE_QUERY_S):
             return
         self._queried = now
         controller.query_next()

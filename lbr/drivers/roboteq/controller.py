@@ -44,6 +44,7 @@ class Controller:
         self._refused_in_a_row = 0
         self._fed = -inf
         self._turn = 0
+        self._foreign_watchdogs = 0
         self._known = False
 
     def open(self) -> None:
@@ -100,8 +101,9 @@ class Controller:
         """Ask for the next value of the rotation, if no answer is due."""
         if not self._settle(0.0):
             return
-        self._send(ROTATION[self._turn % len(ROTATION)])
+        query = ROTATION[self._turn % len(ROTATION)]
         self._turn += 1
+        self._send(query)
         self._settle(PATIENCE_S)
 
     @property
@@ -200,8 +202,17 @@ class Controller:
         self._lost_in_a_row = 0
         if outcome.value is not None:
             self.telemetry.take(outcome.value)
+            if outcome.value.name == "RWD":
+                self._note_watchdog()
         elif outcome.command.startswith(b"!"):
             self._note_command(outcome)
+
+    def _note_watchdog(self) -> None:
+        if self.telemetry.watchdog_ms == self._settings.watchdog_ms:
+            self._foreign_watchdogs = 0
+            return
+        self._foreign_watchdogs += 1
+        self._turn = ROTATION.index(wire.read_setting("RWD"))
 
     def _note_command(self, outcome: Outcome) -> None:
         if outcome.result == "refused":
@@ -219,11 +230,9 @@ class Controller:
         latched = "emergency_stop" in (self.telemetry.faults or ())
         if self._refused_in_a_row >= REFUSED_IN_A_ROW and not latched:
             raise DeviceError(self._sentence(f"refused {self._refused_in_a_row} commands in a row; check its set-up"))
-        watchdog_ms = self.telemetry.watchdog_ms
-        if watchdog_ms is not None and watchdog_ms != self._settings.watchdog_ms:
-            raise DeviceError(
-                self._sentence(f"has a watchdog of {watchdog_ms} ms, expected {self._settings.watchdog_ms}: was reset")
-            )
+        if self._foreign_watchdogs >= 2:  # one alone may be a misread digit
+            found, expected = self.telemetry.watchdog_ms, self._settings.watchdog_ms
+            raise DeviceError(self._sentence(f"has a watchdog of {found} ms, expected {expected}: was reset"))
 
     def _gap(self) -> bool:
         return not self.fed_s_ago < self._settings.watchdog_ms / 1000.0
