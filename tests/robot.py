@@ -47,7 +47,8 @@ class Robot:
         return self.ask("@status")
 
     def capability(self, name: str) -> dict[str, Any]:
-        return next(unit for unit in self.status()["capabilities"] if unit["name"] == name)
+        absent = {"name": name, "phase": "absent", "pid": None, "reason": "", "restarts": 0}
+        return next((unit for unit in self.status()["capabilities"] if unit["name"] == name), absent)
 
     def events(self) -> list[dict[str, Any]]:
         return self.line("/report/events")["data"]
@@ -66,6 +67,8 @@ class Robot:
         self.bus.close()
         if self.popen.poll() is None:
             self.popen.send_signal(signal.SIGTERM)
+        assert self.popen.stdout is not None
+        self.popen.stdout.close()
         try:
             return self.popen.wait(8.0)
         except subprocess.TimeoutExpired:

@@ -219,7 +219,7 @@ def _unit(
         robot=robot,
         name=row.name,
         kind=row.kind,
-        settings=msgspec.Raw(row.settings.encode()),
+        settings=_compact(row.settings),
         endpoints=site.endpoints,
         home=site.home,
         device=device,
@@ -240,6 +240,11 @@ def _unit(
         fingerprint=registry.fingerprint(row.kind, Path(site.home)),
         program=settings if isinstance(settings, ProgramSettings) else None,
     )
+
+
+def _compact(settings: str) -> msgspec.Raw:
+    """Return the settings without white space: the document is one line, and spaces restart nothing."""
+    return msgspec.Raw(msgspec.json.encode(msgspec.json.decode(settings)))
 
 
 def device_address(name: str, address: str, profile: Profile, site: Site, robot: str) -> str:

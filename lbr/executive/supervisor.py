@@ -101,7 +101,18 @@ class Supervisor:
 
     def settled(self) -> bool:
         """Say whether everything that should run does, or has given up."""
-        return not self._leaving and all(slot.phase in RUNNING | HELD for slot in self.slots.values())
+        return not self._leaving and all(
+            slot.phase in RUNNING | HELD or self._held_up(slot) for slot in self.slots.values()
+        )
+
+    def _held_up(self, slot: Slot) -> bool:
+        """Say whether it waits for something that will not come by itself."""
+        needs = [self.slots[need] for need in slot.unit.needs if need in self.slots]
+        lost = [need for need in needs if need.phase in HELD or (need.phase == "waiting" and self._held_up(need))]
+        if slot.phase != "waiting" or not lost:
+            return False
+        slot.reason = f"waits for '{lost[0].unit.name}', which is {lost[0].phase}"
+        return True
 
     def step(self) -> float:
         """Do what is due; return the seconds until the next thing that may be due without news from a process."""

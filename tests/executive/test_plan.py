@@ -171,3 +171,10 @@ def test_disabling_stops_and_a_cut_wire_rewires_its_reader(rows):
 def test_rows_of_an_unknown_robot_make_an_empty_plan():
     plan = planned(RobotRows(robot=RobotRow(name="lbr")), REAL)
     assert plan.units == {}
+
+
+def test_spaces_and_lines_in_settings_restart_nothing(rows):
+    motors = next(row for row in rows.capabilities if row.name == "motors")
+    new = edited(rows, "capabilities", "motors", settings=motors.settings.replace(":", " :\n "))
+    assert plans.difference(planned(rows), planned(new)) == Change()
+    assert b"\n" not in bytes(planned(new).units["motors"].config.settings)

@@ -231,3 +231,11 @@ def test_a_program_that_cannot_start_is_reported_and_not_retried_for_ever(family
     stage.adopt(Change(start=("x",)))
     assert stage.phase("x") == "failed"
     assert "could not be started" in stage.told[-1][2]
+
+
+def test_what_waits_for_a_failed_need_says_so_and_does_not_hold_up_readiness():
+    stage = Stage(unit("motors", restart="never"), unit("drive", needs=("motors",)))
+    stage.dies("motors")
+    assert stage.phase("motors") == "failed"
+    assert stage.supervisor.settled()
+    assert stage.supervisor.slots["drive"].reason == "waits for 'motors', which is failed"

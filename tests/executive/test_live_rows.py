@@ -1,0 +1,145 @@
+"""A running robot, edited with another SQLite client: only what is affected moves, bad edits change nothing."""
+
+import json
+import sqlite3
+import time
+
+import pytest
+
+from tests.robot import Robot, running, until
+
+pytestmark = pytest.mark.timeout(20)
+
+HELLO = """
+from msgspec import Struct
+from lbr.capability import Capability, Kind
+
+class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    word: str = "hello"
+
+class Said(Struct, frozen=True):
+    text: str
+
+class Hello(Capability[Settings]):
+    def step(self) -> None:
+        self.ctx.publish("said", Said(self.ctx.settings.word))
+
+KIND = Kind(name="hello", summary="says a word", family="app", entry=Hello, settings=Settings, outputs={"said": Said})
+"""
+
+
+@pytest.fixture(scope="module")
+def robot(shared_home):
+    folder = shared_home / "capabilities"
+    folder.mkdir(mode=0o700)
+    (folder / "hello.py").write_text(HELLO)
+    with running(shared_home) as started:
+        yield started
+
+
+def pids(robot: Robot) -> dict[str, int]:
+    return {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]}
+
+
+def phase(robot: Robot, name: str) -> str:
+    return next((unit["phase"] for unit in robot.status()["capabilities"] if unit["name"] == name), "absent")
+
+
+def revision(robot: Robot) -> int:
+    return robot.status()["revision"]
+
+
+def test_a_capability_of_ones_own_is_a_file_and_a_row(robot):
+    before = pids(robot)
+    started = time.monotonic()
+    robot.edit("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'greeter', 'hello')")
+    until(lambda: phase(robot, "greeter") == "ready", limit_s=5.0)
+    assert robot.ask("greeter/said") == {"text": "hello"}
+    assert time.monotonic() - started < 4.0
+    robot.edit("""UPDATE capability SET settings = '{"word": "moin"}' WHERE name = 'greeter'""")
+    until(lambda: robot.ask("greeter/said") == {"text": "moin"}, limit_s=5.0)
+    robot.edit("UPDATE capability SET enabled = 0 WHERE name = 'greeter'")
+    until(lambda: phase(robot, "greeter") == "absent")
+    robot.edit("DELETE FROM capability WHERE name = 'greeter'")
+    assert {name: pid for name, pid in pids(robot).items() if name in before} == before
+
+
+def test_a_word_is_a_row(robot):
+    assert robot.line("creep")["code"] == 2
+    robot.edit(
+        "INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES "
+        "('lbr', 'creep', 'creep', 'drive.command', ?, 'operate', 'Creep ahead')",
+        json.dumps({"power": 0.1, "angle_deg": 0}),
+    )
+    reply = until(lambda: (said := robot.line("creep"))["code"] == 0 and said)
+    assert reply["hold"]["payload"]["power"] == 0.1
+    robot.line("stop")
+    robot.edit("DELETE FROM verb WHERE word = 'creep'")
+    until(lambda: robot.line("creep")["code"] == 2)
+
+
+def test_an_external_command_is_a_row_and_ends_with_it(robot):
+    robot.edit(
+        "INSERT INTO external_command (robot, name, argv, blocking, help) VALUES ('lbr', 'nap', ?, 0, '')",
+        json.dumps(["/bin/sleep", "60"]),
+    )
+    until(lambda: robot.line("nap")["code"] == 0)
+    assert "runs already" in robot.line("nap")["text"]
+    assert robot.line("stop nap") | {"data": None} == {"code": 0, "text": "'nap' has ended", "hold": None, "data": None}
+    assert robot.line("nap")["code"] == 0
+    robot.edit("DELETE FROM external_command WHERE name = 'nap'")
+    until(lambda: robot.line("nap")["code"] == 2)
+
+
+def test_a_device_row_restarts_its_driver_and_motion_stops_first(robot):
+    before = pids(robot)
+    robot.edit("""UPDATE capability SET settings = json_set(settings, '$.timeout_s', 0.8) WHERE name = 'ranges'""")
+    until(lambda: pids(robot).get("ranges") not in {None, before["ranges"]} and phase(robot, "ranges") == "ready")
+    after = pids(robot)
+    assert {name for name in before if before[name] != after[name]} == {"ranges"}
+
+
+@pytest.mark.parametrize(
+    ("edit", "complaint"),
+    [
+        ("UPDATE capability SET kind = 'os_system' WHERE name = 'ranges'", "capability 'ranges', kind"),
+        ("UPDATE capability SET settings = '{\"devise\": 1}' WHERE name = 'ranges'", "unknown field `devise`"),
+        ("UPDATE channel SET target = 'motors.gold' WHERE source = 'drive.setpoint'", "'motors' has no input 'gold'"),
+        ("UPDATE verb SET target = 'drive.fly' WHERE word = 'f'", "'drive' has no command 'fly'"),
+    ],
+)
+def test_a_bad_edit_changes_nothing_and_is_explained(robot, edit, complaint):
+    before = pids(robot)
+    with sqlite3.connect(robot.home / "robot.db") as database:
+        undo = "\n".join(line for table in ("capability", "channel", "verb") for line in _inserts(database, table))
+    robot.edit(edit)
+    until(lambda: any(complaint in problem for problem in robot.status()["problems"]))
+    assert pids(robot) == before
+    assert any(event["kind"] == "rows_refused" and complaint in event["text"] for event in robot.events())
+    with sqlite3.connect(robot.home / "robot.db") as database:
+        database.executescript(f"BEGIN; DELETE FROM channel; DELETE FROM verb; DELETE FROM capability; {undo} COMMIT;")
+    until(lambda: robot.status()["problems"] == [])
+    assert pids(robot) == before
+
+
+def _inserts(database: sqlite3.Connection, table: str) -> list[str]:
+    columns = [column[1] for column in database.execute(f"PRAGMA table_info({table})")]
+    quoted = " || ',' || ".join(f"quote({column})" for column in columns)
+    rows = database.execute(f"SELECT {quoted} FROM {table}").fetchall()
+    return [f"INSERT INTO {table} ({', '.join(columns)}) VALUES ({row[0]});" for row in rows]
+
+
+def test_an_edit_while_driving_stops_what_it_affects(robot):
+    hold = until(lambda: (said := robot.line("/r/0.2/180"))["code"] == 0 and said)["hold"]
+    robot.edit(
+        """UPDATE capability SET settings = json_set(settings, '$.reply_timeout_s', 0.04) WHERE name = 'motors'"""
+    )
+    refused = until(lambda: _refused(robot, hold), what="the lease to die with the driver it moved")
+    assert refused
+    until(lambda: phase(robot, "motors") == "ready")
+    until(lambda: (robot.ask("motors/state") or {}).get("left") == 0.0)
+
+
+def _refused(robot: Robot, hold: dict) -> str:
+    answer = robot.ask(hold["key"].partition("/")[2], hold["payload"])
+    return "" if answer["accepted"] else answer["reason"]
