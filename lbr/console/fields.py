@@ -140,6 +140,12 @@ class Message:
             raise InputError(f"this makes no valid message: {listed(missing, 'and')} is missing in the verb's row")
 
 
+def properties(schema: Schema) -> list[Field]:
+    """Return the fields that a JSON Schema describes."""
+    found, _, definitions = _properties(schema)
+    return [Field(name, _resolved(one, definitions)) for name, one in found.items()]
+
+
 def _bound(schema: Schema, which: str) -> str:
     for key in (f"m{which}", f"exclusiveM{which}"):
         if key in schema:

@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lbr.console.commands.options import json_option, robot_options
+from lbr.console.commands.options import json_option, print_json, robot_options
 
 if TYPE_CHECKING:
+    from lbr.console.target import Target
     from lbr.messages.system import CapabilityStatus, Status
 
 PIPE_WIDTH = 160
@@ -19,24 +20,30 @@ PHASES = {"ready": "green", "degraded": "yellow", "failed": "red", "starting": "
 @json_option
 def command(robot: str | None, connect: str | None, as_json: bool) -> int:
     """Show every capability of a running robot: state, process, restarts, rates and the reason if it is not ready."""
-    from lbr.bus import keys, wire  # noqa: PLC0415 - the bus is for those who use it
-    from lbr.console import target  # noqa: PLC0415
-    from lbr.errors import BusError  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
 
-    found = target.find(robot, connect)
-    with target.connected(found) as bus:
-        answers = wire.ask(bus, keys.status(found.robot), None, source=target.source("lbr status"))
-    if not answers:
-        raise BusError(f"robot '{found.robot}' does not answer")
+    status = ask(target.find(robot, connect), "lbr status")
     if as_json:
-        click.echo(answers[0].payload.decode())
-        return 0
+        print_json(status)
+    else:
+        show(status)
+    return 0
+
+
+def ask(found: "Target", who: str) -> "Status":
+    """Return a robot's status; BusError if it does not answer."""
     import msgspec  # noqa: PLC0415
 
+    from lbr.bus import keys, wire  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415
+    from lbr.errors import BusError  # noqa: PLC0415
     from lbr.messages.system import Status  # noqa: PLC0415
 
-    show(msgspec.json.decode(answers[0].payload, type=Status))
-    return 0
+    with target.connected(found) as bus:
+        answers = wire.ask(bus, keys.status(found.robot), None, source=target.source(who))
+    if not answers:
+        raise BusError(f"robot '{found.robot}' does not answer")
+    return msgspec.json.decode(answers[0].payload, type=Status)
 
 
 def show(status: "Status") -> None:

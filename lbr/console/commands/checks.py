@@ -1,0 +1,218 @@
+"""The checks of `lbr doctor`: each says how it stands with one thing, and what to type if it is not well."""
+
+import contextlib
+import grp
+import importlib.util
+import os
+import stat
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from importlib import metadata
+from pathlib import Path
+from typing import Literal
+
+from msgspec import Struct
+
+from lbr import home
+from lbr.errors import LbrError
+
+Level = Literal["good", "hint", "bad"]
+EXTRAS = {"sim": ("mujoco", "PIL")}
+SERIAL_GROUPS = ("dialout", "uucp", "tty")
+FREE_MB = 500
+
+
+class Finding(Struct, frozen=True, kw_only=True):
+    """How it stands with one thing: `bad` keeps a robot from running, a `hint` may; `do` is what to type."""
+
+    about: str
+    level: Level
+    text: str
+    do: str = ""
+
+
+def examine() -> Iterator[Finding]:
+    """Yield every finding; a check that fails itself is a finding too."""
+    checks: tuple[Callable[[], Iterator[Finding]], ...] = (
+        _python, _packages, _extras, _home, _disk, _database, _bus, _serial, _governor, _clock, _running,
+    )  # fmt: skip
+    for check in checks:
+        try:
+            yield from check()
+        except (LbrError, OSError) as err:
+            yield Finding(about=check.__name__.strip("_"), level="bad", text=str(err))
+
+
+def _python() -> Iterator[Finding]:
+    version = ".".join(map(str, sys.version_info[:3]))
+    good = sys.version_info >= (3, 11)
+    yield Finding(
+        about="python",
+        level="good" if good else "bad",
+        text=f"{version} at {sys.executable}",
+        do="" if good else "install Python 3.11 or newer",
+    )
+
+
+def _packages() -> Iterator[Finding]:
+    missing = []
+    for requirement in metadata.requires("lbr") or ():
+        if ";" in requirement:
+            continue
+        name = requirement.split(";")[0]
+        for mark in "<>=!~[ ":
+            name = name.split(mark)[0]
+        try:
+            metadata.version(name)
+        except metadata.PackageNotFoundError:
+            missing.append(name)
+    if missing:
+        yield Finding(about="packages", level="bad", text=f"missing: {', '.join(missing)}", do="pip install lbr")
+    else:
+        yield Finding(about="packages", level="good", text=f"lbr {metadata.version('lbr')} and all that it needs")
+
+
+def _extras() -> Iterator[Finding]:
+    for extra, modules in EXTRAS.items():
+        missing = [module for module in modules if importlib.util.find_spec(module) is None]
+        if missing:
+            yield Finding(
+                about=f"extra '{extra}'",
+                level="hint",
+                text=f"not installed ({', '.join(missing)}); simulated robots need it",
+                do=f"pip install 'lbr[{extra}]'",
+            )
+        else:
+            yield Finding(about=f"extra '{extra}'", level="good", text="installed")
+
+
+def _home() -> Iterator[Finding]:
+    place = home.home()
+    found = place.stat()
+    if found.st_uid != os.getuid():
+        yield Finding(about="home", level="bad", text=f"{place} belongs to somebody else", do="set LBR_HOME elsewhere")
+    elif found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        text = f"{place} may be written by others, who could change the robot"
+        yield Finding(about="home", level="bad", text=text, do=f"chmod go-w {place}")
+    elif not os.access(place, os.W_OK | os.X_OK):
+        yield Finding(about="home", level="bad", text=f"{place} cannot be written", do=f"chmod u+rwx {place}")
+    else:
+        yield Finding(about="home", level="good", text=str(place))
+
+
+def _disk() -> Iterator[Finding]:
+    found = os.statvfs(home.home())
+    free_mb = found.f_bavail * found.f_frsize // 1_000_000
+    good = free_mb >= FREE_MB
+    do = "" if good else f"free some space; see {home.home() / 'logs'}"
+    yield Finding(about="disk", level="good" if good else "hint", text=f"{free_mb} MB free", do=do)
+
+
+def _database() -> Iterator[Finding]:
+    from lbr.console.commands.rows import opened  # noqa: PLC0415 - SQLAlchemy is for those who read rows
+
+    path = home.default_database()
+    if not path.exists():
+        text = f"{path} is not there yet; the first 'lbr run' makes it"
+        yield Finding(about="database", level="good", text=text)
+        return
+    with opened(path) as rows:
+        for name in rows.robots():
+            loaded = rows.load(name)
+            if loaded.problems:
+                text = f"robot '{name}' in {path} has {len(loaded.problems)} bad rows; the first: {loaded.problems[0]}"
+                yield Finding(about="database", level="bad", text=text, do="lbr db check")
+            else:
+                yield Finding(about="database", level="good", text=f"robot '{name}' in {path}")
+            for device in loaded.devices:
+                yield _device(name, device.name, device.address)
+
+
+def _device(robot: str, name: str, address: str) -> Finding:
+    about = f"device '{name}'"
+    path = Path(address.removeprefix("unix:"))
+    if address.startswith("i2c:"):
+        path = Path(f"/dev/i2c-{address.split(':')[1]}")
+    if address.startswith("sim:"):
+        return Finding(about=about, level="good", text="emulated")
+    if not path.exists():
+        return Finding(
+            about=about,
+            level="hint",
+            text=f"{path} is not there: robot '{robot}' runs without it, or plug it in (simulation does not need it)",
+            do="ls /dev/serial/by-id",
+        )
+    if not os.access(path, os.R_OK | os.W_OK):
+        return Finding(about=about, level="bad", text=f"{path} may not be opened", do=_join_group(path))
+    return Finding(about=about, level="good", text=str(path))
+
+
+def _join_group(path: Path) -> str:
+    with contextlib.suppress(KeyError, OSError):
+        return f"sudo usermod -aG {grp.getgrgid(path.stat().st_gid).gr_name} $USER, then log in again"
+    return f"ls -l {path}"
+
+
+def _bus() -> Iterator[Finding]:
+    from lbr.bus import session  # noqa: PLC0415 - the bus library is one of the things to check
+
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+        endpoint = f"unixsock-stream/{place}/doctor.sock"
+        with session.open_router([endpoint]), session.open_client([endpoint]):
+            yield Finding(about="bus", level="good", text="a router and a client of it open")
+
+
+def _serial() -> Iterator[Finding]:
+    ports = sorted(Path("/dev/serial/by-id").glob("*")) if Path("/dev/serial/by-id").exists() else []
+    text = ", ".join(port.name for port in ports) or "none plugged in"
+    yield Finding(about="serial ports", level="good", text=text)
+    groups = {grp.getgrgid(gid).gr_name for gid in os.getgroups() if _has_group(gid)}
+    known = [name for name in SERIAL_GROUPS if _group_named(name)]
+    if os.getuid() == 0 or not known or groups & set(known):
+        yield Finding(about="serial rights", level="good", text="serial ports may be opened")
+    else:
+        do = f"sudo usermod -aG {known[0]} $USER, then log in again"
+        yield Finding(about="serial rights", level="hint", text=f"you are not in the group '{known[0]}'", do=do)
+
+
+def _has_group(gid: int) -> bool:
+    try:
+        grp.getgrgid(gid)
+    except KeyError:
+        return False
+    return True
+
+
+def _group_named(name: str) -> bool:
+    try:
+        grp.getgrnam(name)
+    except KeyError:
+        return False
+    return True
+
+
+def _governor() -> Iterator[Finding]:
+    path = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
+    governor = path.read_text().strip() if path.exists() else ""
+    if governor == "powersave":
+        do = f"echo performance | sudo tee {path}"
+        yield Finding(about="CPU", level="hint", text=f"governor '{governor}' makes motion loops late", do=do)
+    else:
+        text = f"{os.cpu_count()} cores" + (f", governor '{governor}'" if governor else "")
+        yield Finding(about="CPU", level="good", text=text)
+
+
+def _clock() -> Iterator[Finding]:
+    from lbr.bus import stamp  # noqa: PLC0415
+
+    if stamp.boot_id():
+        yield Finding(about="clock", level="good", text="ages of messages can be told")
+    else:
+        text = "no boot id: ages of messages cannot be told"
+        yield Finding(about="clock", level="hint", text=text, do="mount /proc")
+
+
+def _running() -> Iterator[Finding]:
+    names = [f"{one.robot} ({one.profile}, pid {one.pid})" for one in home.running()]
+    yield Finding(about="running", level="good", text=", ".join(names) or "no robot runs here")

@@ -1,0 +1,27 @@
+"""`lbr doctor`."""
+
+import click
+
+from lbr.console.commands.options import json_option, print_json
+
+MARKS = {"good": ("ok  ", "green"), "hint": ("hint", "yellow"), "bad": ("BAD ", "red")}
+
+
+@click.command("doctor")
+@json_option
+def command(as_json: bool) -> int:
+    """Look for what is wrong with this machine, and say what to type. Needs no running robot. Exit code 1 if bad."""
+    from lbr.console.commands import checks  # noqa: PLC0415 - it looks at much that other commands do not need
+
+    found = []
+    for finding in checks.examine():
+        found.append(finding)
+        if as_json:
+            continue
+        mark, colour = MARKS[finding.level]
+        click.echo(f"{click.style(mark, fg=colour)}  {finding.about}: {finding.text}")
+        if finding.do:
+            click.echo(f"      do: {finding.do}")
+    if as_json:
+        print_json(found)
+    return 1 if any(finding.level == "bad" for finding in found) else 0

@@ -1,0 +1,241 @@
+"""`lbr topic`: list, info, echo, hz and pub."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lbr.console.commands.options import json_option, print_json, robot_options
+
+if TYPE_CHECKING:
+    from lbr.bus.session import Session
+    from lbr.bus.wire import Raw
+    from lbr.console.rates import Rate
+
+WAIT_S = 5.0
+REFUSAL_S = 0.3
+POLL_S = 0.02
+
+
+@click.group("topic")
+def command() -> None:
+    """Look at the bus. A topic is named below its robot: drive/state, @event; * stands for any one part."""
+
+
+@command.command("list")
+@robot_options
+@json_option
+def list_topics(robot: str | None, connect: str | None, as_json: bool) -> int:
+    """List streams and commands, with message types and rates."""
+    from lbr.console import topics  # noqa: PLC0415 - the bus is for those who use it
+
+    with _bus(robot, connect) as (bus, name, source):
+        found = topics.catalogue(bus, name, source)
+    if as_json:
+        print_json([{"name": t.name, "role": t.role, "message": t.message, "rate_hz": t.rate_hz} for t in found])
+        return 0
+    width = max((len(topic.name) for topic in found), default=0)
+    for topic in found:
+        rate = f"{topic.rate_hz:7.1f} Hz" if topic.rate_hz is not None else " " * 10
+        click.echo(f"{topic.name:<{width}}  {topic.role:<7}  {rate}  {topic.message}")
+    return 0
+
+
+@command.command("info")
+@click.argument("topic")
+@robot_options
+@json_option
+def info(topic: str, robot: str | None, connect: str | None, as_json: bool) -> int:
+    """Describe a stream or command: its key, its message and what each field may be."""
+    from lbr.console import topics  # noqa: PLC0415
+
+    with _bus(robot, connect) as (bus, name, source):
+        key = topics.key_of(name, topic)
+        found = topics.choose(topics.catalogue(bus, name, source), key.partition("/")[2])
+    if as_json:
+        print_json({"key": key, "role": found.role, "rate_hz": found.rate_hz, "schema": found.json_schema})
+        return 0
+    rate = f", {found.rate_hz:.1f} Hz" if found.rate_hz is not None else ""
+    click.echo(f"{key}  ({found.role} of {found.message}{rate})")
+    for field in topics.fields_of(found):
+        about = str(field.schema.get("description", ""))
+        click.echo(f"  {field.name:<20} {about or field.allowed}")
+    return 0
+
+
+@command.command("echo")
+@click.argument("topic")
+@robot_options
+@click.option("--once", is_flag=True, help="Print one message, the latest there is, and leave.")
+@click.option("--raw", is_flag=True, help="Print the payload's bytes as they are.")
+@json_option
+def echo(topic: str, robot: str | None, connect: str | None, once: bool, raw: bool, as_json: bool) -> int:
+    """Print what a stream says, until Ctrl-C."""
+    from lbr.bus import wire  # noqa: PLC0415
+    from lbr.console import topics  # noqa: PLC0415
+    from lbr.errors import BusError  # noqa: PLC0415
+
+    with _bus(robot, connect) as (bus, name, source):
+        key = topics.key_of(name, topic)
+        feed = wire.Subscription(bus, key, depth=1000)
+        messages = wire.ask(bus, key, None, source=source, timeout_s=1.0) if once else []
+        until = time.monotonic() + WAIT_S
+        while True:
+            for message in messages:
+                _print_message(message, as_json=as_json, raw=raw, named="*" in key)
+                if once:
+                    return 0
+            if once and not time.monotonic() < until:
+                raise BusError(f"nothing came on {key} within {WAIT_S:g} s; 'lbr topic list' shows what there is")
+            time.sleep(POLL_S)
+            messages = feed.take()
+
+
+@command.command("hz")
+@click.argument("topic")
+@robot_options
+@click.option("--seconds", type=click.FloatRange(0.1, 3600), default=5.0, show_default=True, help="How long to listen.")
+@json_option
+def hz(topic: str, robot: str | None, connect: str | None, seconds: float, as_json: bool) -> int:
+    """Measure a stream: how often it is published, how often it arrives here, what is lost and how late it is.
+
+    The publisher's rate is by its own numbering and clock, so a slow machine or network cannot make it look wrong.
+    """
+    from lbr.bus import probe  # noqa: PLC0415
+    from lbr.console import rates, topics  # noqa: PLC0415
+    from lbr.errors import BusError  # noqa: PLC0415
+
+    with _bus(robot, connect) as (bus, name, _source):
+        key = topics.key_of(name, topic)
+        heard = probe.Arrivals(bus, key)
+        started = time.monotonic()
+        try:
+            time.sleep(seconds)
+        except KeyboardInterrupt:
+            click.echo(err=True)
+        arrivals = heard.take()
+        found = rates.measure(arrivals, time.monotonic() - started)
+    if as_json:
+        print_json(found)
+        return 0 if found else 1
+    if not found:
+        raise BusError(f"nothing came on {key} within {seconds:g} s")
+    for rate in found:
+        click.echo(_rate_text(rate))
+    return 0
+
+
+@command.command("pub")
+@click.argument("topic")
+@click.argument("message", metavar="JSON")
+@robot_options
+@click.option("--rate", type=click.FloatRange(0.01, 1000), default=10.0, show_default=True, help="Messages a second.")
+@click.option("--count", type=click.IntRange(1), default=1, show_default=True, help="How many messages.")
+def pub(topic: str, message: str, robot: str | None, connect: str | None, rate: float, count: int) -> int:
+    """Publish a message of JSON. What the robot refuses is printed, and the exit code is then 1."""
+    import msgspec  # noqa: PLC0415
+
+    from lbr.bus import keys, wire  # noqa: PLC0415
+    from lbr.console import topics  # noqa: PLC0415
+    from lbr.errors import InputError  # noqa: PLC0415
+
+    try:
+        payload = msgspec.json.decode(message)
+    except msgspec.DecodeError as err:
+        raise InputError(f"the message is not JSON: {err}") from None
+    with _bus(robot, connect) as (bus, name, source):
+        key = topics.key_of(name, topic)
+        if "*" in key:
+            raise InputError("a message goes to one topic; leave out the *")
+        events = wire.Subscription(bus, keys.event(name), depth=256)
+        due = time.monotonic()
+        for _ in range(count):
+            time.sleep(max(0.0, due - time.monotonic()))
+            wire.put(bus, key, payload, source=source)
+            due += 1 / rate
+        time.sleep(REFUSAL_S)
+        refusals = [text for text in (_refusal(raw, key, source) for raw in events.take()) if text]
+    for text in dict.fromkeys(refusals):
+        click.echo(text, err=True)
+    return 1 if refusals else 0
+
+
+@contextmanager
+def _bus(robot: str | None, connect: str | None) -> "Iterator[tuple[Session, str, str]]":
+    from lbr.console import target  # noqa: PLC0415
+
+    found = target.find(robot, connect)
+    with target.connected(found) as bus:
+        yield bus, found.robot, target.source("lbr topic")
+
+
+def _print_message(message: "Raw", *, as_json: bool, raw: bool, named: bool) -> None:
+    if raw:
+        out = sys.stdout.buffer
+        out.write(message.payload + b"\n")
+        out.flush()
+        return
+    value = _value(message.payload)
+    if as_json:
+        print_json({"key": message.key, "message": value} if named else value)
+        return
+    if named:
+        click.echo(f"# {message.key}")
+    for line in _lines(value):
+        click.echo(line)
+    click.echo("---")
+
+
+def _value(payload: bytes) -> Any:
+    import msgspec  # noqa: PLC0415
+
+    try:
+        return msgspec.json.decode(payload)
+    except msgspec.DecodeError:
+        return f"{len(payload)} bytes that are not JSON"
+
+
+def _lines(value: Any, indent: str = "") -> Iterator[str]:
+    from lbr.console.printable import one_line  # noqa: PLC0415
+
+    if not isinstance(value, dict):
+        yield indent + one_line(_scalar(value))
+        return
+    for name, one in value.items():
+        if isinstance(one, dict) and one:
+            yield f"{indent}{one_line(name)}:"
+            yield from _lines(one, indent + "  ")
+        else:
+            yield f"{indent}{one_line(name)}: {one_line(_scalar(one))}"
+
+
+def _scalar(value: Any) -> str:
+    import msgspec  # noqa: PLC0415
+
+    if isinstance(value, str):
+        return value
+    return f"{value:.6g}" if isinstance(value, float) else msgspec.json.encode(value).decode()
+
+
+def _rate_text(rate: "Rate") -> str:
+    published = f"published {rate.publisher_hz:.1f} Hz" if rate.publisher_hz is not None else "published ? Hz"
+    parts = [published, f"received {rate.received_hz:.1f} Hz"]
+    if rate.lost is not None:
+        parts.append(f"lost {rate.lost} ({rate.lost_percent or 0:.1f} %)")
+    if rate.period_p99_ms is not None:
+        parts.append(f"period p50 {rate.period_p50_ms:.1f} p99 {rate.period_p99_ms:.1f} ms")
+    if rate.age_p99_ms is not None:
+        parts.append(f"age p50 {rate.age_p50_ms:.2f} p99 {rate.age_p99_ms:.2f} ms")
+    return f"{rate.key} from {rate.source}: {', '.join([*parts, f'{rate.bytes_per_s / 1000:.1f} kB/s'])}"
+
+
+def _refusal(raw: "Raw", key: str, source: str) -> str:
+    value = _value(raw.payload)
+    if not isinstance(value, dict) or value.get("kind") != "refused":
+        return ""
+    text = str(value.get("text", ""))
+    ours = key.partition("/")[2].partition("/")[0] == value.get("subject") or source in text or key in text
+    return f"{value.get('subject', '')}: {text}" if ours else ""

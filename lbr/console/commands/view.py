@@ -1,0 +1,121 @@
+"""`lbr view`."""
+
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from lbr.console.commands.options import robot_options
+
+if TYPE_CHECKING:
+    from msgspec import Struct
+
+    from lbr.bus.session import Session
+
+    S = TypeVar("S", bound=Struct)
+
+FRAME_S = 0.2
+WAIT_S = 5.0
+
+
+@click.command("view")
+@robot_options
+@click.option("--png", type=click.Path(path_type=Path), metavar="FILE", help="Save one picture instead.")
+@click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is no terminal.")
+def command(robot: str | None, connect: str | None, png: Path | None, once: bool) -> int:
+    """Watch a simulated robot from above, until Ctrl-C."""
+    import sys  # noqa: PLC0415
+
+    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
+
+    found = target.find(robot, connect)
+    with target.connected(found) as bus:
+        if png is not None:
+            return _picture(bus, found.robot, png)
+        frame = _frames(bus, found.robot)
+        _wait(frame)
+        if once or not sys.stdout.isatty():
+            for line in frame(80, 24):
+                click.echo(line)
+            return 0
+        return _live(frame)
+
+
+def _live(frame: Callable[[int, int], list[str]]) -> int:
+    from rich.live import Live  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    with Live(Text(""), screen=True, auto_refresh=False) as live:
+        while True:
+            size = shutil.get_terminal_size()
+            live.update(Text("\n".join(frame(size.columns, size.lines)), no_wrap=True), refresh=True)
+            time.sleep(FRAME_S)
+
+
+def _wait(frame: Callable[[int, int], list[str]]) -> None:
+    from lbr.errors import BusError  # noqa: PLC0415
+
+    until = time.monotonic() + WAIT_S
+    while not frame(80, 24):
+        if not time.monotonic() < until:
+            raise BusError("no simulated world answers; only a profile that simulates has one ('lbr status' shows it)")
+        time.sleep(FRAME_S / 4)
+
+
+def _frames(bus: "Session", robot: str) -> Callable[[int, int], list[str]]:
+    """Return what draws the newest view, or nothing until all is known."""
+    from lbr.messages.sensing import Ranges  # noqa: PLC0415
+    from lbr.messages.simulation import WorldPose, WorldScene  # noqa: PLC0415
+    from lbr.simulation import topdown  # noqa: PLC0415
+
+    scene = _latest(bus, f"{robot}/world/scene", WorldScene)
+    pose = _latest(bus, f"{robot}/world/pose", WorldPose)
+    ranges = _latest(bus, f"{robot}/ranges/readings", Ranges)
+
+    def frame(width: int, height: int) -> list[str]:
+        seen, where = scene(), pose()
+        return topdown.text(seen, where, ranges(), width, height) if seen and where else []
+
+    return frame
+
+
+def _latest(bus: "Session", key: str, kind: "type[S]") -> "Callable[[], S | None]":
+    import msgspec  # noqa: PLC0415
+
+    from lbr.bus import wire  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415
+
+    feed = wire.Subscription(bus, key)
+    decoder = msgspec.json.Decoder(kind)
+    start = wire.ask(bus, key, None, source=target.source("lbr view"), timeout_s=1.0)
+    last = decoder.decode(start[0].payload) if start else None
+
+    def latest() -> "S | None":
+        nonlocal last
+        for raw in feed.take():
+            last = decoder.decode(raw.payload)
+        return last
+
+    return latest
+
+
+def _picture(bus: "Session", robot: str, png: Path) -> int:
+    import msgspec  # noqa: PLC0415
+
+    from lbr.bus import wire  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415
+    from lbr.errors import BusError  # noqa: PLC0415
+
+    message = {"path": str(png.absolute())}
+    source = target.source("lbr view")
+    answers = wire.ask(bus, f"{robot}/world/picture", message, source=source, timeout_s=10.0)
+    if not answers:
+        raise BusError("no simulated world answers; only a profile that simulates has one ('lbr status' shows it)")
+    reply = msgspec.json.decode(answers[0].payload)
+    if not reply.get("accepted"):
+        raise BusError(str(reply.get("reason") or "the picture was refused"))
+    click.echo(str(reply.get("path", png)))
+    return 0

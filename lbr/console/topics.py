@@ -1,0 +1,83 @@
+"""What there is on a robot's bus: every stream and command with its type, as its owner describes it."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+from lbr.bus import keys, probe, wire
+from lbr.bus.session import Session
+from lbr.console.fields import Field, properties
+from lbr.console.printable import listed, shown
+from lbr.errors import InputError
+from lbr.messages.system import Status
+
+
+class Topic(Struct, frozen=True, kw_only=True):
+    """A stream (something publishes it) or a command (something answers it); `name` is its key below the robot."""
+
+    name: str
+    role: str
+    message: str
+    rate_hz: float | None
+    json_schema: dict[str, Any]
+
+
+def catalogue(bus: Session, robot: str, source: str) -> list[Topic]:
+    """Return what every running capability offers, by name."""
+    schemas = probe.survey(bus, keys.schema(robot, "*", "*"), source=source)
+    rates = _rates(wire.ask(bus, keys.status(robot), None, source=source))
+    found = {}
+    for raw in schemas:
+        capability, name = raw.key.split("/")[-2:]
+        schema = _decoded(raw.payload)
+        topic = f"{capability}/{name}"
+        found[topic] = Topic(
+            name=topic,
+            role="stream" if topic in rates else "command",
+            message=str(schema.get("$ref", "")).rpartition("/")[2] or str(schema.get("title", "?")),
+            rate_hz=rates.get(topic),
+            json_schema=schema,
+        )
+    return [found[name] for name in sorted(found)]
+
+
+def choose(topics: Iterable[Topic], name: str) -> Topic:
+    """Return the topic of that name; InputError names those there are."""
+    known = {topic.name: topic for topic in topics}
+    if name not in known:
+        raise InputError(f"there is no '{shown(name)}'; there are {listed(list(known), 'and')}")
+    return known[name]
+
+
+def key_of(robot: str, name: str) -> str:
+    """Return the key of a topic as people type it: `drive/state`, `/drive/state`, `lbr/drive/state`, `@event`."""
+    name = name.strip("/")
+    good = name and all(part and not part.isspace() for part in name.split("/")) and name.isprintable()
+    if not good or any(char in name for char in "#?$ "):
+        raise InputError(f"'{shown(name)}' is no topic; topics look like drive/state, and * stands for any one part")
+    return name if name.startswith(f"{robot}/") else f"{robot}/{name}"
+
+
+def fields_of(topic: Topic) -> list[Field]:
+    """Return a message's fields."""
+    return properties(topic.json_schema)
+
+
+def _rates(answers: list[wire.Raw]) -> dict[str, float]:
+    if not answers:
+        return {}
+    try:
+        status = msgspec.json.decode(answers[0].payload, type=Status)
+    except msgspec.DecodeError:
+        return {}
+    return {f"{one.name}/{output}": rate for one in status.capabilities for output, rate in one.rates_hz.items()}
+
+
+def _decoded(payload: bytes) -> dict[str, Any]:
+    try:
+        value = msgspec.json.decode(payload)
+    except msgspec.DecodeError:
+        return {}
+    return value if isinstance(value, dict) else {}
