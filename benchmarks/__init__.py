@@ -1,0 +1,1 @@
+"""Measurements of a whole simulated robot: stopping, supervision, latency, footprint."""

@@ -1,0 +1,258 @@
+"""A simulated robot under measurement: driven by a stubborn sender, watched at its motor controller's outputs."""
+
+import json
+import os
+import random
+import select
+import shutil
+import signal
+import sqlite3
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from benchmarks.figures import Results
+from benchmarks.trace import Output, Trace, limit_violations
+from lbr.bus import wire
+from lbr.database import store
+from lbr.errors import BusError
+from tests.robot import Robot, start
+
+VICTIMS = Path(__file__).parent / "victims"
+POWER = 0.4
+ALMOST = 0.39
+RENEW_S = 0.1
+ACCEL_PER_S = 2.0
+ANGLES = (90.0, 270.0)
+"""Spinning on the spot needs no room, so a robot may be driven for as long as it takes."""
+
+
+def prepare(home: Path, *victims: str, edits: tuple[str, ...] = ()) -> Path:
+    """Make a home with the shipped rows, a traced world, a verb to restart by, and the named victims' kinds."""
+    home.mkdir(mode=0o700, parents=True, exist_ok=True)
+    store.create(home / "robot.db")
+    kinds = home / "capabilities"
+    kinds.mkdir(mode=0o700)
+    for victim in victims:
+        shutil.copy(VICTIMS / f"{victim}.py", kinds / f"{victim}.py")
+        (kinds / f"{victim}.py").chmod(0o600)
+    with sqlite3.connect(home / "robot.db") as database:
+        database.execute(
+            "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE name = 'world'",
+            (str(home / "trace.txt"),),
+        )
+        database.execute(
+            "INSERT OR REPLACE INTO verb (robot, word, pattern, target, payload, role, help)"
+            " VALUES ('lbr', 'restart', '/restart/{name}', 'executive.restart', NULL, 'operate', 'Start anew')"
+        )
+        for edit in edits:
+            database.execute(edit)
+    database.close()
+    return home
+
+
+@contextmanager
+def temporary_home(*victims: str, edits: tuple[str, ...] = ()) -> Iterator[Path]:
+    """Give a prepared home with a short path, because the names of sockets are bounded."""
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+        yield prepare(Path(place) / "h", *victims, edits=edits)
+
+
+class Mover:
+    """Drives under a lease renewed at 10 Hz, and goes on renewing whatever the answers are, until told to cease."""
+
+    def __init__(self, robot: Robot, angle_deg: float, *, power: float = POWER, source: str = "bench") -> None:
+        self._robot = robot
+        self._source = source
+        self._command: dict[str, Any] = {"power": power, "angle_deg": angle_deg}
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._renew, daemon=True)
+        self.lease = ""
+
+    def start(self, limit_s: float = 5.0) -> "Mover":
+        """Send the command until it is accepted, then hold it."""
+        end = time.monotonic() + limit_s
+        while True:
+            reply = self._robot.ask("drive/command", self._command, source=self._source)
+            if reply is not None and reply["accepted"]:
+                break
+            if time.monotonic() > end:
+                raise AssertionError(f"the robot does not drive: {reply}")
+            select.select([], [], [], 0.02)
+        self.lease = reply["lease"]
+        self._thread.start()
+        return self
+
+    def cease(self) -> None:
+        """Send no more."""
+        self._over.set()
+        self._thread.join()
+
+    def _renew(self) -> None:
+        while not self._over.wait(RENEW_S):
+            with suppress(BusError, Exception):  # the bus may be what was killed
+                self._robot.put("drive/command", self._command | {"lease": self.lease}, source=self._source)
+
+
+class Bench:
+    """One robot, what is measured on it, and the means to hurt it."""
+
+    def __init__(self, robot: Robot, results: Results, *, dice: random.Random | None = None) -> None:
+        self.robot = robot
+        self.results = results
+        self.trace = Trace(robot.trace)
+        self.dice = dice or random.Random()
+        self._turn = 0
+
+    def drive(self, *, settled: bool = True) -> Mover:
+        """Bring both motors to 40 %, then let a random part of a renewal's period pass."""
+        self._turn += 1
+        mover = Mover(self.robot, ANGLES[self._turn % 2]).start()
+        if settled:
+            self.wait_for_motion()
+        return mover
+
+    def wait_for_motion(self, limit_s: float = 3.0) -> None:
+        """Wait until both motors turn at 40 %, and then for a random phase."""
+        self.until(lambda: min(abs(self.trace.now().left), abs(self.trace.now().right)) >= ALMOST, limit_s, "motion")
+        self.pass_time(self.dice.uniform(0.0, RENEW_S))
+
+    def pid(self, name: str) -> int:
+        """Return the process of a capability."""
+        pid = self.robot.capability(name)["pid"]
+        assert isinstance(pid, int), f"{name} does not run"
+        return pid
+
+    def kill(self, pid: int, number: int = signal.SIGKILL) -> int:
+        """Signal a process; return the moment before."""
+        at_ns = time.monotonic_ns()
+        os.kill(pid, number)
+        return at_ns
+
+    def stopped_after(self, figure: str, fault_ns: int, *, limit_s: float = 2.0) -> Output | None:
+        """Measure from a fault to both outputs zero."""
+        before = self.trace.at(fault_ns)
+        zero = self.trace.first_zero(fault_ns, limit_s)
+        if not before.most >= ALMOST:
+            self.results.check(figure, [f"the motors were at {before.left:g} {before.right:g} when it was tried"])
+        elif zero is None:
+            self.results.check(figure, [f"the motors still turn {limit_s:g} s after the fault"])
+        else:
+            self.results.sample(figure, (zero.at_ns - fault_ns) * 1e-6)
+        return zero
+
+    def stays_at_rest(self, zero: Output | None, figure: str = "S14") -> None:
+        """Check that nothing has turned since the motors came to rest."""
+        if zero is None:
+            return
+        self.trace.read()
+        moved = [entry for entry in self.trace.outputs(zero.at_ns + 1) if not entry.zero]
+        text = [f"after the stop at {zero.at_ns} the outputs were {e.left:g} {e.right:g} at {e.at_ns}" for e in moved]
+        self.results.check(figure, text[:1])
+
+    def begins_with_zero(self, fault_ns: int, figure: str = "S14") -> None:
+        """Check that the first motor command of the new driver's life is zero; the old one's last bytes are let pass."""
+        lines = [line for line in self.trace.lines(fault_ns + 80_000_000) if line.text.startswith(("!M", "!G"))]
+        if lines and lines[0].moves:
+            self.results.check(figure, [f"the first command of a new life was {lines[0].text}"])
+
+    def ready_again(self, name: str, gone: int, fault_ns: int, figure: str = "", *, limit_s: float = 6.0) -> None:
+        """Wait for another process of that name to be ready, and measure how long that took."""
+
+        def other() -> bool:
+            unit = self.robot.capability(name)
+            return unit["phase"] == "ready" and unit["pid"] not in {None, gone}
+
+        self.until(other, limit_s, f"{name} ready again", every_s=0.015)
+        if figure:
+            self.results.sample(figure, (time.monotonic_ns() - fault_ns) * 1e-6)
+
+    def forget_deaths(self, name: str) -> None:
+        """Start a capability anew by the console, so that its earlier ends are forgotten."""
+        before = self.pid(name)
+        said = self.robot.line(f"/restart/{name}")
+        assert said["code"] == 0, said
+        self.ready_again(name, before, time.monotonic_ns())
+
+    def check_limits(self, max_power: float = 1.0, accel_per_s: float = ACCEL_PER_S) -> None:
+        """Check everything that the outputs ever did against the configured limits."""
+        self.trace.read()
+        found = limit_violations(self.trace.outputs(), max_power=max_power, accel_per_s=accel_per_s)
+        self.results.check("F6", found)
+
+    def until(
+        self, look: Callable[[], bool], limit_s: float, what: str, *, every_s: float = 0.005
+    ) -> None:
+        """Look again and again until it is so."""
+        end = time.monotonic() + limit_s
+        while not look():
+            if time.monotonic() > end:
+                raise AssertionError(f"not within {limit_s:g} s: {what}; {self.state()}")
+            self.pass_time(every_s)
+
+    def state(self) -> str:
+        """Say how the robot is, for a person who wonders."""
+        try:
+            units = self.robot.status()["capabilities"]
+        except (BusError, TypeError):
+            return "the robot does not answer"
+        phases = ", ".join(f"{unit['name']} {unit['phase']} {unit['reason']}".strip() for unit in units)
+        return f"{phases}; {self.robot.ask('drive/state')}"
+
+    @staticmethod
+    def pass_time(seconds: float) -> None:
+        """Let time pass."""
+        select.select([], [], [], max(0.0, seconds))
+
+
+@contextmanager
+def bench(results: Results, *victims: str, edits: tuple[str, ...] = (), profile: str = "lbr-sim") -> Iterator[Bench]:
+    """Run a robot to be measured; check the limits of its outputs at its end, and let no process outlive it."""
+    with temporary_home(*victims, edits=edits) as home:
+        robot = start(home, profile=profile)
+        under_test = Bench(robot, results)
+        try:
+            yield under_test
+        finally:
+            if robot.popen.poll() is None:
+                robot.close()
+            clean_up(home)
+        under_test.check_limits()
+
+
+def processes_of(home: Path) -> list[psutil.Process]:
+    """Return the processes that run in a home, by their environment, this one excepted."""
+    wanted = str(home)
+    found = []
+    for process in psutil.process_iter():
+        with suppress(psutil.Error):
+            alive = process.pid != os.getpid() and process.status() != psutil.STATUS_ZOMBIE
+            if alive and process.environ().get("LBR_HOME") == wanted:
+                found.append(process)
+    return found
+
+
+def clean_up(home: Path) -> None:
+    """End whatever still runs in a home."""
+    for process in processes_of(home):
+        with suppress(psutil.Error):
+            process.kill()
+
+
+def token_of(home: Path, robot: str) -> str:
+    """Return what proves a caller who may read the home."""
+    return str(json.loads((home / "run" / f"{robot}.json").read_text())["token"])
+
+
+def say(robot: Robot, line: str) -> Any:
+    """Say a console line with the rights of the home's owner."""
+    answers = wire.ask(
+        robot.bus, f"{robot.name}/@console", line, source="bench", token=token_of(robot.home, robot.name), timeout_s=5.0
+    )
+    return json.loads(answers[0].payload) if answers else None
