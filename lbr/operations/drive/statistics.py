@@ -5,7 +5,7 @@ from math import ceil
 from lbr.messages.drive import LoopStatistics
 
 OVERRUN = 1.5
-EARLY = 0.25
+EARLY = 0.1
 
 
 class Beat:
