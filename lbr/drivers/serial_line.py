@@ -32,6 +32,10 @@ class SerialLine:
         self._poll = select.poll()
         self._poll.register(self._fd, select.POLLIN)
 
+    def fileno(self) -> int:
+        """The open descriptor."""
+        return self._fd
+
     def read(self, wait_s: float = 0.0) -> bytes:
         """Return what has come in, waiting for the first byte for `wait_s` at most; empty if nothing has."""
         with self._telling("cannot be read"):

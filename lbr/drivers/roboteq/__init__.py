@@ -49,6 +49,7 @@ class RoboteqSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
     watchdog_ms: Annotated[int, Meta(ge=50, le=250, description="the controller's own watchdog, `^RWD`")] = 200
     reply_timeout_s: Annotated[float, Meta(ge=0.005, le=0.1, description="an answer later than this is lost")] = 0.03
+    guard: bool = True
     echo: bool = True
     mixing_mode: Annotated[int, Meta(ge=0, le=9, description="what `~MXMD` must answer; 0 is separate")] | None = 0
     firmware: Pattern = "(?i)roboteq"

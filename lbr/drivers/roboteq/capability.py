@@ -9,7 +9,8 @@ from lbr.capability.context import Call, Context, Received
 from lbr.drivers.roboteq import EnableCommand, RoboteqSettings
 from lbr.drivers.roboteq.arming import Arming, Inhibit, Setpoint, receive, tick
 from lbr.drivers.roboteq.controller import Controller
-from lbr.drivers.serial_line import open_line
+from lbr.drivers.roboteq.guard import Guard
+from lbr.drivers.serial_line import SerialLine, open_line
 from lbr.errors import DeviceError
 from lbr.messages.drive import CommandReply
 from lbr.messages.motors import MotorsState
@@ -32,6 +33,7 @@ class Roboteq(Capability[RoboteqSettings]):
     def __init__(self, ctx: Context[RoboteqSettings]) -> None:
         super().__init__(ctx)
         self._controller: Controller | None = None
+        self._guard: Guard | None = None
         self._arming = Arming()
         self._enabled = ctx.settings.enabled
         self._latched = False  # an emergency stop was asked for and is not released yet
@@ -53,6 +55,8 @@ class Roboteq(Capability[RoboteqSettings]):
         line = open_line(self.ctx.device, settings.baud)
         self._controller = Controller(line, settings, self.ctx.clock)
         self._controller.open()
+        if settings.guard:
+            self._guard = _guard_of(line)
         self._held_since = None
         self._stepped = None
         self._faults = ()
@@ -63,6 +67,8 @@ class Roboteq(Capability[RoboteqSettings]):
         """Decide, write the wheels once, ask the controller one thing, tell the others."""
         controller = self._controller
         assert controller is not None
+        if self._guard is not None and not self._guard.standing:
+            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died; opening anew")
         self._heed_estop(controller)
         self._decide(controller)
         self._act(controller)
@@ -89,10 +95,13 @@ class Roboteq(Capability[RoboteqSettings]):
     def close(self) -> None:
         """Write zero, then let go."""
         controller, self._controller = self._controller, None
+        guard, self._guard = self._guard, None
         self._held_since = None
         try:
             if controller is not None:
                 controller.close()
+            if guard is not None:  # not dismissed if that failed: it writes zero once this process has ended
+                guard.dismiss()
         finally:
             self._disarm("the line was closed")
 
@@ -242,6 +251,13 @@ class Roboteq(Capability[RoboteqSettings]):
             **self._controller.telemetry.measured(),
         )
         self.ctx.publish("state", message)
+
+
+def _guard_of(line: SerialLine) -> Guard:
+    try:
+        return Guard(line.fileno())
+    except OSError as err:
+        raise DeviceError(f"device '{line.device}': its guard process does not start: {err}; free some memory") from err
 
 
 def _at_rest(state: Arming, *, estop: bool) -> MotorsState:

@@ -1,0 +1,111 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from peers import FakeContext, until
+
+from lbr.drivers.roboteq import KIND
+from lbr.drivers.roboteq.capability import Roboteq
+from lbr.drivers.serial_line import open_line
+from lbr.errors import DeviceError
+
+DRIVER = """
+import sys, time
+from peers import FakeContext
+from lbr.drivers.roboteq import KIND
+from lbr.drivers.roboteq.capability import Roboteq
+from lbr.messages.motors import MotorSetpoint
+ctx = FakeContext(KIND.parse('{"device": "motors"}'), sys.argv[1], "roboteq")
+motors = Roboteq(ctx)
+motors.open()
+print(motors._guard.pid, flush=True)
+while True:
+    ctx.give(MotorSetpoint(left=0.5 * ctx.published[-1][1].armed, right=0.5 * ctx.published[-1][1].armed))
+    motors.step()
+    time.sleep(0.01)
+"""
+
+
+@pytest.fixture
+def driver(peer):
+    """A driver in a process of its own, driving; and its guard's pid."""
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+    process = subprocess.Popen(
+        [sys.executable, "-c", DRIVER, str(peer.path)], stdout=subprocess.PIPE, text=True, env=environment
+    )
+    guard = int(process.stdout.readline())
+    until(lambda: peer.motor == (500, 500), 5.0)
+    until(lambda: ignores(guard, signal.SIGTERM))
+    yield process, guard
+    process.kill()
+    process.wait()
+    process.stdout.close()
+
+
+def ignores(pid, number):
+    status = Path(f"/proc/{pid}/status").read_text()
+    return int(status.split("SigIgn:")[1].split()[0], 16) >> (number - 1) & 1
+
+
+def gone(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
+    except FileNotFoundError:
+        return True
+
+
+def test_killing_the_driver_zeroes_the_motors_long_before_the_watchdog(driver, peer):
+    process, guard = driver
+    killed = time.monotonic()
+    process.kill()
+    until(lambda: peer.motor == (0, 0), 0.15)
+    assert time.monotonic() - killed < 0.15
+    until(lambda: gone(guard))
+    line = open_line(FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq").device, 115200)
+    line.close()
+
+
+def test_the_guard_outlives_the_signals_that_end_its_driver(driver, peer):
+    process, guard = driver
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        os.kill(guard, number)
+    process.kill()
+    until(lambda: peer.motor == (0, 0), 0.5)
+
+
+def test_without_its_guard_the_driver_stops_and_opens_anew(peer):
+    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    motors = Roboteq(ctx)
+    motors.open()
+    os.kill(motors._guard.pid, signal.SIGKILL)
+    with pytest.raises(DeviceError, match="guard process died"):
+        until(motors.step)
+    motors.close()
+    motors.open()
+    motors.step()
+    motors.close()
+
+
+def test_closing_dismisses_the_guard_and_frees_the_line(peer):
+    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    motors = Roboteq(ctx)
+    motors.open()
+    guard = motors._guard
+    assert guard.standing
+    with pytest.raises(DeviceError, match="busy"):
+        open_line(ctx.device, 115200)
+    motors.close()
+    assert not guard.standing
+    open_line(ctx.device, 115200).close()
+
+
+def test_a_row_may_do_without_a_guard(peer):
+    ctx = FakeContext(KIND.parse('{"device": "motors", "guard": false}'), peer.path, "roboteq")
+    motors = Roboteq(ctx)
+    motors.open()
+    assert motors._guard is None
+    motors.close()
