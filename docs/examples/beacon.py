@@ -1,0 +1,27 @@
+"""A program as a capability, without the package lbr: it publishes how near the nearest thing is, about 5 times a second.
+
+Its row is of kind `exec`; see beacon.sql. The executive tells it its wiring in the environment.
+"""
+
+import json
+import os
+import time
+
+import zenoh
+
+config = zenoh.Config()
+config.insert_json5("mode", '"client"')
+config.insert_json5("connect/endpoints", json.dumps([os.environ["LBR_CONNECT"]]))
+config.insert_json5("scouting/multicast/enabled", "false")
+ranges_keys = json.loads(os.environ["LBR_INPUTS"])["ranges"]
+nearest_key = json.loads(os.environ["LBR_OUTPUTS"])["nearest"]
+
+with zenoh.open(config) as session:
+    ranges = session.declare_subscriber(ranges_keys[0], zenoh.handlers.RingChannel(1))
+    alive = session.liveliness().declare_token(os.environ["LBR_ALIVE"])  # from now on it counts as ready
+    while True:
+        reading = json.loads(ranges.recv().payload.to_bytes())
+        seen = [value for key, value in reading.items() if key.endswith("_m") and value is not None]
+        nearest = {"nearest_m": min(seen, default=None)}
+        session.put(nearest_key, json.dumps(nearest), encoding="application/json")
+        time.sleep(0.2)

@@ -1,0 +1,457 @@
+"""Write docs/reference/*.md from the rows, kinds, messages, settings and commands themselves.
+
+`python docs/generate.py` writes what has changed; with `--check` it writes nothing and fails if a page is stale.
+"""
+
+import re
+import sqlite3
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+import msgspec
+from msgspec import Struct, inspect
+
+from lbr.bus import keys
+from lbr.capability import registry
+from lbr.capability.kind import Kind
+from lbr.console.fields import Message
+from lbr.console.verbs import Vocabulary
+from lbr.database.rows import ExternalCommandRow, VerbRow
+from lbr.executive.dispatch import REPORTS
+from lbr.executive.profile import Profile
+from lbr.executive.wiring import EXECUTIVE_VERBS
+from lbr.messages import system
+from lbr.simulation import faults
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGES = ROOT / "docs" / "reference"
+NOWHERE = Path("/nowhere")
+HEAD = "<!-- Written by docs/generate.py; do not edit. -->\n\n"
+FAMILIES = ("driver", "operation", "app", "program", "simulation")
+
+
+def main(arguments: list[str]) -> int:
+    """Write or check every page; return the exit code."""
+    stale = []
+    for name, text in pages().items():
+        path = PAGES / name
+        if not path.exists() or path.read_text() != text:
+            stale.append(name)
+            if "--check" not in arguments:
+                path.write_text(text)
+    if stale and "--check" in arguments:
+        print(f"stale: {', '.join(stale)}; run python docs/generate.py", file=sys.stderr)
+        return 1
+    return 0
+
+
+def pages() -> dict[str, str]:
+    """Return every page's text by file name."""
+    sql = (ROOT / "robot.db.sql").read_text()
+    return {
+        "rows.md": HEAD + rows_page(sql),
+        "topics.md": HEAD + topics_page(kinds()),
+        "console.md": HEAD + console_page(sql),
+        "settings.md": HEAD + settings_page(kinds()),
+        "cli.md": HEAD + cli_page(),
+    }
+
+
+def kinds() -> list[Kind]:
+    """Return the installed kinds, by family and name."""
+    found = [registry.find(name, NOWHERE) for name in registry.names(NOWHERE)]
+    return sorted(found, key=lambda kind: (FAMILIES.index(kind.family), kind.name))
+
+
+# -- rows -------------------------------------------------------------------------------------------------------------
+
+_TABLE = re.compile(r"((?:^--[^\n]*\n)+)CREATE TABLE (\w+) \(\n(.*?)^\) STRICT;", re.MULTILINE | re.DOTALL)
+_COLUMN = re.compile(r"^    ([a-z_]+)\s+(TEXT|INTEGER|REAL)\b(.*)$")
+_CONSTRAINT = re.compile(r"^    (PRIMARY KEY|FOREIGN KEY|CHECK) ?(.*)$")
+
+
+def rows_page(sql: str) -> str:
+    """Return the reference of tables and columns."""
+    parts = [
+        "# The rows\n",
+        "Every table of a robot database, from `robot.db.sql`. How to edit them is in [the rows](../rows.md).\n",
+    ]
+    parts += [_table_section(name, comment, body) for comment, name, body in _TABLE.findall(sql)]
+    return "\n".join(parts)
+
+
+def columns(body: str) -> list[dict[str, str]]:
+    """Return name, type, comment and constraints of each column of a table's body."""
+    found: list[dict[str, str]] = []
+    for line in body.splitlines():
+        code, _, comment = line.partition("-- ")
+        column = _COLUMN.match(code)
+        if column:
+            found.append({"name": column[1], "type": column[2], "rules": column[3], "comment": comment.strip()})
+        elif found and not _CONSTRAINT.match(line):
+            found[-1]["rules"] += " " + code.strip()
+    return found
+
+
+def _table_section(name: str, comment: str, body: str) -> str:
+    text = " ".join(line.lstrip("- ").strip() for line in comment.splitlines() if line.strip("- "))
+    rows = [
+        (f"`{c['name']}`", c["type"].lower(), _default(c["rules"]), c["comment"], _rules(c["rules"]))
+        for c in columns(body)
+    ]
+    keys_ = [f"`{m[0].strip()}`" for line in body.splitlines() if (m := _CONSTRAINT.match(line.rstrip(",")))]
+    table = _table(("column", "type", "default", "meaning", "allowed"), rows)
+    return f"## {name}\n\n{text}\n\n{table}" + (f"\nOver all columns: {', '.join(keys_)}.\n" if keys_ else "")
+
+
+def _default(rules: str) -> str:
+    if found := re.search(r"DEFAULT (\(strftime[^)]*\)+|'[^']*'|-?[0-9.]+)", rules):
+        return "now" if "strftime" in found[1] else f"`{found[1]}`"
+    return "required" if "NOT NULL" in rules else "`NULL`"
+
+
+def _rules(rules: str) -> str:
+    said = []
+    if "PRIMARY KEY" in rules:
+        said.append("the key")
+    if found := re.search(r"REFERENCES (\w+) \((\w+)\)", rules):
+        said.append(f"a `{found[1]}`")
+    if "GLOB '[a-z]*'" in rules and "length" in rules:
+        said.append("a name: `[a-z][a-z0-9_]*`, 40 characters at most")
+        rules = rules.replace("name <> 'executive'", "CHECK-NOT")
+        said += ["not `executive`"] if "CHECK-NOT" in rules else []
+    elif "GLOB '[a-z]*.[a-z]*'" in rules:
+        said.append("`capability.port`")
+    elif check := _checked(rules):
+        said.append(f"`{check}`")
+    return "; ".join(said)
+
+
+def _checked(rules: str) -> str:
+    start = rules.find("CHECK (")
+    if start < 0:
+        return ""
+    depth, begin = 0, start + len("CHECK (")
+    for place in range(begin - 1, len(rules)):
+        depth += {"(": 1, ")": -1}.get(rules[place], 0)
+        if depth == 0:
+            return " ".join(rules[begin:place].split())
+    return ""
+
+
+# -- structs ----------------------------------------------------------------------------------------------------------
+
+
+def struct_table(struct: type[Struct]) -> str:
+    """Return a struct's fields as a table: name, type with bounds, default, meaning."""
+    info = inspect.type_info(struct)
+    assert isinstance(info, inspect.StructType)
+    rows = []
+    for field in info.fields:
+        words, meaning = type_words(field.type)
+        rows.append((f"`{field.encode_name}`", words, _field_default(field), meaning))
+    return _table(("field", "type", "default", "meaning"), rows) if rows else "No fields.\n"
+
+
+def type_words(kind: inspect.Type) -> tuple[str, str]:
+    """Return a type in words, with its bounds, and its description."""
+    if isinstance(kind, inspect.Metadata):
+        words, _ = type_words(kind.type)
+        return words, str((kind.extra_json_schema or {}).get("description", ""))
+    if isinstance(kind, inspect.UnionType):
+        parts = [type_words(one) for one in kind.types]
+        return " or ".join(words for words, _ in parts), " ".join(text for _, text in parts if text)
+    return _plain_words(kind), ""
+
+
+def _plain_words(kind: inspect.Type) -> str:  # noqa: PLR0911 - a table of cases
+    match kind:
+        case inspect.FloatType() | inspect.IntType():
+            return " ".join(["whole number" if isinstance(kind, inspect.IntType) else "number", *_bounds(kind)])
+        case inspect.StrType():
+            longest = f" of {kind.max_length} characters at most" if kind.max_length else ""
+            return f"text{longest}" + (f" like `{_escape(kind.pattern)}`" if kind.pattern else "")
+        case inspect.LiteralType():
+            return ", ".join(f"`{msgspec.json.encode(value).decode()}`" for value in kind.values)
+        case inspect.VarTupleType() | inspect.ListType():
+            return f"list of {type_words(kind.item_type)[0]}"
+        case inspect.DictType():
+            return f"object: {type_words(kind.key_type)[0]} to {type_words(kind.value_type)[0]}"
+        case inspect.StructType():
+            return f"`{kind.cls.__name__}`"
+        case inspect.BoolType():
+            return "true or false"
+        case inspect.NoneType():
+            return "null"
+        case _:
+            return "anything"
+
+
+def _bounds(kind: inspect.FloatType | inspect.IntType) -> list[str]:
+    low = f"≥ {kind.ge:g}" if kind.ge is not None else f"> {kind.gt:g}" if kind.gt is not None else ""
+    high = f"≤ {kind.le:g}" if kind.le is not None else f"< {kind.lt:g}" if kind.lt is not None else ""
+    return [", ".join(filter(None, [low, high]))] if low or high else []
+
+
+def _field_default(field: inspect.Field) -> str:
+    if field.required:
+        return "required"
+    value = field.default if field.default_factory is msgspec.NODEFAULT else field.default_factory()
+    shown = msgspec.json.encode(value).decode()
+    return f"`{shown}`" if len(shown) <= 60 else "see the code"
+
+
+def nested(struct: type[Struct]) -> list[type[Struct]]:
+    """Return the structs inside a struct's fields, depth first, each once."""
+    found: list[type[Struct]] = []
+
+    def walk(kind: Any) -> None:
+        if isinstance(kind, inspect.StructType):
+            if kind.cls is not struct and kind.cls not in found:
+                found.append(kind.cls)
+            for field in kind.fields:
+                walk(field.type)
+        for part in ("type", "item_type", "key_type", "value_type"):
+            if hasattr(kind, part) and not isinstance(kind, inspect.StructType):
+                walk(getattr(kind, part))
+        for one in getattr(kind, "types", ()):
+            walk(one)
+
+    walk(inspect.type_info(struct))
+    return found
+
+
+# -- topics -----------------------------------------------------------------------------------------------------------
+
+_PORTS = (
+    ("publishes", "outputs"),
+    ("takes", "inputs"),
+    ("obeys", "setpoints"),
+    ("answers", "commands"),
+    ("asks", "requests"),
+)
+_SYSTEM = (
+    (keys.console("ROBOT"), "query: a console line as text; the reply is its result", None, system.ConsoleResult),
+    (keys.estop("ROBOT"), "put to latch; a get answers with the latch", system.EstopRequest, system.EstopState),
+    (keys.estop_reset("ROBOT"), "query: releases the emergency stop, if every mover agrees", None, None),
+    (keys.estop_acknowledgement("ROBOT", "CAPABILITY"), "stream: one mover's word", None, system.EstopAcknowledgement),
+    (keys.status("ROBOT"), "query, and a stream at 1 Hz", None, system.Status),
+    (keys.event("ROBOT"), "stream: what happened", None, system.Event),
+    (keys.alive("ROBOT", "CAPABILITY"), "liveliness token of each process", None, None),
+    (keys.schema("ROBOT", "CAPABILITY", "NAME"), "query: JSON Schema of a stream's or command's message", None, None),
+)
+
+
+def topics_page(known: list[Kind]) -> str:
+    """Return the reference of keys and messages."""
+    parts = [
+        "# Topics and messages\n",
+        (
+            "Keys are `<robot>/<capability>/<name>`, and the middle part is the row's name, not the kind's. Payloads are "
+            "JSON. Units are the suffixes of the field names: `_m` metres, `_cm` centimetres, `_deg` degrees, `_rad` "
+            "radians, `_s` seconds, `_v` volts, `_a` amperes, `_mps` metres a second, `_rps` radians a second, `_c` "
+            "degrees Celsius. How to use them is in [the bus](../bus.md).\n"
+        ),
+        "## System keys\n",
+        _table(
+            ("key", "how", "takes", "gives"),
+            [(f"`{key}`", how, _link(takes), _link(gives)) for key, how, takes, gives in _SYSTEM],
+        ),
+        "## By kind\n",
+    ]
+    parts += [_kind_ports(kind) for kind in known]
+    parts.append("## Messages\n")
+    parts += [_message_section(message) for message in _messages(known)]
+    return "\n".join(parts)
+
+
+def _kind_ports(kind: Kind) -> str:
+    rows = []
+    for does, group in _PORTS:
+        ports: Mapping[str, type[Struct]] = getattr(kind, group)
+        for name, message in ports.items():
+            rows.append((does, f"`{name}`", _link(message), _link(kind.replies.get(name))))
+    table = _table(("", "name", "message", "reply"), rows) if rows else "Its ports are named in its settings.\n"
+    return f"### Kind `{kind.name}`\n\n{_sentence(kind.summary)}\n\n{table}"
+
+
+def _messages(known: Iterable[Kind]) -> list[type[Struct]]:
+    named: list[type[Struct]] = [
+        message for _, _, takes, gives in _SYSTEM for message in (takes, gives) if message is not None
+    ]
+    named += [system.Stamp]
+    for kind in known:
+        for group in ("outputs", "inputs", "setpoints", "commands", "requests", "replies"):
+            named += list(getattr(kind, group).values())
+    whole = {one for message in named for one in (message, *nested(message))}
+    return sorted(whole, key=lambda message: message.__name__)
+
+
+def _message_section(message: type[Struct]) -> str:
+    return f"### {message.__name__}\n\n{_doc(message)}\n\n{struct_table(message)}"
+
+
+def _link(message: type[Struct] | None) -> str:
+    return f"[{message.__name__}](#{message.__name__.lower()})" if message is not None else ""
+
+
+# -- settings ---------------------------------------------------------------------------------------------------------
+
+
+def settings_page(known: list[Kind]) -> str:
+    """Return the reference of what rows and launch profiles may set."""
+    parts = [
+        "# Settings\n",
+        "What the column `settings` of a `capability` row may hold, by the row's kind. Unknown keys are refused.\n",
+    ]
+    for kind in known:
+        parts.append(f"## Kind `{kind.name}`\n\n{_sentence(kind.summary)}\n")
+        if kind.device:
+            parts.append(f"Drives a device row of type `{kind.device}`, which its setting `device` names.\n")
+        parts.append(f"{_doc(kind.settings)}\n\n{struct_table(kind.settings)}")
+        parts += [f"### `{one.__name__}`\n\n{_doc(one)}\n\n{struct_table(one)}" for one in nested(kind.settings)]
+    parts.append(
+        "## Faults of emulated devices\n\nUnder a simulating profile the column `settings` of a `device` row may hold "
+        '`{"faults": {…}}`; the command `fault` of the simulated world changes them while it runs.\n'
+    )
+    for one in (faults.RoboteqFaults, faults.UltrasonicFaults):
+        parts.append(f"### `{one.__name__}`\n\n{_doc(one)}\n\n{struct_table(one)}")
+    parts.append(f"## Launch profiles\n\nA TOML file. {_doc(Profile)}\n\n{struct_table(Profile)}")
+    return "\n".join(parts)
+
+
+# -- console ----------------------------------------------------------------------------------------------------------
+
+
+def console_page(sql: str) -> str:
+    """Return the reference of the shipped vocabulary."""
+    verbs, external = _shipped_words(sql)
+    targets = {
+        f"{name}.{command}": message
+        for name, kind in _shipped_kinds(sql).items()
+        for command, message in kind.commands.items()
+    }
+    parts = [
+        "# Words of the console\n",
+        (
+            "The shipped vocabulary, from the rows of the tables `verb` and `external_command`. A line that starts with a "
+            "slash is taken apart at its slashes; doubled slashes count once. Bare words that have no exact match are "
+            "looked up in small letters. What `executive` does by itself: "
+            + ", ".join(f"`{name}`" for name in sorted(EXECUTIVE_VERBS))
+            + f". Reports: {', '.join(f'`{name}`' for name in REPORTS)}.\n"
+        ),
+    ]
+    for robot, rows in verbs.items():
+        Vocabulary(rows, external[robot], targets)  # refuses patterns that it could not say
+        parts.append(f"## Robot `{robot}`\n")
+        words = [(f"`{row.pattern}`", row.help, f"`{row.target}`", row.role, _payload(row)) for row in rows]
+        parts.append(_table(("say", "what it does", "asks", "least role", "fixed fields"), words))
+        parts.append("### Fields\n")
+        parts.append(_table(("field", "allowed"), _fields(rows, targets)))
+        parts.append("### External commands\n")
+        commands = [(f"`{row.name}`", row.help, f"`{' '.join(row.argv)}`", _waits(row)) for row in external[robot]]
+        parts.append(_table(("say", "what it does", "runs", "the console"), commands))
+    return "\n".join(parts)
+
+
+def _shipped_words(sql: str) -> tuple[dict[str, list[VerbRow]], dict[str, list[ExternalCommandRow]]]:
+    database = _database(sql)
+    verbs: dict[str, list[VerbRow]] = {}
+    external: dict[str, list[ExternalCommandRow]] = {}
+    for robot, word, pattern, target, payload, role, text in database.execute(
+        "SELECT robot, word, pattern, target, payload, role, help FROM verb ORDER BY robot, rowid"
+    ):
+        fixed = msgspec.json.decode(payload) if payload else None
+        row = VerbRow(word=word, pattern=pattern, target=target, role=role, help=text, payload=fixed)
+        verbs.setdefault(robot, []).append(row)
+        external.setdefault(robot, [])
+    for robot, name, argv, blocking, text in database.execute(
+        "SELECT robot, name, argv, blocking, help FROM external_command ORDER BY robot, name"
+    ):
+        words = tuple(msgspec.json.decode(argv))
+        external[robot].append(ExternalCommandRow(name=name, argv=words, blocking=bool(blocking), help=text))
+    database.close()
+    return verbs, external
+
+
+def _shipped_kinds(sql: str) -> dict[str, Kind]:
+    database = _database(sql)
+    found = {name: registry.find(kind, NOWHERE) for name, kind in database.execute("SELECT name, kind FROM capability")}
+    database.close()
+    return found
+
+
+def _database(sql: str) -> sqlite3.Connection:
+    database = sqlite3.connect(":memory:")
+    database.executescript(sql)
+    return database
+
+
+def _fields(rows: Iterable[VerbRow], targets: Mapping[str, type[Struct]]) -> list[tuple[str, str]]:
+    allowed: dict[str, str] = {}
+    for row in rows:
+        for name in re.findall(r"\{([a-z_]+)", row.pattern):
+            allowed[name] = Message(targets.get(row.target)).field(name).allowed
+    return [(f"`{name}`", words) for name, words in allowed.items()]
+
+
+def _payload(row: VerbRow) -> str:
+    return f"`{msgspec.json.encode(row.payload).decode()}`" if row.payload else ""
+
+
+def _waits(row: ExternalCommandRow) -> str:
+    return "waits for its end" if row.blocking else f"goes on; `stop {row.name}` ends it"
+
+
+# -- command line -----------------------------------------------------------------------------------------------------
+
+
+def cli_page() -> str:
+    """Return every command's help."""
+    from lbr.cli import cli  # noqa: PLC0415 - only this page needs it
+
+    parts = ["# The command line\n", "What `--help` says, for every command.\n"]
+    parts += [f"## `{path}`\n\n```text\n{text}\n```\n" for path, text in _helps(cli, "lbr", None)]
+    return "\n".join(parts)
+
+
+def _helps(command: click.Command, name: str, parent: click.Context | None) -> Iterable[tuple[str, str]]:
+    with click.Context(command, info_name=name, parent=parent, terminal_width=100, max_content_width=100) as context:
+        yield context.command_path, "\n".join(line.rstrip() for line in command.get_help(context).splitlines())
+        if isinstance(command, click.Group):
+            for child in command.list_commands(context):
+                found = command.get_command(context, child)
+                if found is not None and not found.hidden:
+                    yield from _helps(found, child, context)
+
+
+# -- Markdown ---------------------------------------------------------------------------------------------------------
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [head, tuple("---" for _ in head), *rows]
+    return "".join("| " + " | ".join(_cell(cell) for cell in line) + " |\n" for line in lines)
+
+
+def _cell(text: str) -> str:
+    return text.replace("\n", " ").replace("|", "\\|")
+
+
+def _escape(pattern: str) -> str:
+    return pattern.replace("\x00", "\\x00")
+
+
+def _doc(of: type) -> str:
+    paragraphs = (of.__doc__ or "").strip().split("\n\n")
+    return "\n\n".join(" ".join(line.strip() for line in paragraph.splitlines()) for paragraph in paragraphs)
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:] + "."
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
