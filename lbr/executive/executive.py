@@ -6,18 +6,13 @@ One thread owns the database, the processes and the plan; console lines run in a
 import contextlib
 import json
 import os
-import queue
 import secrets
-import select
 import signal
 import threading
 import time
-from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, TypeVar
 
-import psutil
 from msgspec.structs import replace
 
 from lbr import home
@@ -33,12 +28,13 @@ from lbr.executive.dispatch import DONE, FAILED, Dispatcher
 from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
 from lbr.executive.journal import Journal
+from lbr.executive.mainthread import MainThread
+from lbr.executive.overview import Overview
 from lbr.executive.plan import Plan, Site, Unit
 from lbr.executive.profile import Profile
 from lbr.executive.supervisor import Supervisor
-from lbr.messages.system import CapabilityStatus, ConsoleResult, EstopState, Event, Role, Status
+from lbr.messages.system import ConsoleResult, EstopState, Event, Role, Status
 
-T = TypeVar("T")
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
 MAX_LINE_BYTES = 1 << 16
@@ -73,29 +69,25 @@ class Executive:
         self._lock = lock
         self._started_at = time.monotonic()
         self._token = secrets.token_urlsafe(24)
-        self._wake_read, self._wake_write = os.pipe()
-        os.set_blocking(self._wake_read, False)
-        os.set_blocking(self._wake_write, False)
-        self._calls: queue.SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = queue.SimpleQueue()
+        self._main = MainThread()
         self._stopping = ""
         self._ready = False
         self._problems: tuple[str, ...] = ()
-        self._meters: dict[int, psutil.Process] = {}
         self._recent: list[Event] = []
         socket = f"unixsock-stream/{home.socket_path(profile.robot)}"
         self._listen = (socket, *listen)
         self._endpoints = (socket, *(_reachable(endpoint) for endpoint in listen))
         self._site = Site(home=str(home.home()), endpoints=(socket,), secret=secrets.token_bytes(32))
         self._supervisor = Supervisor(self._start, self._happened)
+        self._overview = Overview(self._supervisor)
         self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="console")
-        self._main = threading.get_ident()
         rows = database.load(profile.robot)
         self.plan = self._first_plan(rows)
         self.vocabulary = self._words(self.plan)
 
     def run(self, *, console: bool) -> int:
         """Open the bus, start everything, and stay until told to shut down."""
-        signal.set_wakeup_fd(self._wake_write, warn_on_full_buffer=False)
+        signal.set_wakeup_fd(self._main.wake_fd, warn_on_full_buffer=False)
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             signal.signal(number, lambda n, _frame: self._stop(f"signal {signal.Signals(n).name}"))
         with session.open_router(self._listen), session.open_client(self._site.endpoints) as bus:
@@ -112,7 +104,7 @@ class Executive:
 
     def status(self) -> Status:
         """Return the robot at a glance."""
-        return self._on_main(self._status)
+        return self._main.call(self._status)
 
     def recent_events(self) -> list[Event]:
         """Return the newest events, oldest first."""
@@ -143,12 +135,12 @@ class Executive:
 
     def restart(self, name: str) -> None:
         """Start a capability anew."""
-        self._on_main(lambda: self._supervisor.restart(name))
+        self._main.call(lambda: self._supervisor.restart(name))
 
     def run_external(self, call: ExternalCall) -> ConsoleResult:
         """Start an external command, and wait for a blocking one."""
         row = call.command
-        popen = self._on_main(lambda: self._external.start(row, call.arguments))
+        popen = self._main.call(lambda: self._external.start(row, call.arguments))
         self.note("external", f"'{row.name}' started (pid {popen.pid})")
         if not row.blocking:
             return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {popen.pid}); 'stop {row.name}' ends it")
@@ -161,7 +153,7 @@ class Executive:
 
     def note(self, kind: str, text: str) -> None:
         """Write down an event of the executive's own."""
-        self._on_main(lambda: self._happened(kind, "executive", text, "info"))
+        self._main.call(lambda: self._happened(kind, "executive", text, "info"))
 
     # -- opening and closing --------------------------------------------------------------------------------------
 
@@ -174,7 +166,7 @@ class Executive:
     def _open(self, bus: session.Session) -> None:
         robot = self.plan.robot
         self._external = ExternalCommands(home.directory("logs"))
-        self._journal = Journal(bus, robot, self._database, self._wake)
+        self._journal = Journal(bus, robot, self._database, self._main.wake)
         self._journal.listeners.append(self._remember)
         rows = self.plan.rows.robot
         self._emergency = Emergency(
@@ -183,11 +175,11 @@ class Executive:
             EstopState(engaged=rows.estop_engaged, reason=rows.estop_reason),
             movers=self._movers,
             seal=self._site.seal,
-            persist=lambda engaged, reason: self._on_main(
+            persist=lambda engaged, reason: self._main.call(
                 lambda: self._database.set_estop(robot, engaged=engaged, reason=reason)
             ),
-            happened=lambda *about: self._on_main(lambda: self._happened(*about)),
-            wake=self._wake,
+            happened=lambda *about: self._main.call(lambda: self._happened(*about)),
+            wake=self._main.wake,
         )
         namespace = {
             "robot": self,
@@ -198,9 +190,9 @@ class Executive:
             "wire": wire,
         }
         self.dispatcher = Dispatcher(self, bus, namespace)
-        self._lines = wire.Served(bus, keys.console(robot), self._wake, puts=False, source="executive")
+        self._lines = wire.Served(bus, keys.console(robot), self._main.wake, puts=False, source="executive")
         self._status_out = wire.Publisher(bus, keys.status(robot), "executive")
-        self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._wake())
+        self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._main.wake())
         (Path(self._site.home) / "run" / f"{robot}-devices").mkdir(mode=0o700, exist_ok=True)
         self._lock.publish(
             home.Running(
@@ -251,20 +243,11 @@ class Executive:
             self._wait(max(0.0, min(due, rows_at - now, status_at - now, again - now)))
 
     def _wait(self, timeout_s: float) -> None:
-        poll = select.poll()
-        poll.register(self._wake_read, select.POLLIN)
-        for _slot, child in self._supervisor.children():
-            if isinstance(child, Child):
-                poll.register(child.reports_fd, select.POLLIN)
-                poll.register(child.pid_fd, select.POLLIN)
-        poll.poll(timeout_s * 1000)
-        with contextlib.suppress(BlockingIOError):
-            while len(os.read(self._wake_read, 4096)) == 4096:
-                pass
-        self._run_calls()
+        children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
+        self._main.wait(timeout_s, (fd for child in children for fd in (child.reports_fd, child.pid_fd)))
 
     def _serve(self) -> None:
-        self._run_calls()
+        self._main.run_calls()
         for request in self._lines.take():
             self._pool.submit(self._answer_line, request)
         for request in self._emergency.resets.take():
@@ -360,34 +343,10 @@ class Executive:
             pid=os.getpid(),
             uptime_s=round(time.monotonic() - self._started_at, 1),
             estop=self._emergency.state(),
-            capabilities=tuple(self._capability(name) for name in self._supervisor.slots),
+            capabilities=self._overview.capabilities(time.monotonic()),
             problems=self._problems,
             revision=self.plan.rows.revision,
         )
-
-    def _capability(self, name: str) -> CapabilityStatus:
-        slot = self._supervisor.slots[name]
-        cpu, memory = self._meter(slot.child.pid) if slot.child is not None else (None, None)
-        return CapabilityStatus(
-            name=name,
-            kind=slot.unit.kind,
-            phase=slot.phase,
-            pid=slot.child.pid if slot.child is not None else None,
-            restarts=slot.restarts,
-            uptime_s=round(time.monotonic() - slot.started_at, 1) if slot.child is not None else None,
-            reason=slot.reason,
-            rates_hz=slot.rates,
-            cpu_percent=cpu,
-            memory_mb=memory,
-        )
-
-    def _meter(self, pid: int) -> tuple[float | None, float | None]:
-        try:
-            meter = self._meters.setdefault(pid, psutil.Process(pid))
-            return meter.cpu_percent(), round(meter.memory_info().rss / 1e6, 1)
-        except psutil.Error:
-            self._meters.pop(pid, None)
-            return None, None
 
     def _words(self, plan: Plan) -> Vocabulary:
         messages = {
@@ -403,30 +362,7 @@ class Executive:
 
     def _stop(self, why: str) -> None:
         self._stopping = self._stopping or why
-        self._wake()
-
-    def _wake(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            os.write(self._wake_write, b"w")
-
-    def _on_main(self, do: Callable[[], T]) -> T:
-        if threading.get_ident() == self._main:
-            return do()
-        future: Future[T] = Future()
-        self._calls.put((do, future))
-        self._wake()
-        return future.result(timeout=5.0)
-
-    def _run_calls(self) -> None:
-        while True:
-            try:
-                do, future = self._calls.get_nowait()
-            except queue.Empty:
-                return
-            try:
-                future.set_result(do())
-            except LbrError as err:
-                future.set_exception(err)
+        self._main.wake()
 
     def _start_terminal(self) -> None:
         from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console

@@ -1,0 +1,63 @@
+"""The executive's own thread: what others ask of it, and what wakes it."""
+
+import contextlib
+import os
+import queue
+import select
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from typing import Any, TypeVar
+
+from lbr.errors import LbrError
+
+T = TypeVar("T")
+ANSWER_LIMIT_S = 5.0
+
+
+class MainThread:
+    """Runs what other threads hand over, one after the other, on the thread that made it."""
+
+    def __init__(self) -> None:
+        self._ident = threading.get_ident()
+        self._calls: queue.SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = queue.SimpleQueue()
+        self._read, self.wake_fd = os.pipe()
+        os.set_blocking(self._read, False)
+        os.set_blocking(self.wake_fd, False)
+
+    def call(self, do: Callable[[], T]) -> T:
+        """Run `do` there and return its result; raise what it raises."""
+        if threading.get_ident() == self._ident:
+            return do()
+        future: Future[T] = Future()
+        self._calls.put((do, future))
+        self.wake()
+        return future.result(timeout=ANSWER_LIMIT_S)
+
+    def wake(self) -> None:
+        """Let its wait return; from any thread."""
+        with contextlib.suppress(BlockingIOError):
+            os.write(self.wake_fd, b"w")
+
+    def wait(self, timeout_s: float, fds: Iterable[int]) -> None:
+        """Wait for a wake-up or news on one of `fds`, then run what was handed over."""
+        poll = select.poll()
+        for fd in (self._read, *fds):
+            poll.register(fd, select.POLLIN)
+        poll.poll(timeout_s * 1000)
+        with contextlib.suppress(BlockingIOError):
+            while len(os.read(self._read, 4096)) == 4096:
+                pass
+        self.run_calls()
+
+    def run_calls(self) -> None:
+        """Run what was handed over."""
+        while True:
+            try:
+                do, future = self._calls.get_nowait()
+            except queue.Empty:
+                return
+            try:
+                future.set_result(do())
+            except LbrError as err:
+                future.set_exception(err)
