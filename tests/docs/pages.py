@@ -1,0 +1,61 @@
+"""The pages as tests see them: their fenced blocks, what those claim, and their links."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+RUN = "<!-- run -->"
+RUNNABLE = {"sh", "console", "text"}
+_LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+_HEADING = re.compile(r"^#{1,6} (.*)$")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its language, what stands on the line before it, and its text."""
+
+    page: Path
+    line: int
+    language: str
+    marker: str
+    text: str
+
+    @property
+    def where(self) -> str:
+        return f"{self.page.relative_to(ROOT)}:{self.line}"
+
+
+def blocks(page: Path) -> list[Block]:
+    """Return a page's fenced blocks in their order."""
+    found, before, lines = [], "", iter(enumerate(page.read_text().splitlines(), 1))
+    for number, line in lines:
+        if line.startswith("```"):
+            inside = list(_until_fence(lines))
+            found.append(Block(page, number, line.strip("` "), before.strip(), "\n".join(inside)))
+        before = line
+    return found
+
+
+def links(page: Path) -> list[str]:
+    """Return the targets of a page's links, without those in fenced blocks."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+    return _LINK.findall(re.sub(r"`[^`\n]*`", "", text))
+
+
+def anchors(page: Path) -> set[str]:
+    """Return what a link to a heading of this page may name."""
+    found = set()
+    for line in re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE).splitlines():
+        if heading := _HEADING.match(line):
+            found.add(re.sub(r"[^\w\- ]", "", heading[1].lower()).replace(" ", "-"))
+    return found
+
+
+def _until_fence(lines: Iterator[tuple[int, str]]) -> Iterator[str]:
+    for _number, line in lines:
+        if line.startswith("```"):
+            return
+        yield line

@@ -1,0 +1,201 @@
+"""The examples in docs/examples do what they say, on a whole robot."""
+
+import json
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from lbr.bus import wire
+from tests.docs.pages import ROOT
+from tests.robot import Robot, running, until
+
+EXAMPLES = ROOT / "docs" / "examples"
+SCRIPT = EXAMPLES / "drive_with_plain_zenoh.py"
+PORT = 47447
+
+
+@pytest.fixture
+def started(home: Path) -> Iterator[Robot]:
+    """A robot of this test's own, because its rows are changed; it has measured its ranges."""
+    with running(home) as robot:
+        until(lambda: robot.ask("ranges/readings"), what="the first reading")
+        yield robot
+
+
+def install(robot: Robot, name: str, *changes: tuple[str, str]) -> None:
+    """Copy a capability file and run its rows, as its page says."""
+    folder = robot.home / "capabilities"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    if "exec" not in (EXAMPLES / f"{name}.sql").read_text():
+        shutil.copy(EXAMPLES / f"{name}.py", folder)
+        (folder / f"{name}.py").chmod(0o600)
+    sql = (EXAMPLES / f"{name}.sql").read_text()
+    for old, new in changes:
+        assert old in sql
+        sql = sql.replace(old, new)
+    database = sqlite3.connect(robot.home / "robot.db", timeout=5.0)
+    database.executescript(sql)
+    database.close()
+
+
+def ready(robot: Robot, name: str) -> Callable[[], bool]:
+    units = lambda: {unit["name"]: unit["phase"] for unit in robot.status()["capabilities"]}  # noqa: E731
+    return lambda: units().get(name) == "ready" and set(units().values()) == {"ready"}
+
+
+def drive_elsewhere(endpoint: str, *prefix: str, seconds: str = "1.0") -> "subprocess.CompletedProcess[str]":
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("LBR_")}
+    return subprocess.run(
+        [*prefix, sys.executable, str(SCRIPT), endpoint, seconds],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=9,
+        check=False,
+    )
+
+
+def test_a_plain_client_drives_reads_ranges_and_stops(robot):
+    until(lambda: robot.ask("ranges/readings"), what="the first reading")
+    before = robot.ask("world/pose")["x_m"]
+    done = drive_elsewhere(robot.endpoints[0])
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("accepted, lease ")
+    assert lines[-1] == "stopped"
+    assert sum(line.startswith("forward ") for line in lines) >= 5
+    assert robot.ask("world/pose")["x_m"] > before + 0.05
+    assert robot.ask("drive/state")["holder"] is None
+
+
+def test_a_plain_client_that_is_killed_leaves_the_robot_standing(robot):
+    until(lambda: robot.ask("ranges/readings"), what="the first reading")
+    client = subprocess.Popen([sys.executable, str(SCRIPT), robot.endpoints[0], "9"], stdout=subprocess.PIPE, text=True)
+    assert client.stdout is not None
+    client.stdout.readline()
+    until(lambda: robot.ask("drive/state")["moving"], what="the robot moves")
+    client.kill()
+    client.wait()
+    client.stdout.close()
+    until(lambda: not robot.ask("drive/state")["moving"], limit_s=1.0, what="the lease lapsed")
+    assert "lapsed" in robot.ask("drive/state")["reason"]
+
+
+def test_examples_of_plain_clients_import_nothing_of_ours():
+    for name in ("drive_with_plain_zenoh.py", "beacon.py"):
+        text = (EXAMPLES / name).read_text()
+        assert "import lbr" not in text
+        assert "from lbr" not in text
+
+
+def test_wander_drives_when_told_and_rests_when_stopped(started):
+    install(started, "wander")
+    until(ready(started, "wander"), what="wander is ready")
+    assert not started.ask("drive/state")["moving"]
+    assert started.line("wander")["code"] == 0
+    until(lambda: started.ask("drive/state")["holder"] == "wander", what="wander holds the drive")
+    moved = until(lambda: abs(started.ask("world/pose")["x_m"]) > 0.2, what="it drives")
+    assert moved
+    started.line("stop")
+    until(lambda: any(e["kind"] == "wander" for e in started.events()), what="wander rests")
+    assert not started.ask("drive/state")["moving"]
+
+
+def quiet_now(robot: Robot, name: str = "quiet_hours") -> None:
+    """Install the check so that it is quiet now, and wait until the drive asks it."""
+    hour = datetime.now().astimezone().hour
+    install(robot, name, ('"begin": 22, "end": 7', f'"begin": {hour}, "end": {(hour + 2) % 24}'))
+    until(ready(robot, name), what="the check and the drive are ready")
+    until(lambda: robot.line("/r/0.15/90")["code"] == 0, what="the check lets slow motion pass")
+    robot.line("stop")
+
+
+def test_quiet_hours_refuse_what_is_fast_and_let_pass_what_is_slow(started):
+    quiet_now(started)
+    fast = started.line("/r/0.5/90")
+    assert fast["code"] == 1
+    assert "quiet hours until" in fast["text"]
+    assert started.line("/r/0.15/90")["code"] == 0
+
+
+def test_a_check_that_does_not_answer_means_no(started):
+    quiet_now(started)
+    os.kill(started.capability("quiet_hours")["pid"], signal.SIGSTOP)
+    assert started.line("/r/0.15/90")["text"] == "check quiet_hours did not answer"
+    assert not started.ask("drive/state")["moving"]
+
+
+def test_a_program_without_our_package_joins_by_its_environment(started):
+    install(
+        started,
+        "beacon",
+        ("/opt/beacon/bin/python", sys.executable),
+        ("/opt/beacon/beacon.py", str(EXAMPLES / "beacon.py")),
+    )
+    heard = wire.Subscription(started.bus, f"{started.name}/beacon/nearest", depth=4)
+    message = until(heard.take, what="the beacon speaks")[0]
+    near = json.loads(message.payload)["nearest_m"]
+    readings = started.ask("ranges/readings")
+    assert near == pytest.approx(
+        min(readings[key] for key in readings if key.endswith("_m") and readings[key]), abs=0.3
+    )
+    until(ready(started, "beacon"), what="its token makes it ready")
+
+
+@pytest.fixture
+def neighbour() -> Iterator[tuple[str, ...]]:
+    """A network namespace joined to ours by a cable; the prefix that runs a program in it, and our address."""
+    if os.geteuid() != 0 or shutil.which("ip") is None:
+        pytest.skip("needs root and the program ip")
+    space, here, there = "lbr-neighbour", "lbr-here", "lbr-there"
+
+    def ip(*arguments: str) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(["ip", *arguments], capture_output=True, text=True, check=False)
+
+    ip("netns", "delete", space)
+    made = ip("netns", "add", space)
+    if made.returncode != 0:
+        pytest.skip(f"no network namespaces here: {made.stderr.strip()}")
+    try:
+        for arguments in (
+            ("link", "add", here, "type", "veth", "peer", "name", there, "netns", space),
+            ("addr", "add", "10.197.31.1/30", "dev", here),
+            ("link", "set", here, "up"),
+            ("-n", space, "addr", "add", "10.197.31.2/30", "dev", there),
+            ("-n", space, "link", "set", there, "up"),
+        ):
+            done = ip(*arguments)
+            assert done.returncode == 0, f"ip {' '.join(arguments)}: {done.stderr}"
+        yield ("ip", "netns", "exec", space)
+    finally:
+        ip("netns", "delete", space)
+        ip("link", "delete", here)
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(30)
+def test_a_plain_client_on_another_machine_drives_where_the_robot_listens(home, neighbour):
+    endpoint = f"tcp/10.197.31.1:{PORT}"
+    with running(home, "--listen", endpoint) as robot:
+        assert endpoint in robot.endpoints
+        until(lambda: robot.ask("ranges/readings"), what="the first reading")
+        before = robot.ask("world/pose")["x_m"]
+        done = drive_elsewhere(endpoint, *neighbour)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.splitlines()[-1] == "stopped"
+        assert robot.ask("world/pose")["x_m"] > before + 0.05
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(30)
+def test_without_listen_nothing_is_reachable_from_another_machine(home, neighbour):
+    with running(home):
+        assert drive_elsewhere(f"tcp/10.197.31.1:{PORT}", *neighbour).returncode != 0

@@ -1,0 +1,191 @@
+"""What the pages claim holds: links lead somewhere, reference pages are fresh, blocks marked as run are run."""
+
+import doctest
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import prepare
+from tests.docs.pages import PAGES, ROOT, RUN, RUNNABLE, Block, anchors, blocks, links
+from tests.robot import Robot, running, until
+
+CLIENT = """#!{python}
+import sqlite3, sys
+database = sqlite3.connect(sys.argv[1], timeout=5)
+if len(sys.argv) > 2:
+    for row in database.execute(sys.argv[2]):
+        print("|".join(str(value) for value in row))
+    database.commit()
+else:
+    database.executescript(sys.stdin.read())
+database.close()
+"""
+"""Stands in for the program `sqlite3` on machines that lack it."""
+
+RUN_PAGES = [page for page in PAGES if any(block.marker == RUN for block in blocks(page))]
+OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+
+
+def name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_links_lead_somewhere(page):
+    for link in links(page):
+        if link.startswith(("http://", "https://", "mailto:")):
+            continue
+        place, _, anchor = link.partition("#")
+        target = (page.parent / place).resolve() if place else page
+        assert target.exists(), f"{name(page)} links to {link}"
+        assert ROOT in (target, *target.parents), f"{name(page)} links out of the project: {link}"
+        assert not anchor or anchor in anchors(target), f"{name(page)} links to {link}, and there is no such heading"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_fenced_block_says_its_language(page):
+    for block in blocks(page):
+        assert block.language, f"{block.where}: a fenced block without a language"
+        assert block.marker != RUN or block.language in RUNNABLE, f"{block.where}: {block.language} is not run by tests"
+
+
+def generate(*arguments: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, str(ROOT / "docs" / "generate.py"), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_reference_pages_are_fresh():
+    done = generate("--check")
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_stale_reference_page_is_noticed(tmp_path):
+    copy = tmp_path / "project"
+    for part in ("docs/generate.py", "docs/reference/cli.md", "robot.db.sql"):
+        (copy / part).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / part, copy / part)
+    for page in (ROOT / "docs" / "reference").glob("*.md"):
+        shutil.copy(page, copy / "docs" / "reference")
+    with (copy / "docs" / "reference" / "rows.md").open("a") as file:
+        file.write("an afterthought\n")
+    done = subprocess.run(
+        [sys.executable, str(copy / "docs" / "generate.py"), "--check"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "rows.md" in done.stderr
+
+
+def test_every_column_of_every_table_is_in_the_reference():
+    import sqlite3
+
+    database = sqlite3.connect(":memory:")
+    database.executescript((ROOT / "robot.db.sql").read_text())
+    page = (ROOT / "docs" / "reference" / "rows.md").read_text()
+    sections = {part.split("\n", 1)[0]: part for part in page.split("\n## ")[1:]}
+    tables = [row[0] for row in database.execute("SELECT name FROM pragma_table_list WHERE schema = 'main'")]
+    for table in (one for one in tables if not one.startswith("sqlite_")):
+        for (column,) in database.execute("SELECT name FROM pragma_table_info(?)", (table,)):
+            assert f"| `{column}` |" in sections[table], f"{table}.{column}"
+    database.close()
+
+
+class Newcomer:
+    """Somebody who types what a page says, with a home of their own and the robot running there."""
+
+    def __init__(self, home: Path, robot: Robot) -> None:
+        self.robot = robot
+        path = f"{home / 'bin'}:{Path(sys.executable).parent}:{os.environ['PATH']}"
+        kept = {key: value for key, value in os.environ.items() if key != "LBR_HOME"}
+        self.environment = kept | {"HOME": str(home), "PATH": path, "COLUMNS": "120", "LC_ALL": "C.UTF-8"}
+
+    def follow(self, block: Block) -> None:
+        if block.language == "sh":
+            done = self.shell(block.text)
+            assert done.returncode == 0, f"{block.where}: {done.stderr}"
+            return
+        for said, expected in exchanges(block):
+            if said.startswith("$ "):
+                self.check(block, said, expected, self.both(said.removeprefix("$ ")))
+            else:
+                self.say(block, said.removeprefix("Robot> "), expected)
+
+    def say(self, block: Block, line: str, expected: str) -> None:
+        """Say a console line, again while an edit just made may still be on its way."""
+        what = f"{block.where}: {line}"
+        until(lambda: agrees(expected, self.robot.line(line)["text"]), limit_s=4.0, what=what)
+
+    def check(self, block: Block, said: str, expected: str, got: str) -> None:
+        assert agrees(expected, got), f"{block.where}: {said}\nexpected:\n{expected}\ngot:\n{got}"
+
+    def both(self, command: str) -> str:
+        done = self.shell(command)
+        return done.stdout + done.stderr
+
+    def shell(self, script: str) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            ["bash", "-uo", "pipefail", "-ec", script],
+            env=self.environment,
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            timeout=20,
+            check=False,
+            stdin=subprocess.DEVNULL,
+        )
+
+
+def agrees(expected: str, got: str) -> bool:
+    return doctest.OutputChecker().check_output(f"{expected.strip()}\n", f"{got.strip()}\n", OPTIONS)
+
+
+def exchanges(block: Block) -> list[tuple[str, str]]:
+    """Split a block into what is typed and what is answered."""
+    found: list[tuple[str, list[str]]] = []
+    for line in block.text.splitlines():
+        if line.startswith(("$ ", "Robot> ")):
+            found.append((line, []))
+        else:
+            assert found, f"{block.where}: output before any input"
+            found[-1][1].append(line)
+    assert found, f"{block.where}: nothing is typed"
+    return [(said, "\n".join(lines)) for said, lines in found]
+
+
+@pytest.fixture
+def newcomer() -> Iterator[Newcomer]:
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+        home = Path(place)
+        (home / "bin").mkdir()
+        if shutil.which("sqlite3") is None:
+            client = home / "bin" / "sqlite3"
+            client.write_text(CLIENT.format(python=sys.executable))
+            client.chmod(0o755)
+        with running(prepare(home / ".lbr")) as robot:
+            until(lambda: robot.ask("ranges/readings"), what="the first reading")
+            yield Newcomer(home, robot)
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("page", RUN_PAGES, ids=name)
+def test_what_a_page_says_is_run_works(newcomer, page):
+    for block in blocks(page):
+        if block.marker == RUN:
+            newcomer.follow(block)
+
+
+def test_the_commands_that_the_readme_begins_with_are_the_ones_that_are_checked():
+    marked = {block.marker: block.text for block in blocks(ROOT / "README.md") if block.marker != RUN}
+    run, test = marked["<!-- run-command -->"], marked["<!-- test-command -->"]
+    assert "\n" not in run + test
+    assert run.split(" && ")[0] == test.split(" && ")[0]
+    assert "<!-- test-command -->" in (ROOT / ".ci" / "run").read_text()
+    installed = run.split(" && ")[1]
+    assert installed.endswith("pip install -e '.[sim]'")
+    assert test.split(" && ")[1] == installed.replace("[sim]", "[sim,dev]")
