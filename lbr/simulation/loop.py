@@ -14,6 +14,9 @@ _LATEST_S = 0.1
 
 _SENSE_EVERY = 5
 
+_RESTING_S = 0.3
+_RESTING_LOOK_S = 0.005
+
 
 class WorldLoop:
     """Runs engine and twins until closed; `pose` and `ranges_m` are the newest, `failure` is why it ended early."""
@@ -39,12 +42,19 @@ class WorldLoop:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread, then pull every device out."""
+        """End the thread, then pull every device out; a controller whose motors turn outlives its host for a while."""
+        for _ in range(round(_RESTING_S / _RESTING_LOOK_S)):
+            if not self._thread.is_alive() or not self._turning():
+                break
+            self._closing.wait(_RESTING_LOOK_S)
         self._closing.set()
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
         for twin in self._twins:
             twin.port.unplug()
+
+    def _turning(self) -> bool:
+        return self._motors is not None and self._motors.wheels(self._clock()) != (0.0, 0.0)
 
     def _run(self) -> None:
         try:
