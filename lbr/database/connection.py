@@ -1,5 +1,6 @@
 """One connection to a database file, and SQLite's errors as sentences."""
 
+import re
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,6 +26,7 @@ _SENTENCES = {
     sqlite3.SQLITE_CANTOPEN: "cannot be opened: check that it and its folder exist and are yours",
     sqlite3.SQLITE_NOTADB: "is no database at all: name another file, or put a backup in its place",
 }
+_ROW_FAULT = re.compile(r"CHECK constraint failed in |\S+ value in ")
 
 
 def connect(path: Path) -> Connection:
@@ -50,6 +52,12 @@ def run(connection: Connection, statement: str, *values: str) -> Any:
     return row[0] if row else None
 
 
+def damage(connection: Connection) -> str:
+    """Return what is broken in the file, or nothing; rows against the schema are for the checks to name."""
+    found = connection.connection.cursor().execute("PRAGMA quick_check").fetchall()
+    return next((fault for (fault,) in found if fault != "ok" and not _ROW_FAULT.match(fault)), "")
+
+
 @contextmanager
 def transaction(connection: Connection, mode: Literal["DEFERRED", "IMMEDIATE"]) -> Iterator[Connection]:
     """Commit at the end, or roll back."""
@@ -67,6 +75,8 @@ def sentences(path: Path) -> Iterator[None]:
         raise RowError((_sentence(path, err.orig),)) from err
     except sqlite3.Error as err:
         raise RowError((_sentence(path, err),)) from err
+    except UnicodeDecodeError as err:  # SQLite's message quotes a damaged schema
+        raise RowError((f"database {path} {_SENTENCES[sqlite3.SQLITE_CORRUPT]}",)) from err
 
 
 def _connect(path: Path) -> sqlite3.Connection:

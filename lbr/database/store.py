@@ -16,10 +16,11 @@ from sqlalchemy.dialects.sqlite import insert
 
 from lbr.database import history
 from lbr.database.checks import check
-from lbr.database.connection import BUSY_TIMEOUT_S, connect, pragma, run, sentences, transaction
+from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, pragma, run, sentences, transaction
 from lbr.database.files import check_file
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.models import Calibration, Revision, Robot
+from lbr.database.reader import shown
 from lbr.database.resources import robot_db_sql
 from lbr.database.rows import RevisionRow, RobotRows
 from lbr.database.tables import RawTables, read_tables
@@ -40,7 +41,7 @@ def create(path: Path, sql: Path | None = None) -> None:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         os.close(os.open(building, os.O_CREAT | os.O_TRUNC | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
         with sentences(path), closing(sqlite3.connect(building)) as connection:
-            connection.executescript(source)  # with SQLite's own fsync
+            connection.executescript(source)
         path.hardlink_to(building)  # unlike a rename, never over a file that somebody else built meanwhile
     except OSError as err:
         raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err
@@ -158,17 +159,19 @@ class Database:
         tables = run(connection, "SELECT count(*) FROM sqlite_schema WHERE name IN ('robot', 'alembic_version')")
         if pragma(connection, "application_id") != APPLICATION_ID or tables != 2:
             raise RowError((f"database {self.path} is not a robot's: `lbr db init` builds one, or name another",))
-        fault = pragma(connection, "quick_check(1)")
-        if fault != "ok":
-            raise RowError((f"database {self.path} is damaged ({fault}): put a backup in its place",))
+        fault = damage(connection)
+        if fault:
+            raise RowError((f"database {self.path} is damaged ({shown(fault)}): put a backup in its place",))
         pragma(connection, "journal_mode = WAL")
         pragma(connection, "foreign_keys = ON")
         self.backup = bring_up_to_date(connection, self.path)
 
     @contextmanager
     def _reading(self) -> Iterator[Connection]:
-        with self._lock, sentences(self.path), transaction(self._connection, "DEFERRED") as connection:
-            yield connection
+        with self._lock, sentences(self.path):
+            pragma(self._connection, f"busy_timeout = {BUSY_TIMEOUT_S * 1000:.0f}")
+            with transaction(self._connection, "DEFERRED") as connection:
+                yield connection
 
     @contextmanager
     def _writing(self, *, durable: bool = False, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:

@@ -6,6 +6,8 @@ import time
 from contextlib import closing
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from lbr.database import connection
 from lbr.database.store import Database, create
@@ -119,6 +121,39 @@ def test_a_truncated_file(path, kept):
     raw = path.read_bytes()
     path.write_bytes(raw[: int(len(raw) * kept)])
     assert "put a backup in its place" in refusal(path)
+
+
+@pytest.fixture(scope="module")
+def pristine(tmp_path_factory):
+    file = tmp_path_factory.mktemp("pristine") / "robot.db"
+    create(file)
+    return file.read_bytes()
+
+
+@settings(max_examples=60, deadline=None)
+@given(flips=st.lists(st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 7)), min_size=1, max_size=20))
+def test_flipped_bits_are_refused_or_read(pristine, tmp_path_factory, flips):
+    raw = bytearray(pristine)
+    for where, bit in flips:
+        raw[int(where * len(raw))] ^= 1 << bit
+    path = tmp_path_factory.mktemp("flipped") / "robot.db"
+    path.write_bytes(raw)
+    path.chmod(0o600)
+    refused = []
+    try:
+        with Database.open(path) as database:
+            problems = database.load("lbr").problems
+    except RowError as err:
+        refused = list(err.problems)
+        problems = ()
+    assert all(str(path) in sentence and sentence.isprintable() for sentence in refused)
+    assert all(problem.table for problem in problems)
+
+
+def test_a_damaged_schema_whose_error_is_no_text(path):
+    raw = path.read_bytes()
+    path.write_bytes(raw.replace(b"kind     TEXT", b"kind\xa0    TEXT", 1))
+    assert "is damaged: put a backup in its place" in refusal(path)
 
 
 def test_a_file_that_another_program_keeps_to_itself(path, monkeypatch):

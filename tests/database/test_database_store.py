@@ -158,6 +158,25 @@ def test_a_file_with_bad_rows_loads_with_problems(database, client, edits):
     assert isinstance(database.revisions(), tuple)
 
 
+def test_a_file_whose_rows_break_the_schema_opens_and_names_them(path, client):
+    client.execute("PRAGMA ignore_check_constraints = ON")
+    client.execute("UPDATE channel SET history = 99 WHERE source = 'motors.state'")
+    client.execute("PRAGMA writable_schema = ON")
+    client.execute(
+        "UPDATE sqlite_schema SET sql = replace(sql, 'word    TEXT NOT NULL', 'word    ANY') WHERE name = 'verb'"
+    )
+    client.execute("PRAGMA writable_schema = RESET")
+    client.execute("DROP TRIGGER verb_update")
+    client.execute("UPDATE verb SET word = x'ff' WHERE pattern = 'b'")
+    client.execute("PRAGMA writable_schema = ON")
+    client.execute(
+        "UPDATE sqlite_schema SET sql = replace(sql, 'word    ANY', 'word    TEXT NOT NULL') WHERE name = 'verb'"
+    )
+    with Database.open(path) as database:
+        found = {(problem.table, problem.column) for problem in database.load("lbr").problems}
+    assert {("channel", "history"), ("verb", "word")} <= found
+
+
 @pytest.mark.parametrize(
     ("edit", "says"),
     [
