@@ -127,11 +127,6 @@ class Request:
         self.attachment = attachment
         self._query = query
 
-    @property
-    def answerable(self) -> bool:
-        """Say whether somebody waits for the answer; nobody does after a `put`."""
-        return self._query is not None
-
     def reply(self, message: Any, source: str) -> None:
         """Answer, once; later answers are ignored."""
         query, self._query = self._query, None

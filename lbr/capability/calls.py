@@ -15,7 +15,7 @@ UNSTAMPED = "a bus client"
 
 
 class BusCall:
-    """A command from the bus. Refusals of a `put`, which nobody waits for, are told to `refused`."""
+    """A command from the bus, query or `put`; refusals are told to `refused(source, reason)` as well."""
 
     def __init__(
         self, name: str, message: Any, request: wire.Request, owner: str, refused: Callable[[str, str], None]
@@ -32,7 +32,7 @@ class BusCall:
 
     def reply(self, answer: Struct) -> None:
         """Answer, once."""
-        if isinstance(answer, CommandReply) and not answer.accepted and not self._request.answerable:
+        if isinstance(answer, CommandReply) and not answer.accepted:
             self._refused(self.source, answer.reason)
         self._request.reply(answer, self._owner)
 

@@ -22,6 +22,7 @@ class EstopLatch:
         self._wake = wake
         self._said: EstopAcknowledgement | None = None
         self._again = False
+        self._noticed = False
         self._releases = 0
         self._session = session.open_client(config.endpoints)
         self._ack_key = keys.estop_acknowledgement(config.robot, config.name)
@@ -31,6 +32,7 @@ class EstopLatch:
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
         """Say whether the device has acknowledged the stop; sent when that changes or when the stop is repeated."""
+        self._noticed = self.engaged
         said = EstopAcknowledgement(capability=self._name, engaged=self.engaged, stopped=stopped, reason=reason)
         if said != self._said or self._again:
             self._said, self._again = said, False
@@ -41,12 +43,14 @@ class EstopLatch:
         for request in self._release.take():
             found = stamp.read(request.attachment)
             proven = stamp.genuine(found, request.payload, self._release_key) and found is not None
-            if proven and found is not None and found.mono_ns > self._releases:
-                self._releases = found.mono_ns
-                self.engaged, self.reason, self._said = False, "", None
-                request.reply({"accepted": True}, self._name)
-            else:
+            if not proven or found is None or found.mono_ns <= self._releases:
                 request.reply({"accepted": False, "reason": "only the executive releases"}, self._name)
+            elif self.engaged and not self._noticed:  # a stop is never so short that nobody stopped
+                request.reply({"accepted": False, "reason": "it has not stopped yet"}, self._name)
+            else:
+                self._releases = found.mono_ns
+                self.engaged, self.reason, self._said, self._noticed = False, "", None, False
+                request.reply({"accepted": True}, self._name)
 
     def close(self) -> None:
         """Leave the bus."""

@@ -180,7 +180,7 @@ class ProcessContext:
         calls: list[Call] = []
         for name, (served, decoder) in self._commands.items():
             for request in served.take():
-                call = BusCall(name, None, request, self.name, lambda who, why: self._refused(f"put {who}", why))
+                call = BusCall(name, None, request, self.name, lambda who, why: self._refused(who, f"{who}: {why}"))
                 if len(request.payload) > wire.MAX_COMMAND_BYTES:
                     call.refuse(f"a command may have {wire.MAX_COMMAND_BYTES} bytes, not {len(request.payload)}")
                     continue
@@ -211,7 +211,8 @@ class ProcessContext:
 
 
 def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> list[wire.Constant]:
-    types = {**kind.outputs, **kind.commands, **kind.setpoints}
+    own = {name: message for name, message in kind.outputs.items() if not any(o.seal for o in config.outputs[name])}
+    types = {**own, **kind.commands, **kind.setpoints}
     return [
         wire.Constant(bus, keys.schema(config.robot, config.name, name), partial(msgspec.json.schema, message))
         for name, message in types.items()

@@ -262,3 +262,11 @@ def test_a_capability_file_that_others_may_change_is_refused(stage):
     stage.start()
     assert stage.ended() == 70
     assert "could be changed by others" in stage.heard("failed")[0].reason
+
+
+def test_a_refused_put_and_a_refused_query_become_events(stage):
+    stage.start().ready()
+    heard = wire.Subscription(stage.bus, keys.event("r"), depth=16)
+    stage.bus.put("r/probe/do", b"{")
+    said = until(heard.take)
+    assert json.loads(said[0].payload)["kind"] == "refused"

@@ -30,7 +30,6 @@ from lbr.operations.drive.state import (
 from lbr.operations.drive.statistics import Beat, LoopMeter
 
 STATE_PERIOD_S = 0.1
-REFUSALS_PER_S = 3
 MOST_WAITING = 16
 UNANSWERED = {"(none in time)": None}
 
@@ -100,7 +99,6 @@ class Drive(Capability[DriveSettings]):
         self._motors_alive = False
         self._reported: DriveState | None = None
         self._reported_at = -inf
-        self._refusals: dict[str, deque[float]] = {}
 
     def _listen(self) -> None:
         estop = self.ctx.estop
@@ -158,23 +156,10 @@ class Drive(Capability[DriveSettings]):
                 case Result(message=result):
                     self.ctx.publish("result", result)
                 case Happened():
-                    self._tell(output)
+                    self.ctx.event(output.kind, output.text, level=output.level)
                 case Reply(message=reply):
                     if call is not None:
                         call.reply(reply)
-
-    def _tell(self, happened: Happened) -> None:
-        if happened.kind != "refused" or self._may_tell_refusal(happened.source):
-            self.ctx.event(happened.kind, happened.text, level=happened.level)
-
-    def _may_tell_refusal(self, source: str) -> bool:
-        now = self.ctx.clock()
-        self._refusals = {name: told for name, told in self._refusals.items() if now - told[-1] < 1.0}
-        told = self._refusals.setdefault(source, deque(maxlen=REFUSALS_PER_S))
-        if len(told) == REFUSALS_PER_S and now - told[0] < 1.0:
-            return False
-        told.append(now)
-        return True
 
     def _report(self) -> None:
         now = self.ctx.clock()

@@ -100,10 +100,9 @@ def _command(state: State, event: Command, now: float) -> Decision:
 
 def _refuse(state: State, event: Command, why: str, now: float) -> Decision:
     reply = Reply(message=CommandReply(accepted=False, reason=why))
-    text = f"{event.source}: {why}"
     if event.command.power > 0.0 and (state.estop or insists(state, event.source, now)):
         state = _note_insisting(state, event.source, now)
-    return state, (reply, Happened(kind="refused", text=text, level="warning", source=event.source))
+    return state, (reply,)
 
 
 def _renew(state: State, event: Command, now: float) -> Decision:
@@ -218,7 +217,7 @@ def _end(state: State, how: Ending, why: str, now: float) -> Decision:
     if hold is None:
         return replace(still, reason=why), (ZERO,)
     level: Level = "warning" if how in UNPLANNED else "info"
-    said: Outputs = (ZERO, Happened(kind=how, text=f"{hold.source}: {why}", level=level, source=hold.source))
+    said: Outputs = (ZERO, Happened(kind=how, text=f"{hold.source}: {why}", level=level))
     if hold.goal is not None:
         said = (*said, _result(hold.goal, how, why, now))
     return bury(still, hold.lease, why), said

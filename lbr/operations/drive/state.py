@@ -92,7 +92,6 @@ class Happened(Struct, frozen=True, kw_only=True):
     kind: str
     text: str
     level: Level = "info"
-    source: str = ""
 
 
 class Result(Struct, frozen=True, kw_only=True):

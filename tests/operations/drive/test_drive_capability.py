@@ -225,18 +225,6 @@ def test_commands_are_decided_in_the_order_they_came(robot):
     assert second.answer.reason == "held by a"
 
 
-def test_refusals_become_events_but_not_a_flood(robot):
-    for _ in range(50):
-        robot.send(robot.ctx.command(0.5, role="view", source="guest"))
-    robot.send(robot.ctx.command(0.5, role="view", source="other"))
-    told = [text for kind, text in robot.ctx.events if kind == "refused"]
-    assert len([text for text in told if text.startswith("guest")]) == 3
-    assert len([text for text in told if text.startswith("other")]) == 1
-    robot.run(1.1)
-    robot.send(robot.ctx.command(0.5, role="view", source="guest"))
-    assert len([kind for kind, _ in robot.ctx.events if kind == "refused"]) == 5
-
-
 def test_the_state_comes_ten_times_a_second_and_at_once_on_change(robot):
     robot.ctx.published.clear()
     robot.run(1.0)
