@@ -1,6 +1,7 @@
 """Publishing, receiving, answering and asking: thin, so that nothing but a slot write happens on Zenoh's threads."""
 
 import os
+import time
 import traceback
 from collections import deque
 from collections.abc import Callable
@@ -125,6 +126,7 @@ class Request:
         self.key = key
         self.payload = payload
         self.attachment = attachment
+        self.arrived = time.monotonic()
         self._query = query
 
     def reply(self, message: Any, source: str) -> None:

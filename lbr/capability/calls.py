@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from lbr.bus import stamp, wire
 from lbr.messages.drive import CommandReply
-from lbr.messages.system import Role
+from lbr.messages.system import Role, Stamp
 
 UNSTAMPED = "a bus client"
 
@@ -25,7 +25,7 @@ class BusCall:
         self.message = message
         self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
         self.role: Role = "operate"
-        self.arrived = time.monotonic()
+        self.arrived = min(request.arrived, _sent(found))
         self._request = request
         self._owner = owner
         self._refused = refused
@@ -39,6 +39,12 @@ class BusCall:
     def refuse(self, reason: str) -> None:
         """Answer that the command is not accepted, and why."""
         self.reply(CommandReply(accepted=False, reason=reason))
+
+
+def _sent(found: Stamp | None) -> float:
+    """Return when a command left, on our clock; now if its sender's clock is another."""
+    now = time.monotonic()
+    return min(now, found.mono_ns / 1e9) if found is not None and found.boot == stamp.boot_id() != "" else now
 
 
 def explain(err: Exception) -> str:

@@ -26,7 +26,7 @@ class Received:
 
 
 class Call(Protocol):
-    """A command waiting for its answer; a `put` is one too, whose refusal becomes an event."""
+    """A command waiting for its answer; a `put` is one too. `arrived`: when it was sent, or else came, on our clock."""
 
     name: str
     message: Any

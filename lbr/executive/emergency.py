@@ -4,11 +4,14 @@ Movers hear the stop directly, on sessions of their own; nothing here stands bet
 """
 
 import threading
+import time
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 
 import msgspec
 
 from lbr.bus import keys, session, stamp, wire
+from lbr.errors import LbrError
 from lbr.messages.system import EstopAcknowledgement, EstopRequest, EstopState
 
 REPEAT_S = 0.05
@@ -39,15 +42,19 @@ class Emergency:
         self._seal = seal
         self._persist = persist
         self._happened = happened
+        self._wake = wake
         self._stopped: set[str] = set()
         self._changed = threading.Condition()
         self._repeat_at = 0.0
         self._repeat_until = 0.0
         self._own_echo_until = 0.0
+        self._unsaved = False
+        self._save_at = 0.0
+        self._news: deque[tuple[str, str, str, str]] = deque(maxlen=100)
         self._session = session.open_client(endpoints)
-        self._presses = wire.Subscription(self._session, keys.estop(robot), depth=64, wake=wake)
+        self._presses = wire.Subscription(self._session, keys.estop(robot), depth=64, wake=self._hear_presses)
         acknowledgements = keys.estop_acknowledgement(robot, "*")
-        self._said = wire.Subscription(self._session, acknowledgements, depth=64, wake=wake)
+        self._said = wire.Subscription(self._session, acknowledgements, depth=64, wake=self._hear_acknowledgements)
         self._latest = wire.Answer(self._session, keys.estop(robot), self.state)
         self.resets = wire.Served(self._session, keys.estop_reset(robot), wake, puts=False, source="executive")
 
@@ -86,16 +93,17 @@ class Emergency:
                 return f"'{name}' did not release its emergency stop; it stays latched"
         self._engaged, self._reason, self._source, self._repeat_until = False, "", "", 0.0
         self._stopped.clear()
-        self._persist(False, "")
-        self._happened("estop_reset", "executive", f"emergency stop released by {source}", "warning")
+        self._unsaved = True
+        self._news.append(("estop_reset", "executive", f"emergency stop released by {source}", "warning"))
+        self._wake()
         return ""
 
     def step(self, now: float) -> float:
-        """Take in presses and acknowledgements, repeat what is not acknowledged; return when to be called again."""
-        for raw in self._said.take():
-            self._note(raw)
-        for raw in self._presses.take():
-            self._pressed(raw, now)
+        """Write down what is new, repeat what is not acknowledged; return when to be called again."""
+        while self._news:
+            self._happened(*self._news.popleft())
+        if self._unsaved and now >= self._save_at:
+            self._save(now)
         if self._engaged and now < self._repeat_until and self.state().waiting:
             if now >= self._repeat_at:
                 self._repeat_at = now + REPEAT_S
@@ -109,6 +117,29 @@ class Emergency:
         """Leave the bus."""
         self._session.close()
 
+    def _save(self, now: float) -> None:
+        self._unsaved = False
+        try:
+            self._persist(self._engaged, self._reason)
+        except LbrError as err:
+            self._unsaved, self._save_at = True, now + 1.0
+            self._happened("estop", "executive", f"the emergency stop is not on the disk yet: {err}", "error")
+
+    def _hear_presses(self) -> None:
+        """Latch at once, on the bus's own thread; the executive's thread may be waiting for the disk."""
+        with self._changed:
+            for raw in self._presses.take():
+                self._pressed(raw, time.monotonic())
+            self._changed.notify_all()
+        self._wake()
+
+    def _hear_acknowledgements(self) -> None:
+        with self._changed:
+            for raw in self._said.take():
+                self._note(raw)
+            self._changed.notify_all()
+        self._wake()
+
     def _pressed(self, raw: wire.Raw, now: float) -> None:
         found = stamp.read(raw.attachment)
         source = found.source if found is not None else "a bus client"
@@ -120,17 +151,14 @@ class Emergency:
             request = EstopRequest(engaged=True, reason="an emergency stop that could not be read")
         if not request.engaged:
             text = f"{source} put 'not engaged' on @estop; only a query on @estop/reset releases it"
-            self._happened("refused", "estop", text, "warning")
+            self._news.append(("refused", "estop", text, "warning"))
             return
-        fresh = not self._engaged
         self._repeat_until = now + 5.0
-        if fresh:
+        if not self._engaged:
             self._stopped.clear()
             self._engaged, self._reason, self._source = True, request.reason or "pressed", source
-            self._persist(True, self._reason)
-            self._happened("estop", "executive", f"emergency stop by {source}: {self._reason}", "error")
-        with self._changed:
-            self._changed.notify_all()
+            self._unsaved = True
+            self._news.append(("estop", "executive", f"emergency stop by {source}: {self._reason}", "error"))
 
     def _note(self, raw: wire.Raw) -> None:
         try:
@@ -138,5 +166,3 @@ class Emergency:
         except (msgspec.DecodeError, RecursionError):
             return
         (self._stopped.add if said.stopped and said.engaged else self._stopped.discard)(said.capability)
-        with self._changed:
-            self._changed.notify_all()

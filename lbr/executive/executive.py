@@ -175,10 +175,8 @@ class Executive:
             EstopState(engaged=rows.estop_engaged, reason=rows.estop_reason),
             movers=self._movers,
             seal=self._site.seal,
-            persist=lambda engaged, reason: self._main.call(
-                lambda: self._database.set_estop(robot, engaged=engaged, reason=reason)
-            ),
-            happened=lambda *about: self._main.call(lambda: self._happened(*about)),
+            persist=lambda engaged, reason: self._database.set_estop(robot, engaged=engaged, reason=reason),
+            happened=self._happened,
             wake=self._main.wake,
         )
         namespace = {

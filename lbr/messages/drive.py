@@ -8,7 +8,9 @@ from lbr.messages.units import AngleDeg, IntervalS, Power, RangeCm, SignedPower,
 
 Direction = Literal["forward", "back", "left", "right"]
 Sensor = Literal["forward", "back", "left", "right", "bottom"]
-LeaseId = Annotated[str, Meta(max_length=64, description="the lease this command renews or changes; empty asks for one")]
+LeaseId = Annotated[
+    str, Meta(max_length=64, description="the lease this command renews or changes; empty asks for one")
+]
 
 
 class DriveCommand(Struct, frozen=True, kw_only=True):

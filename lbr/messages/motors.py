@@ -17,7 +17,7 @@ class MotorsState(Struct, frozen=True, kw_only=True):
     """What the motor controller applies and measures; null is not measured.
 
     `armed` says that a setpoint would be applied; `reason` says why not. Volts: `voltage_v` is the battery,
-    `internal_v` the controller's own supply. `amps_a` are motor currents, signed. `counts` are encoder counts.
+    `internal_v` the controller's own supply. Motor currents and encoder counts are signed, forward positive.
     `faults` are names of controller fault bits (Roboteq manual, `?FF`).
     """
 

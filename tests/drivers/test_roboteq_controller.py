@@ -60,8 +60,8 @@ def test_echo_may_be_on_or_off_before_and_after(bring_up, peer, echo_before, ech
     assert measured["voltage_v"] == 12.6
     assert measured["internal_v"] == 13.5
     assert measured["output_v"] == 4.73
-    assert (measured["amps_left_a"], measured["amps_right_a"]) == (-5.1, 1.2)
-    assert (measured["counts_left"], measured["counts_right"]) == (130, -260)
+    assert (measured["amps_left_a"], measured["amps_right_a"]) == (5.1, 1.2)
+    assert (measured["counts_left"], measured["counts_right"]) == (-130, -260)
     assert measured["temperature_c"] == 30.0
     assert (controller.lost, controller.refused) == (0, 0)
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TypedDict, TypeVar
 
-from lbr.drivers.roboteq import RoboteqSettings
+from lbr.drivers.roboteq import RoboteqSettings, Wheel
 from lbr.drivers.roboteq.protocol import Value
 from lbr.drivers.roboteq.readings import Amps, Channels, Flags, Reading, Setting, Temperatures, Volts, decode
 
@@ -29,8 +29,8 @@ class Telemetry:
     """The newest answer to each query; one that is older than a second counts as not measured."""
 
     def __init__(self, settings: RoboteqSettings, clock: Callable[[], float]) -> None:
-        self._left = settings.left.channel - 1
-        self._right = settings.right.channel - 1
+        self._left = settings.left
+        self._right = settings.right
         self._clock = clock
         self._newest: dict[str, tuple[Reading, float]] = {}
 
@@ -60,7 +60,7 @@ class Telemetry:
         return setting.value if setting else None
 
     def measured(self) -> Measured:
-        """Return everything as fields of MotorsState."""
+        """Return everything as fields of MotorsState, currents and counts forward positive."""
         volts = self._believed("V", Volts) or Volts(None, None, None)
         amps = self._believed("A", Amps) or Amps(())
         counts = self._believed("C", Channels) or Channels(())
@@ -69,10 +69,10 @@ class Telemetry:
             voltage_v=volts.battery_v,
             internal_v=volts.internal_v,
             output_v=volts.output_v,
-            amps_left_a=_pick(amps.amps_a, self._left),
-            amps_right_a=_pick(amps.amps_a, self._right),
-            counts_left=_pick(counts.values, self._left),
-            counts_right=_pick(counts.values, self._right),
+            amps_left_a=_forward(amps.amps_a, self._left),
+            amps_right_a=_forward(amps.amps_a, self._right),
+            counts_left=_forward(counts.values, self._left),
+            counts_right=_forward(counts.values, self._right),
             temperature_c=temperatures.hottest_c,
             faults=self.faults or (),
         )
@@ -84,8 +84,10 @@ class Telemetry:
         return None
 
 
-V = TypeVar("V")
+V = TypeVar("V", int, float)
 
 
-def _pick(values: tuple[V | None, ...], index: int) -> V | None:
-    return values[index] if index < len(values) else None
+def _forward(values: tuple[V | None, ...], wheel: Wheel) -> V | None:
+    """Return a wheel's value, forward positive: a mirrored motor counts and draws the other way."""
+    value = values[wheel.channel - 1] if wheel.channel <= len(values) else None
+    return None if value is None else value * wheel.direction

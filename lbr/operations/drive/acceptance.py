@@ -13,6 +13,7 @@ from lbr.operations.drive.state import Command, State, motors_trouble, why_dead
 Intent = Literal["stop", "new", "renewal", "change"]
 Link = Callable[[State, Command, float], str]
 INSISTING_S = 0.25
+LATE_S = 0.5
 
 
 def intent(state: State, command: DriveCommand) -> Intent:
@@ -67,9 +68,11 @@ def notes(state: State, command: DriveCommand, now: float) -> str:
 
 
 def _form(state: State, event: Command, now: float) -> str:
-    """Numbers are finite and within their bounds; decoding saw to it, and it is seen to again."""
-    del state, now
+    """Numbers are finite and within their bounds, as decoding saw to, and the command has not lain about."""
+    del state
     command = event.command
+    if not now - event.received <= LATE_S:
+        return f"this command came {now - event.received:.1f} s after it was sent; send it again"
     bounds = {
         "power": (command.power, 0.0, 1.0),
         "angle_deg": (command.angle_deg, -360.0, 360.0),
