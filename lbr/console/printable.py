@@ -1,5 +1,7 @@
 """What may stand in a line, and how a value is shown back to the person who typed it."""
 
+import re
+import textwrap
 import unicodedata
 
 from lbr.errors import InputError
@@ -40,6 +42,17 @@ def shown(value: object) -> str:
 def one_line(text: str) -> str:
     """Return a text as one printable line of any length."""
     return "".join(c if c.isprintable() else " " for c in text)
+
+
+def wrapped(text: str, width: int) -> str:
+    """Return a text with long lines broken at blanks; a line of two columns goes on below its second column."""
+    lines = []
+    for line in text.splitlines():
+        safe = one_line(line)
+        column = re.match(r"\S.*?\s{2,}", safe)
+        indent = " " * (column.end() if column and column.end() < width // 2 else 2)
+        lines += textwrap.wrap(safe, max(width, 20), subsequent_indent=indent) or [""]
+    return "\n".join(lines)
 
 
 def listed(items: list[str], word: str = "or") -> str:

@@ -20,7 +20,7 @@ from prompt_toolkit.styles import Style
 from lbr.console.completion import LineCompleter
 from lbr.console.hold import Ending
 from lbr.console.operator import BusOperator
-from lbr.console.printable import one_line
+from lbr.console.printable import one_line, wrapped
 from lbr.console.toolbar import toolbar
 from lbr.errors import LbrError
 from lbr.messages.system import ConsoleResult, Event
@@ -87,6 +87,8 @@ class Terminal:
                     pass
             except (EOFError, KeyboardInterrupt):
                 pass
+            except OSError:  # the terminal hung up
+                self._closing = True
             finally:
                 self._over.set()
                 self._operator.release()
@@ -147,10 +149,11 @@ class Terminal:
         self._print(f"{one_line(line)}: {ending.text}", "info" if ending.good else "warning")
 
     def _print(self, text: str, level: str) -> None:
-        safe = "\n".join(one_line(part) for part in text.splitlines())
+        safe = wrapped(text, self._session.output.get_size().columns)
         colour = _COLOURS.get(level, "")
-        sys.stdout.write(f"{colour}{safe}{_PLAIN if colour else ''}\n")
-        sys.stdout.flush()
+        with contextlib.suppress(OSError):  # the terminal hung up; the prompt notices too
+            sys.stdout.write(f"{colour}{safe}{_PLAIN if colour else ''}\n")
+            sys.stdout.flush()
 
     def _follow(self) -> None:
         while not self._over.wait(REFRESH_S):

@@ -25,7 +25,7 @@ def toolbar(robot: str, telemetry: Telemetry, held: Holder | None, under_way: Ma
     if drive is not None and drive.limited_by:
         pieces.append((DOUBTFUL, f"slowed by {shown(drive.limited_by)}"))
     if motors is not None:
-        pieces.append(("", f"left {motors.left:+.2f} right {motors.right:+.2f}"))
+        pieces.append(("", f"L {motors.left:+.2f} R {motors.right:+.2f}"))
         if motors.voltage_v is not None:
             pieces.append(("", f"{motors.voltage_v:.1f} V"))
     if telemetry.ranges is not None:
@@ -65,7 +65,7 @@ def _nearest(ranges: Ranges) -> str:
     if not known:
         return "no ranges"
     where = min(known, key=lambda name: known[name])
-    return f"nearest {known[where]:.2f} m {where}"
+    return f"{known[where]:.2f} m {where}"
 
 
 def _joined(pieces: Fragments) -> Fragments:

@@ -5,6 +5,7 @@ from typing import Any
 
 import msgspec
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.bus import keys, probe, wire
 from lbr.bus.session import Session
@@ -15,7 +16,8 @@ from lbr.messages.system import Status
 
 
 class Topic(Struct, frozen=True, kw_only=True):
-    """A stream (something publishes it) or a command (something answers it); `name` is its key below the robot."""
+    """A stream (something publishes it), a command (something answers it) or a setpoint (a stream that only its wired
+    source may write, sealed, on its target's key); `name` is its key below the robot."""
 
     name: str
     role: str
@@ -40,7 +42,7 @@ def catalogue(bus: Session, robot: str, source: str) -> list[Topic]:
             rate_hz=rates.get(topic),
             json_schema=schema,
         )
-    return [found[name] for name in sorted(found)]
+    return _placed([found[name] for name in sorted(found)], bus, robot, source)
 
 
 def choose(topics: Iterable[Topic], name: str) -> Topic:
@@ -63,6 +65,24 @@ def key_of(robot: str, name: str) -> str:
 def fields_of(topic: Topic) -> list[Field]:
     """Return a message's fields."""
     return properties(topic.json_schema)
+
+
+def _placed(topics: list[Topic], bus: Session, robot: str, source: str) -> list[Topic]:
+    """Show outputs that are sent as setpoints where they really are: on the key of whoever takes them."""
+    sent = {
+        topic.message: topic
+        for topic in topics
+        if topic.rate_hz and not wire.ask(bus, f"{robot}/{topic.name}", None, source=source, timeout_s=1.0)
+    }
+    placed = []
+    for topic in topics:
+        here = sent.get(topic.message)
+        if here is None or topic.role == "stream":
+            placed.append(topic)
+        else:
+            placed.append(replace(topic, role="setpoint", rate_hz=here.rate_hz))
+    elsewhere = {topic.message for topic in placed if topic.role == "setpoint"}
+    return [topic for topic in placed if not (topic in sent.values() and topic.message in elsewhere)]
 
 
 def _rates(answers: list[wire.Raw]) -> dict[str, float]:

@@ -40,7 +40,7 @@ def list_topics(robot: str | None, connect: str | None, as_json: bool) -> int:
     width = max((len(topic.name) for topic in found), default=0)
     for topic in found:
         rate = f"{topic.rate_hz:7.1f} Hz" if topic.rate_hz is not None else " " * 10
-        click.echo(f"{topic.name:<{width}}  {topic.role:<7}  {rate}  {topic.message}")
+        click.echo(f"{topic.name:<{width}}  {topic.role:<8}  {rate}  {topic.message}")
     return 0
 
 
