@@ -7,7 +7,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-RUN = "<!-- run -->"
+VARYING = "<!-- run: numbers vary -->"
+RUN = {"<!-- run -->", VARYING}
+"""What stands on the line before a block that is run: what is typed, and what must come back."""
+
 RUNNABLE = {"sh", "console", "text"}
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _HEADING = re.compile(r"^#{1,6} (.*)$")
