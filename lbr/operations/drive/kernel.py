@@ -36,6 +36,8 @@ from lbr.operations.drive.wheels import next_wheels, tell
 Decision = tuple[State, Outputs]
 ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0))
 UNPLANNED = ("lapsed", "fault")
+LAPSE_AHEAD_ROUNDS = 1.5
+"""A lapse is noticed by the loop, up to a round late, and takes a moment to reach the motors."""
 
 
 def first_state(settings: DriveSettings) -> State:
@@ -128,7 +130,7 @@ def _begin(state: State, event: Command, now: float) -> Decision:
 
 
 def _accept(state: State, hold: Hold, event: Command, now: float) -> Decision:
-    hold = replace(hold, expires=now + hold.ttl_s)
+    hold = replace(hold, expires=now + hold.ttl_s - _ahead_s(state, hold.ttl_s))
     reply = CommandReply(
         accepted=True,
         reason=notes(state, event.command, now) if event.command.power > 0.0 else "",
@@ -152,6 +154,11 @@ def _new_hold(state: State, event: Command, lease: str, now: float) -> Hold:
         changed=now,
         goal=goal,
     )
+
+
+def _ahead_s(state: State, ttl_s: float) -> float:
+    """Return how much sooner a lease is over, so that the wheels stand, at the loop's pace, within the time it gave."""
+    return min(LAPSE_AHEAD_ROUNDS / state.settings.rate_hz, ttl_s / 5)
 
 
 def _ttl_s(state: State, event: Command) -> float:
