@@ -78,7 +78,7 @@ class Executive:
         self._listen = (socket, *listen)
         self._endpoints = (socket, *(_reachable(endpoint) for endpoint in listen))
         self._site = Site(home=str(home.home()), endpoints=(socket,), secret=secrets.token_bytes(32))
-        self._supervisor = Supervisor(self._start, self._happened)
+        self._supervisor = Supervisor(self._start, self._happened, lambda name: name in self._presence.names)
         self._overview = Overview(self._supervisor)
         self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="console")
         rows = database.load(profile.robot)
@@ -250,8 +250,6 @@ class Executive:
             self._pool.submit(self._answer_line, request)
         for request in self._emergency.resets.take():
             self._pool.submit(self._answer_reset, request)
-        for name in self._presence.names:
-            self._supervisor.present(name)
 
     def _answer_line(self, request: wire.Request) -> None:
         source, role = self._caller(request)

@@ -54,6 +54,7 @@ class Slot:
         self.deaths: tuple[float, ...] = ()
         self.started_at = 0.0
         self.beat_at = 0.0
+        self.said: tuple[str, str] | None = None
         self.due_at: float | None = 0.0
         self.kill_at: float | None = None
         self.hung = False
@@ -64,12 +65,16 @@ class Slot:
 
 
 class Supervisor:
-    """Owns every process of the plan. `happened(kind, subject, text, level)` is told whatever people should know."""
+    """Owns every process of the plan. `happened(kind, subject, text, level)` is told whatever people should know.
+
+    `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
+    """
 
     def __init__(
         self,
         start: Callable[[Unit], Started],
         happened: Callable[[str, str, str, str], None],
+        present: Callable[[str], bool] = lambda _name: True,
         clock: Callable[[], float] = time.monotonic,
         dice: random.Random | None = None,
     ) -> None:
@@ -77,6 +82,7 @@ class Supervisor:
         self._leaving: list[Slot] = []
         self._start = start
         self._happened = happened
+        self._present = present
         self._clock = clock
         self._dice = dice or random.Random()
 
@@ -168,9 +174,12 @@ class Supervisor:
             slot.phase, slot.reason = "failed", f"could not be started: {err}"
             self._tell("failed", slot, slot.reason, "error")
             return
-        slot.phase = "starting"
-        if slot.unit.program is not None and slot.unit.program.ready == "start":
-            self._phase(slot, "ready", "")
+        slot.phase, slot.said = "starting", None
+        if slot.unit.program is not None:
+            slot.said = ("ready", "")
+            if slot.unit.program.ready == "start":
+                self._phase(slot, *slot.said)
+                slot.said = None
 
     def _listen(self, slot: Slot, child: Started, now: float) -> None:
         for report in child.reports():
@@ -178,9 +187,12 @@ class Supervisor:
             if report.counts:
                 self._count(slot, report.counts, now)
             if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
-                self._phase(slot, report.phase, report.reason)
+                slot.said = (report.phase, report.reason)
             elif report.phase == "failed":
                 slot.reason = report.reason
+        if slot.said is not None and self._present(slot.unit.name):
+            self._phase(slot, *slot.said)
+            slot.said = None
 
     @staticmethod
     def _count(slot: Slot, counts: dict[str, int], now: float) -> None:
@@ -198,12 +210,6 @@ class Supervisor:
             self._tell("started" if first else "recovered", slot, reason or "ready", "info")
         elif phase == "degraded":
             self._tell("degraded", slot, reason, "warning")
-
-    def present(self, name: str) -> None:
-        """Note a liveliness token; it makes a program ready that asked for that."""
-        slot = self.slots.get(name)
-        if slot is not None and slot.unit.program is not None and slot.phase == "starting":
-            self._phase(slot, "ready", "")
 
     def _watch(self, slot: Slot, child: Started, now: float) -> None:
         if slot.kill_at is not None and now >= slot.kill_at:

@@ -111,6 +111,7 @@ class Stage:
 
     def ready(self):
         until(lambda: self.heard("ready"), what=f"ready; log: {(self.home / 'log.txt').read_text()}")
+        until(lambda: self.ask("r/probe/count"), what="the process on the bus")
         return self
 
     def ask(self, key, message=None):
@@ -184,7 +185,7 @@ def test_only_the_wired_source_can_write_a_setpoint_and_only_once(stage):
 
 def test_the_schema_of_every_port_can_be_asked_for(stage):
     stage.start().ready()
-    schema = stage.ask(keys.schema("r", "probe", "setpoint"))
+    schema = until(lambda: stage.ask(keys.schema("r", "probe", "setpoint")))
     assert "forward positive" in schema["$defs"]["MotorSetpoint"]["properties"]["left"]["description"]
 
 

@@ -47,9 +47,14 @@ class Stage:
         self.log = []
         self.told = []
         self.processes = {}
+        self.hidden = set()
         self.units = {unit.name: unit for unit in units}
         self.supervisor = Supervisor(
-            self.start, lambda *about: self.told.append(about), lambda: self.now, random.Random(1)
+            self.start,
+            lambda *about: self.told.append(about),
+            lambda name: name not in self.hidden,
+            lambda: self.now,
+            random.Random(1),
         )
         self.adopt(Change(start=tuple(self.units)))
 
@@ -227,7 +232,7 @@ def test_a_program_that_cannot_start_is_reported_and_not_retried_for_ever(family
     def refuse(_unit):
         raise OSError(2, "No such file")
 
-    stage.supervisor = Supervisor(refuse, lambda *about: stage.told.append(about), lambda: stage.now)
+    stage.supervisor = Supervisor(refuse, lambda *about: stage.told.append(about), clock=lambda: stage.now)
     stage.adopt(Change(start=("x",)))
     assert stage.phase("x") == "failed"
     assert "could not be started" in stage.told[-1][2]
@@ -239,3 +244,14 @@ def test_what_waits_for_a_failed_need_says_so_and_does_not_hold_up_readiness():
     assert stage.phase("motors") == "failed"
     assert stage.supervisor.settled()
     assert stage.supervisor.slots["drive"].reason == "waits for 'motors', which is failed"
+
+
+def test_ready_means_visible_on_the_bus():
+    stage = Stage(unit("motors"), unit("drive", needs=("motors",)))
+    stage.hidden = {"motors"}
+    stage.says("motors")
+    assert stage.phase("motors") == "starting"
+    stage.hidden = set()
+    stage.supervisor.step()
+    assert stage.phase("motors") == "ready"
+    assert stage.starts("drive") == 1
