@@ -6,6 +6,8 @@ Every command ends with CR. The controller repeats it (the echo, if that is on),
 import re
 from dataclasses import dataclass
 
+from lbr.drivers.lines import LineSplitter, RawLine
+
 FULL_SCALE = 1000
 MAX_LINE_BYTES = 160
 STOP = b"!M 0 0\r"
@@ -77,40 +79,23 @@ class ReplyParser:
     """Turns bytes, in pieces of any size, into replies; whatever comes, it holds at most one line."""
 
     def __init__(self) -> None:
-        self._line = bytearray()
-        self._overlong = False
+        self._lines = LineSplitter(rb"[\r\n]", MAX_LINE_BYTES)
 
     def feed(self, data: bytes) -> list[Reply]:
         """Return the replies that these bytes complete."""
         replies: list[Reply] = []
-        *ended, rest = _LINE_END.split(data)
-        for piece in ended:
-            self._extend(piece)
-            replies += self._end_line()
-        self._extend(rest)
+        for line in self._lines.feed(data):
+            replies += [Noise(line.readable)] if line.overlong else parse_line(line.data)
         return replies
 
     def reset(self) -> None:
         """Forget a line begun."""
-        self._line.clear()
-        self._overlong = False
+        self._lines.reset()
 
     @property
     def held_bytes(self) -> int:
         """How many bytes of an unfinished line it holds."""
-        return len(self._line)
-
-    def _extend(self, piece: bytes) -> None:
-        room = MAX_LINE_BYTES - len(self._line)
-        self._overlong = self._overlong or len(piece) > room
-        self._line += piece[:room]
-
-    def _end_line(self) -> list[Reply]:
-        line, overlong = bytes(self._line), self._overlong
-        self.reset()
-        if overlong:
-            return [Noise(_readable(line))]
-        return parse_line(line)
+        return self._lines.held_bytes
 
 
 def parse_line(line: bytes) -> list[Reply]:
@@ -132,7 +117,7 @@ def parse_line(line: bytes) -> list[Reply]:
 def _value(line: bytes) -> list[Reply]:
     match = _VALUE.fullmatch(line)
     if match is None:
-        return [Noise(_readable(line))]
+        return [Noise(RawLine(line, overlong=False).readable)]
     return [Value(match["name"].decode("ascii"), match["text"].decode("ascii"))]
 
 
@@ -142,12 +127,7 @@ def _checked(value: int) -> int:
     return value
 
 
-def _readable(line: bytes) -> str:
-    return repr(line[:40])[2:-1]
-
-
 _SIGNS: dict[bytes, Ack | Nak] = {b"+": Ack(), b"-": Nak()}
-_LINE_END = re.compile(rb"[\r\n]")
 _ECHO = re.compile(rb"[!?^~%#][A-Za-z]{1,7}(?: +-?\d{1,10})*")
 _ECHO_THEN_SIGN = re.compile(rb"(?P<echo>[!^%][A-Za-z]{1,7}(?: +-?\d{1,10})*)(?P<sign>[+-])")
 _ECHO_THEN_VALUE = re.compile(rb"(?P<echo>[?~](?P<name>[A-Za-z]{1,7})(?: +\d{1,3})*)(?P<value>(?P=name)=[ -~]*)")

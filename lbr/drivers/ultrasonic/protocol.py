@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import msgspec
 from msgspec import Struct
 
+from lbr.drivers.lines import LineSplitter, RawLine
 from lbr.drivers.ultrasonic import SENSORS, Board, UltrasonicSettings
 from lbr.messages.sensing import Ranges, RangeStatus
 
@@ -44,41 +45,21 @@ class LineParser:
     """Turns bytes, in pieces of any size, into frames; whatever comes, it holds at most one line."""
 
     def __init__(self) -> None:
-        self._line = bytearray()
-        self._overlong = False
+        self._lines = LineSplitter(rb"\n", MAX_LINE_BYTES)
 
     def feed(self, data: bytes) -> list[Frame | BadLine]:
         """Return the frames and the bad lines that these bytes complete."""
-        found: list[Frame | BadLine] = []
-        *ended, rest = data.split(b"\n")
-        for piece in ended:
-            self._extend(piece)
-            found += self._end_line()
-        self._extend(rest)
-        return found
+        found = (BadLine(line.readable) if line.overlong else parse_line(line.data) for line in self._lines.feed(data))
+        return [each for each in found if each is not None]
 
     def reset(self) -> None:
         """Forget a line begun; what is left of it will count as a bad line."""
-        self._line.clear()
-        self._overlong = False
+        self._lines.reset()
 
     @property
     def held_bytes(self) -> int:
         """How many bytes of an unfinished line it holds."""
-        return len(self._line)
-
-    def _extend(self, piece: bytes) -> None:
-        room = MAX_LINE_BYTES - len(self._line)
-        self._overlong = self._overlong or len(piece) > room
-        self._line += piece[:room]
-
-    def _end_line(self) -> list[Frame | BadLine]:
-        line, overlong = bytes(self._line), self._overlong
-        self.reset()
-        if overlong:
-            return [_bad(line)]
-        found = parse_line(line)
-        return [] if found is None else [found]
+        return self._lines.held_bytes
 
 
 def parse_line(line: bytes) -> Frame | BadLine | None:
@@ -89,7 +70,7 @@ def parse_line(line: bytes) -> Frame | BadLine | None:
     try:
         return _decoder.decode(line).ranges
     except (msgspec.DecodeError, UnicodeDecodeError):
-        return _bad(line)
+        return BadLine(RawLine(line, overlong=False).readable)
 
 
 def to_ranges(frame: Frame, settings: UltrasonicSettings) -> Ranges:
@@ -113,10 +94,6 @@ def classify(cm: int, settings: UltrasonicSettings) -> RangeStatus:
     if settings.over_range_cm <= cm <= settings.max_cm:
         return "over_range"
     return "invalid"  # 0 is the sensor's error; what else is out of bounds is implausible
-
-
-def _bad(line: bytes) -> BadLine:
-    return BadLine(repr(line[:40])[2:-1])
 
 
 _decoder = msgspec.json.Decoder(_Line)
