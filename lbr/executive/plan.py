@@ -71,7 +71,7 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     kinds: dict[str, Kind] = {}
     settings: dict[str, Any] = {}
     for row in rows.capabilities:
-        kind, parsed, found = _understand(row, Path(site.home))
+        kind, parsed, found = _understand(row, f"{rows.robot.name}/{row.name}", Path(site.home))
         problems += found
         if kind is not None:
             kinds[row.name] = kind
@@ -83,10 +83,9 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     problems += _check_devices(rows, chosen, kinds, settings)
     problems += _check_profile(rows, profile)
     chosen = _after_the_world(chosen, kinds)
-    order, found = _order(chosen, {row.name for row in rows.capabilities})
-    problems += found
     if problems:
         return None, tuple(problems)
+    order = _order(chosen)
     channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= set(order)]
     by_name = {row.name: row for row in chosen}
     units = {
@@ -104,21 +103,21 @@ def difference(old: Plan, new: Plan) -> Change:
     )
 
 
-def _understand(row: CapabilityRow, home: Path) -> tuple[Kind | None, Any, list[Problem]]:
+def _understand(row: CapabilityRow, label: str, home: Path) -> tuple[Kind | None, Any, list[Problem]]:
     if row.name == EXECUTIVE:
         return (
             None,
             None,
-            [Problem("capability", row.name, "name", "'executive' is the runtime itself; choose another")],
+            [Problem("capability", label, "name", "'executive' is the runtime itself; choose another")],
         )
     try:
         kind = registry.find(row.kind, home)
     except KindError as err:
-        return None, None, [Problem("capability", row.name, "kind", str(err))]
+        return None, None, [Problem("capability", label, "kind", str(err))]
     try:
         return kind, kind.parse(row.settings), []
     except msgspec.DecodeError as err:
-        return kind, None, [Problem("capability", row.name, "settings", f"{err} (kind '{row.kind}')")]
+        return kind, None, [Problem("capability", label, "settings", f"{err} (kind '{row.kind}')")]
 
 
 def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
@@ -151,15 +150,15 @@ def _check_devices(
         name = str(getattr(settings[row.name], "device", ""))
         device = devices.get(name)
         if device is None:
-            text = f"there is no device row '{name}' (type '{wanted}')"
-        elif device.type != wanted:
+            continue
+        if device.type != wanted:
             text = f"device '{name}' is of type '{device.type}', and this kind drives '{wanted}'"
         elif name in owners:
             text = f"device '{name}' already belongs to '{owners[name]}'; one capability owns a device"
         else:
             owners[name] = row.name
             continue
-        problems.append(Problem("capability", row.name, "settings", f"device: {text}"))
+        problems.append(Problem("capability", f"{rows.robot.name}/{row.name}", "settings", f"device: {text}"))
     return problems
 
 
@@ -169,26 +168,16 @@ def _after_the_world(chosen: list[CapabilityRow], kinds: Mapping[str, Kind]) -> 
     return [replace(row, needs=(*row.needs, *worlds)) if kinds[row.name].device else row for row in chosen]
 
 
-def _order(chosen: Iterable[CapabilityRow], known: set[str]) -> tuple[list[str], list[Problem]]:
-    rows = {row.name: row for row in chosen}
+def _order(chosen: Iterable[CapabilityRow]) -> list[str]:
+    """Return the names so that everything comes after what it needs; the database refuses needs in a ring."""
     order: list[str] = []
-    problems = [
-        Problem("capability", row.name, "needs", f"there is no capability '{need}'")
-        for row in rows.values()
-        for need in row.needs
-        if need not in known
-    ]
-    waiting = dict(rows)
+    waiting = {row.name: row for row in chosen}
     while waiting:
-        free = [name for name, row in waiting.items() if not (set(row.needs) & set(waiting))]
-        if not free:
-            circle = ", ".join(sorted(waiting))
-            problems.append(Problem("capability", min(waiting), "needs", f"these need one another: {circle}"))
-            break
+        free = [name for name, row in waiting.items() if not (set(row.needs) & set(waiting))] or list(waiting)
         order += free
         for name in free:
             del waiting[name]
-    return order, problems
+    return order
 
 
 def _unit(

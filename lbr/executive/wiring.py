@@ -1,4 +1,7 @@
-"""What must hold between capabilities: channels join ports of one type, verbs name commands that exist."""
+"""What must hold between capabilities: channels join ports of one type, verbs name commands that exist.
+
+That the rows they name are there is the database's to check; what is not there is passed over here.
+"""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -19,34 +22,29 @@ ANY = object()
 def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
     """Return what is wrong with the channel rows."""
     problems: list[Problem] = []
-    names = {row.name for row in rows.capabilities}
     feeders: dict[str, str] = {}
     for row in rows.channels:
-        problems += _check_channel(row, names, kinds, settings)
-        target, port = row.target_end
-        if row.enabled and target in kinds and port in kinds[target].setpoints:
+        (source, _), (target, port) = row.source_end, row.target_end
+        if source not in kinds or target not in kinds:
+            continue
+        problems += _check_channel(row, rows.robot.name, kinds, settings)
+        if row.enabled and port in kinds[target].setpoints:
             if row.target in feeders:
                 text = f"'{feeders[row.target]}' feeds it already, and a setpoint has one writer"
-                problems.append(Problem("channel", f"{row.source} -> {row.target}", "target", text))
+                problems.append(Problem("channel", f"{rows.robot.name}/{row.source}/{row.target}", "target", text))
             feeders[row.target] = row.source
     return problems
 
 
 def _check_channel(
-    row: ChannelRow, names: set[str], kinds: Mapping[str, Kind], settings: Mapping[str, Any]
+    row: ChannelRow, robot: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any]
 ) -> list[Problem]:
-    label = f"{row.source} -> {row.target}"
+    label = f"{robot}/{row.source}/{row.target}"
     source, target = row.source_end, row.target_end
-    problems = [
-        Problem("channel", label, column, f"there is no capability '{end[0]}'")
-        for column, end in (("source", source), ("target", target))
-        if end[0] not in names
-    ]
-    if problems or source[0] not in kinds or target[0] not in kinds:
-        return problems
     sent = _ports(source[0], kinds, settings, "outputs", "requests")
     asks = source[1] in kinds[source[0]].requests
     taken = _ports(target[0], kinds, settings, *(("commands",) if asks else ("inputs", "setpoints")))
+    problems = []
     if source[1] not in sent:
         problems.append(Problem("channel", label, "source", _no_port(source, "output", sent)))
     if target[1] not in taken:
@@ -77,15 +75,11 @@ def _type_name(kind: Any) -> str:
 
 def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
     """Return what is wrong with the verb rows."""
-    problems: list[Problem] = []
-    names = {row.name for row in rows.capabilities}
-    for row in rows.verbs:
-        problems += _check_verb(row, names, kinds, settings)
-    return problems
+    return [problem for row in rows.verbs for problem in _check_verb(row, rows.robot.name, kinds, settings)]
 
 
-def _check_verb(row: VerbRow, names: set[str], kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
-    label = row.pattern
+def _check_verb(row: VerbRow, robot: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
+    label = f"{robot}/{row.word}/{row.pattern}"
     owner, command = row.target_end
     if owner == "executive":
         if command in EXECUTIVE_VERBS:
@@ -93,18 +87,17 @@ def _check_verb(row: VerbRow, names: set[str], kinds: Mapping[str, Kind], settin
         there = ", ".join(f"executive.{name}" for name in sorted(EXECUTIVE_VERBS))
         return [Problem("verb", label, "target", f"the executive has no '{command}'; it has {there}")]
     if owner not in kinds:
-        missing = [Problem("verb", label, "target", f"there is no capability '{owner}'")]
-        return missing if owner not in names else []
+        return []
     commands = _ports(owner, kinds, settings, "commands")
     if command not in commands:
         return [Problem("verb", label, "target", _no_port((owner, command), "command", commands))]
-    return [] if commands[command] is ANY else _check_fields(row, commands[command])
+    return [] if commands[command] is ANY else _check_fields(row, label, commands[command])
 
 
-def _check_fields(row: VerbRow, message: Any) -> list[Problem]:
+def _check_fields(row: VerbRow, label: str, message: Any) -> list[Problem]:
     fields = {field.name for field in msgspec.structs.fields(message)}
     return [
-        Problem("verb", row.pattern, column, f"{row.target} has no field '{name}'; it has {', '.join(sorted(fields))}")
+        Problem("verb", label, column, f"{row.target} has no field '{name}'; it has {', '.join(sorted(fields))}")
         for column, used in (("pattern", _FIELD.findall(row.pattern)), ("payload", row.payload or {}))
         for name in used
         if name not in fields

@@ -102,7 +102,7 @@ def test_a_device_row_restarts_its_driver_and_motion_stops_first(robot):
 @pytest.mark.parametrize(
     ("edit", "complaint"),
     [
-        ("UPDATE capability SET kind = 'os_system' WHERE name = 'ranges'", "capability 'ranges', kind"),
+        ("UPDATE capability SET kind = 'os_system' WHERE name = 'ranges'", "capability 'lbr/ranges', kind"),
         ("UPDATE capability SET settings = '{\"devise\": 1}' WHERE name = 'ranges'", "unknown field `devise`"),
         ("UPDATE channel SET target = 'motors.gold' WHERE source = 'drive.setpoint'", "'motors' has no input 'gold'"),
         ("UPDATE verb SET target = 'drive.fly' WHERE word = 'f'", "'drive' has no command 'fly'"),
