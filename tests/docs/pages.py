@@ -10,8 +10,10 @@ PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 VARYING = "<!-- run: numbers vary -->"
 RUN = {"<!-- run -->", VARYING}
 """What stands on the line before a block that is run: what is typed, and what must come back."""
+FILE = re.compile(r"<!-- run: file ~/(\S+) -->")
+"""Or before a block that is to be saved in a file."""
 
-RUNNABLE = {"sh", "console", "text"}
+RUNNABLE = {"sh", "console", "text", "python"}
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _HEADING = re.compile(r"^#{1,6} (.*)$")
 
@@ -27,6 +29,11 @@ class Block:
     text: str
 
     @property
+    def claimed(self) -> bool:
+        """Whether the page claims that this is run."""
+        return self.marker in RUN or FILE.fullmatch(self.marker) is not None
+
+    @property
     def where(self) -> str:
         return f"{self.page.relative_to(ROOT)}:{self.line}"
 
@@ -37,7 +44,7 @@ def blocks(page: Path) -> list[Block]:
     for number, line in lines:
         if line.startswith("```"):
             inside = list(_until_fence(lines))
-            found.append(Block(page, number, line.strip("` "), before.strip(), "\n".join(inside)))
+            found.append(Block(page, number, line.strip("` "), before.strip(), "\n".join([*inside, ""])))
         before = line
     return found
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import prepare
-from tests.docs.pages import PAGES, ROOT, RUN, RUNNABLE, VARYING, Block, anchors, blocks, links
+from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
 from tests.robot import Robot, running, until
 
 CLIENT = """#!{python}
@@ -30,7 +30,7 @@ database.close()
 """
 """Stands in for the program `sqlite3` on machines that lack it."""
 
-RUN_PAGES = [page for page in PAGES if any(block.marker in RUN for block in blocks(page))]
+RUN_PAGES = [page for page in PAGES if any(block.claimed for block in blocks(page))]
 
 
 def name(page: Path) -> str:
@@ -53,9 +53,7 @@ def test_links_lead_somewhere(page):
 def test_every_fenced_block_says_its_language(page):
     for block in blocks(page):
         assert block.language, f"{block.where}: a fenced block without a language"
-        assert block.marker not in RUN or block.language in RUNNABLE, (
-            f"{block.where}: {block.language} is not run by tests"
-        )
+        assert not block.claimed or block.language in RUNNABLE, f"{block.where}: {block.language} is not run by tests"
 
 
 def generate(*arguments: str) -> "subprocess.CompletedProcess[str]":
@@ -102,16 +100,27 @@ class Newcomer:
     """Somebody who types what a page says, with a home of their own and the robot running there."""
 
     def __init__(self, home: Path, robot: Robot) -> None:
+        self.home = home
         self.robot = robot
         path = f"{home / 'bin'}:{Path(sys.executable).parent}:{os.environ['PATH']}"
         kept = {key: value for key, value in os.environ.items() if key != "LBR_HOME"}
         self.environment = kept | {"HOME": str(home), "PATH": path, "COLUMNS": "120", "LC_ALL": "C.UTF-8"}
 
     def follow(self, block: Block) -> None:
-        if block.language == "sh":
-            done = self.shell(block.text)
+        if place := FILE.fullmatch(block.marker):
+            path = self.home / place[1]
+            path.parent.mkdir(mode=0o755, exist_ok=True)
+            path.write_text(block.text)
+            path.chmod(0o644)
+        elif block.language in {"sh", "python"}:
+            script = block.text if block.language == "sh" else f"python - <<'EOF'\n{block.text}EOF"
+            done = self.shell(script)
             assert done.returncode == 0, f"{block.where}: {done.stderr}"
-            return
+        else:
+            self.converse(block)
+
+    def converse(self, block: Block) -> None:
+        """Type what the block says is typed, and expect what it says comes back."""
         for said, expected in exchanges(block):
             typed = said.removeprefix("$ ")
             if said == typed:
@@ -210,14 +219,14 @@ def newcomer() -> Iterator[Newcomer]:
 @pytest.mark.parametrize("page", RUN_PAGES, ids=name)
 def test_what_a_page_says_is_run_works(newcomer, page):
     for block in blocks(page):
-        if block.marker in RUN:
+        if block.claimed:
             newcomer.follow(block)
 
 
 def test_the_commands_that_the_readme_begins_with_are_the_ones_that_are_checked():
-    marked = {block.marker: block.text for block in blocks(ROOT / "README.md") if block.marker not in RUN}
+    marked = {block.marker: block.text for block in blocks(ROOT / "README.md") if not block.claimed}
     run, test = marked["<!-- run-command -->"], marked["<!-- test-command -->"]
-    assert "\n" not in run + test
+    assert "\n" not in run.strip() + test.strip()
     assert run.split(" && ")[0] == test.split(" && ")[0]
     assert "<!-- test-command -->" in (ROOT / ".ci" / "run").read_text()
     installed = run.split(" && ")[1]
