@@ -129,6 +129,11 @@ class Request:
         self.arrived = time.monotonic()
         self._query = query
 
+    @property
+    def answerable(self) -> bool:
+        """Say whether somebody waits for the answer; nobody does after a `put`."""
+        return self._query is not None
+
     def reply(self, message: Any, source: str) -> None:
         """Answer, once; later answers are ignored."""
         query, self._query = self._query, None

@@ -30,9 +30,9 @@ class BusCall:
         self._owner = owner
         self._refused = refused
 
-    def reply(self, answer: Struct) -> None:
-        """Answer, once."""
-        if isinstance(answer, CommandReply) and not answer.accepted:
+    def reply(self, answer: Struct, *, quiet: bool = False) -> None:
+        """Answer, once. A refusal is an event too, unless it is `quiet` and somebody waits for the answer."""
+        if isinstance(answer, CommandReply) and not answer.accepted and not (quiet and self._request.answerable):
             self._refused(self.source, answer.reason)
         self._request.reply(answer, self._owner)
 

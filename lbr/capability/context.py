@@ -34,8 +34,8 @@ class Call(Protocol):
     role: Role
     arrived: float
 
-    def reply(self, answer: Struct) -> None:
-        """Answer, once."""
+    def reply(self, answer: Struct, *, quiet: bool = False) -> None:
+        """Answer, once. A refusal is an event too, unless it is `quiet` and somebody waits for the answer."""
 
     def refuse(self, reason: str) -> None:
         """Answer `{"accepted": false, "reason": …}`."""

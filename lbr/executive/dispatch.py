@@ -128,7 +128,10 @@ class Dispatcher:
         lease = str(answer.get("lease", ""))
         if not lease:
             self._leases.pop(source, None)
-            return ConsoleResult(code=DONE, text=reason or "done", data=answer)
+            said = {name: value for name, value in answer.items() if name not in {"accepted", "reason"}}
+            return ConsoleResult(
+                code=DONE, text=reason or (_flat({call.command: said}) if said else "done"), data=answer
+            )
         self._leases[source] = lease
         robot, name = self._robot.plan.robot, call.capability
         hold = Hold(

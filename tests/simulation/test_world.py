@@ -53,7 +53,7 @@ class FakeCall:
         self.name, self.message, self.role = name, message, role
         self.answer = self.refusal = None
 
-    def reply(self, answer):
+    def reply(self, answer, *, quiet=False):
         self.answer = answer
 
     def refuse(self, reason):

@@ -157,9 +157,9 @@ class Drive(Capability[DriveSettings]):
                     self.ctx.publish("result", result)
                 case Happened():
                     self.ctx.event(output.kind, output.text, level=output.level)
-                case Reply(message=reply):
+                case Reply(message=reply, late=late):
                     if call is not None:
-                        call.reply(reply)
+                        call.reply(reply, quiet=late)
 
     def _report(self) -> None:
         now = self.ctx.clock()

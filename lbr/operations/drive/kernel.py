@@ -101,7 +101,7 @@ def _command(state: State, event: Command, now: float) -> Decision:
 
 
 def _refuse(state: State, event: Command, why: str, now: float) -> Decision:
-    reply = Reply(message=CommandReply(accepted=False, reason=why))
+    reply = Reply(message=CommandReply(accepted=False, reason=why), late=bool(event.command.lease))
     if event.command.power > 0.0 and (state.estop or insists(state, event.source, now)):
         state = _note_insisting(state, event.source, now)
     return state, (reply,)

@@ -78,6 +78,7 @@ class Reply(Struct, frozen=True, kw_only=True):
     """The answer to the command or stop that was just decided."""
 
     message: CommandReply
+    late: bool = False
 
 
 class Setpoint(Struct, frozen=True, kw_only=True):

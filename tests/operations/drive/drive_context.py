@@ -29,7 +29,7 @@ class FakeCall:
     role: str = "operate"
     answer: Any = None
 
-    def reply(self, answer):
+    def reply(self, answer, *, quiet=False):
         assert self.answer is None, "answered twice"
         self.answer = answer
 
