@@ -64,6 +64,18 @@ def temporary_home(*victims: str, edits: tuple[str, ...] = ()) -> Iterator[Path]
         yield prepare(Path(place) / "h", *victims, edits=edits)
 
 
+def accepted(robot: Robot, command: dict[str, Any], *, source: str = "bench", limit_s: float = 5.0) -> str:
+    """Send a drive command until it is accepted; return its lease."""
+    end = time.monotonic() + limit_s
+    while True:
+        reply = robot.ask("drive/command", command, source=source)
+        if reply is not None and reply["accepted"]:
+            return str(reply["lease"])
+        if time.monotonic() > end:
+            raise AssertionError(f"the robot does not drive: {reply}")
+        select.select([], [], [], 0.02)
+
+
 class Mover:
     """Drives under a lease renewed at 10 Hz, and goes on renewing whatever the answers are, until told to cease."""
 
@@ -77,15 +89,7 @@ class Mover:
 
     def start(self, limit_s: float = 5.0) -> "Mover":
         """Send the command until it is accepted, then hold it."""
-        end = time.monotonic() + limit_s
-        while True:
-            reply = self._robot.ask("drive/command", self._command, source=self._source)
-            if reply is not None and reply["accepted"]:
-                break
-            if time.monotonic() > end:
-                raise AssertionError(f"the robot does not drive: {reply}")
-            select.select([], [], [], 0.02)
-        self.lease = reply["lease"]
+        self.lease = accepted(self._robot, self._command, source=self._source, limit_s=limit_s)
         self._thread.start()
         return self
 
@@ -125,9 +129,14 @@ class Bench:
 
     def pid(self, name: str) -> int:
         """Return the process of a capability."""
-        pid = self.robot.capability(name)["pid"]
+        pid = self.unit(name)["pid"]
         assert isinstance(pid, int), f"{name} does not run"
         return pid
+
+    def unit(self, name: str) -> dict[str, Any]:
+        """Return a capability's status at this moment; the stream on `@status` is up to a second old."""
+        units: list[dict[str, Any]] = self.robot.line("/report/health")["data"]["capabilities"]
+        return next(unit for unit in units if unit["name"] == name)
 
     def kill(self, pid: int, number: int = signal.SIGKILL) -> int:
         """Signal a process; return the moment before."""
@@ -166,7 +175,7 @@ class Bench:
         """Wait for another process of that name to be ready, and measure how long that took."""
 
         def other() -> bool:
-            unit = self.robot.capability(name)
+            unit = self.unit(name)
             return unit["phase"] == "ready" and unit["pid"] not in {None, gone}
 
         self.until(other, limit_s, f"{name} ready again", every_s=0.015)
@@ -186,9 +195,7 @@ class Bench:
         found = limit_violations(self.trace.outputs(), max_power=max_power, accel_per_s=accel_per_s)
         self.results.check("F6", found)
 
-    def until(
-        self, look: Callable[[], bool], limit_s: float, what: str, *, every_s: float = 0.005
-    ) -> None:
+    def until(self, look: Callable[[], bool], limit_s: float, what: str, *, every_s: float = 0.005) -> None:
         """Look again and again until it is so."""
         end = time.monotonic() + limit_s
         while not look():

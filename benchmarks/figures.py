@@ -101,7 +101,7 @@ def table(results: Iterable[Result]) -> str:
     ]
     for result in results:
         promise, samples = result.promise, result.samples
-        cells = [_number(percentile(samples, s)) if samples else "" for s in ("p50", "p99", "max")]  # type: ignore[arg-type]
+        cells = [_number(percentile(samples, s)) if samples else "" for s in ("p50", "p99", "max")]
         target = f"{promise.statistic} {promise.target:g} {promise.unit}" if promise.target is not None else ""
         hard = f"{promise.hard:g} {promise.unit}" if promise.hard is not None else "" if samples else "0 violations"
         verdict = result.verdict + (f": {len(result.violations)} of {result.n}" if result.violations else "")

@@ -1,0 +1,1 @@
+"""Programs that drive a robot from outside, to be killed."""

@@ -1,0 +1,73 @@
+"""A program on a pseudo-terminal that is its controlling one, as a person would run it."""
+
+import os
+import select
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from tests.robot import environment
+
+WHERE_IS_THE_CURSOR, CURSOR_IS_HERE = b"\x1b[6n", b"\x1b[1;1R"
+TAKE_TERMINAL = "import fcntl,os,sys,termios; fcntl.ioctl(0,termios.TIOCSCTTY,0); os.execv(sys.argv[1],sys.argv[1:])"
+
+
+class OnTerminal:
+    """The program, and the person's end of its terminal."""
+
+    def __init__(self, home: Path, argv: Sequence[str]) -> None:
+        self.said = b""
+        self._master, slave = os.openpty()
+        self.popen = subprocess.Popen(
+            [sys.executable, "-c", TAKE_TERMINAL, *argv],
+            env=environment(home) | {"TERM": "xterm"},
+            stdin=slave,
+            stdout=slave,
+            stderr=slave,
+            start_new_session=True,
+        )
+        os.close(slave)
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def wait_for(self, text: bytes, limit_s: float = 8.0) -> None:
+        """Wait until the program has shown this."""
+        end = time.monotonic() + limit_s
+        while text not in self.said:
+            if time.monotonic() > end or self.popen.poll() is not None:
+                raise AssertionError(f"the terminal never showed {text!r}: {self.said[-500:]!r}")
+            select.select([], [], [], 0.02)
+
+    def type(self, keys: bytes) -> None:
+        """Type keys."""
+        os.write(self._master, keys)
+
+    def hang_up(self) -> None:
+        """Close the terminal, as when its window is closed or the line is cut."""
+        master, self._master = self._master, -1
+        with suppress(OSError):
+            os.close(master)
+
+    def end(self) -> None:
+        """Let no process be left."""
+        if self.popen.poll() is None:
+            self.popen.kill()
+        self.popen.wait()
+        if self._master >= 0:
+            self.hang_up()
+
+    def _read(self) -> None:
+        while self._master >= 0:
+            try:
+                ready, _, _ = select.select([self._master], [], [], 0.1)
+                if ready:
+                    data = os.read(self._master, 4096)
+                    self.said = (self.said + data)[-20000:]
+                    if WHERE_IS_THE_CURSOR in data:
+                        os.write(self._master, CURSOR_IS_HERE)
+            except (OSError, ValueError):
+                return

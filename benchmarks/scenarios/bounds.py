@@ -1,0 +1,99 @@
+"""S18: bounded moves end by time and by range, measured at the motors."""
+
+import json
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from benchmarks.bench import ANGLES, POWER, Bench, accepted, bench
+from benchmarks.figures import Results
+from lbr.bus import stamp, wire
+
+INTERVAL_EARLY_MS, INTERVAL_LATE_MS = -20.0, 40.0
+RENEW_S = 0.1
+FAR_M, NEAR_M, TARGET_CM = 1.5, 0.6, 90.0
+
+
+def interval(under_test: Bench) -> None:
+    """A move of a given time ends on time."""
+    interval_s = round(under_test.dice.uniform(0.4, 0.8), 2)
+    with _held(under_test, {"interval_s": interval_s}) as at_ns:
+        under_test.wait_for_motion()
+        zero = under_test.trace.first_zero(at_ns + 100_000_000, 2.0)
+    if zero is None:
+        under_test.results.check("S18 interval", [f"a move of {interval_s:g} s never ended"])
+        return
+    late_ms = (zero.at_ns - at_ns) * 1e-6 - interval_s * 1000
+    under_test.results.sample("S18 interval", abs(late_ms))
+    early = [f"a move of {interval_s:g} s ended {-late_ms:.1f} ms early"] if late_ms < INTERVAL_EARLY_MS else []
+    under_test.results.check("S18 interval", early)
+    under_test.stays_at_rest(zero)
+
+
+def range_crossed(under_test: Bench) -> None:
+    """A move to a range ends when the sensor's frame says so; the sensor is pinned far, then near."""
+    _pin(under_test, FAR_M)
+    _see(under_test, lambda metres: metres > 1.0)
+    with _held(under_test, {"range_cm": TARGET_CM, "sensor": "forward"}):
+        under_test.wait_for_motion()
+        _pin(under_test, NEAR_M)
+        frame_ns = _see(under_test, lambda metres: metres < 1.0)
+        zero = under_test.stopped_after("S18 range", frame_ns)
+    under_test.stays_at_rest(zero)
+
+
+def bounds(results: Results, n: int) -> None:
+    """S18."""
+    with bench(results) as under_test:
+        for _ in range(n):
+            interval(under_test)
+            range_crossed(under_test)
+
+
+@contextmanager
+def _held(under_test: Bench, limits: dict[str, Any]) -> Iterator[int]:
+    """Start a bounded move, give the moment of its acceptance, and renew its lease until a little after the block."""
+    robot = under_test.robot
+    command = {"power": POWER, "angle_deg": under_test.dice.choice(ANGLES)} | limits
+    lease = accepted(robot, command)
+    accepted_ns = time.monotonic_ns()
+    over = threading.Event()
+
+    def renew() -> None:
+        while not over.wait(RENEW_S):
+            robot.put("drive/command", command | {"lease": lease}, source="bench")
+
+    renewing = threading.Thread(target=renew, daemon=True)
+    renewing.start()
+    try:
+        yield accepted_ns
+        over.wait(0.15)
+    finally:
+        over.set()
+        renewing.join()
+
+
+def _pin(under_test: Bench, metres: float) -> None:
+    request = {"device": "range_board", "name": "range_forward_m", "value": metres}
+    reply = under_test.robot.ask("world/fault", request)
+    assert reply["accepted"], reply
+
+
+def _see(under_test: Bench, wanted: Any) -> int:
+    """Wait for the first frame whose forward distance is as wanted; return when the driver had it."""
+    robot = under_test.robot
+    frames = wire.Subscription(robot.bus, f"{robot.name}/ranges/readings", depth=64)
+    try:
+        end = time.monotonic() + 3.0
+        while time.monotonic() < end:
+            for raw in frames.take():
+                metres = json.loads(raw.payload)["forward_m"]
+                found = stamp.read(raw.attachment)
+                if metres is not None and wanted(metres) and found is not None:
+                    return found.mono_ns
+            under_test.pass_time(0.002)
+    finally:
+        frames.close()
+    raise AssertionError("the range board never showed what it was pinned to")

@@ -1,0 +1,49 @@
+"""E1: the emergency stop, from request to motor zero, and what a reset does not do."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from benchmarks.bench import Bench, bench
+from benchmarks.figures import Results
+
+INSISTING_S = 0.3
+PAUSE_S = 0.3
+
+
+def by_console(under_test: Bench) -> None:
+    """The word `estop` as a console line."""
+    _press(under_test, "E1 console", lambda: under_test.robot.line("estop"))
+
+
+def by_put(under_test: Bench) -> None:
+    """A plain put by any client."""
+    robot = under_test.robot
+    _press(under_test, "E1 put", lambda: robot.bus.put(f"{robot.name}/@estop", '{"engaged": true, "reason": "bench"}'))
+
+
+def estop(results: Results, n: int) -> None:
+    """E1, both ways in turn."""
+    with bench(results) as under_test:
+        for _ in range(n):
+            by_console(under_test)
+            by_put(under_test)
+
+
+def _press(under_test: Bench, figure: str, press: Callable[[], Any]) -> None:
+    mover = under_test.drive()
+    at_ns = time.monotonic_ns()
+    press()
+    zero = under_test.stopped_after(figure, at_ns)
+    under_test.until(lambda: _acknowledged(under_test), 3.0, "the emergency stop acknowledged")
+    reset = under_test.robot.ask("@estop/reset", {}, timeout_s=3.0)
+    assert reset["accepted"], reset
+    under_test.pass_time(INSISTING_S)
+    mover.cease()
+    under_test.stays_at_rest(zero)
+    under_test.pass_time(PAUSE_S)
+
+
+def _acknowledged(under_test: Bench) -> bool:
+    state = under_test.robot.ask("@estop")
+    return bool(state and state["engaged"] and not state["waiting"])

@@ -1,0 +1,17 @@
+"""However whoever drives goes, the motors stand and stay so."""
+
+from collections.abc import Callable
+
+import pytest
+
+from benchmarks.bench import Bench
+from benchmarks.figures import Results
+from benchmarks.scenarios import clients
+
+pytestmark = pytest.mark.timeout(30)
+
+
+@pytest.mark.parametrize("way", clients.WAYS, ids=lambda way: way.__name__)
+def test_a_client_that_is_gone_moves_nothing(held: Callable[[Callable[[Bench], None]], Results], way):
+    results = held(way)
+    assert results.of("S8").n + results.of("S8 clean").n == 1

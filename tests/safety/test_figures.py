@@ -1,0 +1,83 @@
+"""The arithmetic of what is measured."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchmarks.figures import Promise, Result, percentile, table
+from benchmarks.trace import Line, Output, Trace, limit_violations
+
+powers = st.floats(-1, 1).map(lambda value: round(value, 3))
+outputs = st.builds(Output, st.integers(0, 10**15), powers, powers, st.sampled_from(["command", "watchdog", "close"]))
+
+
+def ramp(*values: float, every_s: float = 0.02) -> list[Output]:
+    return [Output(round((n + 1) * every_s * 1e9), value, value, "command") for n, value in enumerate(values)]
+
+
+@given(st.lists(outputs, max_size=20))
+def test_a_trace_is_read_back_however_it_is_cut(tmp_path_factory: pytest.TempPathFactory, entries: list[Output]):
+    path = tmp_path_factory.mktemp("trace") / "trace.txt"
+    text = "".join(f"{e.at_ns} {e.left:g} {e.right:g} {e.cause}\n{e.at_ns} line !M 1 2\n" for e in entries)
+    trace = Trace(path)
+    half = len(text) // 2
+    for part in (text[:half], text[half:]):
+        with path.open("a") as file:
+            file.write(part)
+        trace.read()
+    assert [e for e in trace.entries if isinstance(e, Output)] == entries
+    assert [e for e in trace.entries if isinstance(e, Line)] == [Line(e.at_ns, "!M 1 2") for e in entries]
+
+
+def test_the_end_of_the_emulation_is_no_stop(tmp_path: Path):
+    path = tmp_path / "trace.txt"
+    path.write_text("100 0.4 0.4 command\n200 0 0 close\n")
+    assert Trace(path).first_zero(150, 0.0) is None
+    path.write_text("100 0.4 0.4 command\n200 0 0 watchdog\n")
+    assert Trace(path).first_zero(150, 0.0) == Output(200, 0.0, 0.0, "watchdog")
+
+
+def test_a_steady_ramp_is_within_the_slew():
+    assert not limit_violations(ramp(*(n * 0.04 for n in range(20)), 0.0, 0.04), max_power=1.0, accel_per_s=2.0)
+
+
+def test_a_jump_is_above_the_slew():
+    assert limit_violations(ramp(0.1, 0.0, 0.4), max_power=1.0, accel_per_s=2.0)
+
+
+def test_small_jumps_one_after_the_other_are_above_the_slew():
+    assert limit_violations(ramp(0.1, 0.2, 0.3, 0.4, 0.5, 0.6), max_power=1.0, accel_per_s=2.0)
+
+
+def test_turning_round_begins_at_zero():
+    assert limit_violations(
+        [*ramp(*(n * 0.04 for n in range(11))), *ramp(-0.4, every_s=0.3)], max_power=1.0, accel_per_s=2.0
+    )
+
+
+def test_an_output_above_the_maximum_is_told():
+    assert limit_violations(ramp(0.04, 0.08), max_power=0.05, accel_per_s=2.0)
+
+
+def test_percentiles_are_values_that_were_measured():
+    samples = [float(n) for n in range(1, 201)]
+    assert (percentile(samples, "p50"), percentile(samples, "p99"), percentile(samples, "max")) == (100, 198, 200)
+
+
+@pytest.mark.parametrize(
+    ("samples", "violations", "verdict"),
+    [
+        ([10.0], [], "met"),
+        ([10.0, 60.0], [], "missed"),
+        ([301.0], [], "broken"),
+        ([1.0], ["x"], "broken"),
+        ([], [], "broken"),
+    ],
+)
+def test_a_verdict_follows_the_worst(samples, violations, verdict):
+    promise = Promise(what="stop", target=50, hard=300)
+    result = Result(figure="S1", promise=promise, samples=samples, violations=violations)
+    assert result.verdict == verdict
+    assert verdict in table([result])

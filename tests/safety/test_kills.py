@@ -1,0 +1,24 @@
+"""Whatever process is killed while the robot drives, the motors stand and stay so."""
+
+import pytest
+
+from benchmarks.scenarios import kills
+from tests.safety.conftest import holds
+
+pytestmark = pytest.mark.timeout(30)
+
+
+def test_a_killed_motor_driver_leaves_the_motors_standing():
+    results = holds(lambda results: kills.kill_motor_driver(results, 2))
+    assert results.of("S1").n == 2
+    assert results.of("S14").n >= 2
+
+
+def test_killed_drive_operations_leave_the_motors_standing():
+    assert holds(lambda results: kills.kill_drive(results, 2)).of("S3").n == 2
+
+
+def test_a_killed_executive_leaves_the_motors_standing_and_no_process():
+    results = holds(lambda results: kills.kill_executive(results, 2))
+    assert results.of("S6").n == 2
+    assert results.of("S6 gone").n == 2

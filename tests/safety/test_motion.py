@@ -1,0 +1,37 @@
+"""Bounded moves end, the emergency stop holds, and nobody but its owner moves a motor."""
+
+from collections.abc import Callable
+
+import pytest
+
+from benchmarks.bench import Bench
+from benchmarks.figures import Results
+from benchmarks.scenarios import bounds, estop, writers
+
+pytestmark = pytest.mark.timeout(30)
+Held = Callable[[Callable[[Bench], None]], Results]
+
+
+def test_a_timed_move_ends(held: Held):
+    assert held(bounds.interval).of("S18 interval").n >= 1
+
+
+def test_a_move_to_a_range_ends_when_it_is_crossed(held: Held):
+    assert held(bounds.range_crossed).of("S18 range").n == 1
+
+
+@pytest.mark.parametrize("press", [estop.by_console, estop.by_put], ids=lambda press: press.__name__)
+def test_an_emergency_stop_stops_and_its_reset_moves_nothing(held: Held, press):
+    assert held(press).of("S14").n == 1
+
+
+def test_setpoints_of_strangers_move_nothing(held: Held):
+    assert held(writers.foreign_setpoints).of("F7").n == 3
+
+
+def test_a_second_run_is_refused(held: Held):
+    assert held(writers.second_run).of("F7").n == 1
+
+
+def test_a_second_opener_of_the_tty_is_refused(held: Held):
+    assert held(writers.second_opener).of("F7").n == 1
