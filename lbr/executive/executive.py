@@ -71,6 +71,7 @@ class Executive:
         self._token = secrets.token_urlsafe(24)
         self._main = MainThread()
         self._stopping = ""
+        self._code = 0
         self._ready = False
         self._problems: tuple[str, ...] = ()
         self._recent: list[Event] = []
@@ -98,7 +99,7 @@ class Executive:
                 self._loop(announce=not console)
             finally:
                 self._close()
-        return 0
+        return self._code
 
     # -- what console lines need; from any thread ---------------------------------------------------------------
 
@@ -204,6 +205,9 @@ class Executive:
         )
         self._database.record_start(robot)
         self._happened("run", "executive", f"robot '{robot}' with profile '{self._profile_name}'", "info")
+        for endpoint in self._listen[1:]:
+            text = f"the bus listens on {endpoint}, without any password: whoever reaches it can drive this robot"
+            self._happened("listening", "executive", text, "warning")
         self._supervisor.adopt(self.plan, plans.Change(start=tuple(self.plan.units)))
 
     def _close(self) -> None:
@@ -368,7 +372,7 @@ class Executive:
 
         def talk() -> None:
             try:
-                run_local(self.plan.robot, self._site.endpoints, submit)
+                self._code = run_local(self.plan.robot, self._site.endpoints, submit)
             except (InputError, LbrError) as err:
                 self._stop(str(err))
             self._stop("console closed")
