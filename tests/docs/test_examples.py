@@ -15,18 +15,22 @@ import pytest
 
 from lbr.bus import wire
 from tests.docs.pages import ROOT
+from tests.docs.ready import measured
 from tests.robot import Robot, running, until
 
 EXAMPLES = ROOT / "docs" / "examples"
 SCRIPT = EXAMPLES / "drive_with_plain_zenoh.py"
 PORT = 47447
+PID = os.getpid()
+HERE, THERE = (f"10.{190 + PID // 250 % 60}.{PID % 250}.{host}" for host in (1, 2))
+"""Tests that run at the same time have networks of their own."""
 
 
 @pytest.fixture
 def started(home: Path) -> Iterator[Robot]:
     """A robot of this test's own, because its rows are changed; it has measured its ranges."""
     with running(home) as robot:
-        until(lambda: robot.ask("ranges/readings"), what="the first reading")
+        measured(robot)
         yield robot
 
 
@@ -64,7 +68,7 @@ def drive_elsewhere(endpoint: str, *prefix: str, seconds: str = "1.0") -> "subpr
 
 
 def test_a_plain_client_drives_reads_ranges_and_stops(robot):
-    until(lambda: robot.ask("ranges/readings"), what="the first reading")
+    measured(robot)
     before = robot.ask("world/pose")["x_m"]
     done = drive_elsewhere(robot.endpoints[0])
     assert done.returncode == 0, done.stderr
@@ -77,7 +81,7 @@ def test_a_plain_client_drives_reads_ranges_and_stops(robot):
 
 
 def test_a_plain_client_that_is_killed_leaves_the_robot_standing(robot):
-    until(lambda: robot.ask("ranges/readings"), what="the first reading")
+    measured(robot)
     client = subprocess.Popen([sys.executable, str(SCRIPT), robot.endpoints[0], "9"], stdout=subprocess.PIPE, text=True)
     assert client.stdout is not None
     client.stdout.readline()
@@ -155,7 +159,7 @@ def neighbour() -> Iterator[tuple[str, ...]]:
     """A network namespace joined to ours by a cable; the prefix that runs a program in it, and our address."""
     if os.geteuid() != 0 or shutil.which("ip") is None:
         pytest.skip("needs root and the program ip")
-    space, here, there = "lbr-neighbour", "lbr-here", "lbr-there"
+    space, here, there = f"lbr{PID}", f"lbr{PID}a", f"lbr{PID}b"
 
     def ip(*arguments: str) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(["ip", *arguments], capture_output=True, text=True, check=False)
@@ -167,9 +171,9 @@ def neighbour() -> Iterator[tuple[str, ...]]:
     try:
         for arguments in (
             ("link", "add", here, "type", "veth", "peer", "name", there, "netns", space),
-            ("addr", "add", "10.197.31.1/30", "dev", here),
+            ("addr", "add", f"{HERE}/30", "dev", here),
             ("link", "set", here, "up"),
-            ("-n", space, "addr", "add", "10.197.31.2/30", "dev", there),
+            ("-n", space, "addr", "add", f"{THERE}/30", "dev", there),
             ("-n", space, "link", "set", there, "up"),
         ):
             done = ip(*arguments)
@@ -183,10 +187,10 @@ def neighbour() -> Iterator[tuple[str, ...]]:
 @pytest.mark.slow_start
 @pytest.mark.timeout(30)
 def test_a_plain_client_on_another_machine_drives_where_the_robot_listens(home, neighbour):
-    endpoint = f"tcp/10.197.31.1:{PORT}"
+    endpoint = f"tcp/{HERE}:{PORT}"
     with running(home, "--listen", endpoint) as robot:
         assert endpoint in robot.endpoints
-        until(lambda: robot.ask("ranges/readings"), what="the first reading")
+        measured(robot)
         before = robot.ask("world/pose")["x_m"]
         done = drive_elsewhere(endpoint, *neighbour)
         assert done.returncode == 0, done.stderr
@@ -198,4 +202,4 @@ def test_a_plain_client_on_another_machine_drives_where_the_robot_listens(home, 
 @pytest.mark.timeout(30)
 def test_without_listen_nothing_is_reachable_from_another_machine(home, neighbour):
     with running(home):
-        assert drive_elsewhere(f"tcp/10.197.31.1:{PORT}", *neighbour).returncode != 0
+        assert drive_elsewhere(f"tcp/{HERE}:{PORT}", *neighbour).returncode != 0

@@ -15,7 +15,8 @@ import pytest
 
 from tests.conftest import prepare
 from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
-from tests.robot import Robot, running, until
+from tests.docs.ready import measured
+from tests.robot import Robot, running
 
 CLIENT = """#!{python}
 import sqlite3, sys
@@ -210,7 +211,7 @@ def newcomer() -> Iterator[Newcomer]:
             client.write_text(CLIENT.format(python=sys.executable))
             client.chmod(0o755)
         with running(prepare(home / ".lbr")) as robot:
-            until(lambda: robot.ask("ranges/readings"), what="the first reading")
+            measured(robot)
             yield Newcomer(home, robot)
 
 
