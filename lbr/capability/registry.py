@@ -47,7 +47,8 @@ def find(name: str, home: Path) -> Kind:
         path = user_directory(home) / f"{name}.py"
         if not path.is_file():
             raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
-        kind = _from_file(name, path)
+        _refuse_if_others_may_write(path)
+        kind = _from_file(name, path, fingerprint(name, home))
     if not isinstance(kind, Kind):
         raise KindError(f"kind '{name}' declares no KIND = Kind(…)")
     return kind
@@ -62,11 +63,15 @@ def fingerprint(name: str, home: Path) -> str:
     return "" if name in _installed() else f"{found.st_mtime_ns}-{found.st_size}"
 
 
-def _from_file(name: str, path: Path) -> object:
+def _refuse_if_others_may_write(path: Path) -> None:
     for place in (path, path.parent):
         found = place.stat()
         if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid not in {os.getuid(), 0}:
             raise KindError(f"{place} could be changed by others; 'chmod go-w {place}' and own it")
+
+
+@lru_cache(maxsize=64)
+def _from_file(name: str, path: Path, _fingerprint: str) -> object:
     module_name = f"lbr_user_capabilities.{name}"
     spec = importlib.util.spec_from_file_location(module_name, path)
     if spec is None or spec.loader is None:
@@ -75,6 +80,6 @@ def _from_file(name: str, path: Path) -> object:
     sys.modules[module_name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as err:
+    except (Exception, SystemExit) as err:
         raise KindError(f"{path} does not load: {type(err).__name__}: {err}") from err
     return getattr(module, "KIND", None)

@@ -52,7 +52,7 @@ def _check_channel(
     if problems:
         return problems
     sends, takes = sent[source[1]], taken[target[1]]
-    if sends is not takes and ANY not in {sends, takes}:
+    if not _same(sends, takes):
         names_of = f"{_type_name(sends)}, and {row.target} takes {_type_name(takes)}"
         problems.append(Problem("channel", label, "target", f"{row.source} sends {names_of}"))
     return problems
@@ -63,6 +63,13 @@ def _ports(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], *w
     if isinstance(own, ProgramSettings):
         return {port: ANY for group in which for port in getattr(own, group, ())}
     return {port: kind for group in which for port, kind in getattr(kinds[name], group).items()}
+
+
+def _same(sends: Any, takes: Any) -> bool:
+    """Say whether two ports carry one type; files of the user's own may each declare it."""
+    if sends is takes or ANY in {sends, takes}:
+        return True
+    return bool(msgspec.json.schema(sends) == msgspec.json.schema(takes))
 
 
 def _no_port(end: tuple[str, str], what: str, there: Iterable[str]) -> str:
