@@ -26,6 +26,7 @@ class Lines:
         self._err = err
         self._hold_s = hold_s
         self._worst = 0
+        self.closing = False
         self._waiting: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         self._next: list[str | None] = []
 
@@ -39,6 +40,11 @@ class Lines:
             self._operator.release()
         return self._worst
 
+    def close(self) -> None:
+        """End `run` from another thread; what is held is stopped."""
+        self.closing = True
+        self._waiting.put(None)
+
     def _read(self, lines: Iterable[str]) -> None:
         try:
             for line in lines:
@@ -47,7 +53,8 @@ class Lines:
             self._waiting.put(None)
 
     def _take(self) -> str | None:
-        return self._next.pop() if self._next else self._waiting.get()
+        line = self._next.pop() if self._next else self._waiting.get()
+        return None if self.closing else line
 
     def _peek(self, timeout_s: float) -> bool:
         """Say whether a next line (or the end) is there, waiting a little for it."""
@@ -78,7 +85,7 @@ class Lines:
 
     def _hold(self, held: Holder) -> Ending | None:
         until = time.monotonic() + self._hold_s if self._hold_s is not None else None
-        while held.ending is None:
+        while held.ending is None and not self.closing:
             ready = self._peek(POLL_S)
             if ready and self._is_stop():
                 return None

@@ -2,10 +2,12 @@
 
 import atexit
 import contextlib
+import os
 import sys
 import termios
 import threading
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 
 from lbr import home
 from lbr.bus import session
@@ -16,14 +18,41 @@ from lbr.console.operator import BusOperator
 from lbr.messages.system import ConsoleResult
 
 LOCAL_SOURCE = "console"
-RESTORE_S = 1.0
+LEAVE_S = 3.0
+READY_S = 15.0
+POLL_S = 0.05
+
+
+class _Open:
+    """The console that is open in this process, so that its end can be asked for and waited for."""
+
+    def __init__(self) -> None:
+        self.over = threading.Event()
+        self.over.set()
+        self.close: Callable[[], None] = lambda: None
+
+
+_open = _Open()
 
 
 def run_local(robot: str, endpoints: Sequence[str], submit: Callable[[str], ConsoleResult]) -> int:
     """Run the robot's own console in this thread, until it is left; `submit` says a line directly."""
-    with session.open_client(endpoints) as bus, session.open_client(endpoints) as streams:
-        operator = BusOperator(bus, robot, LOCAL_SOURCE, submit=submit, streams=streams)
-        return _run(operator, local=True)
+    _open.over.clear()
+    atexit.register(leave)  # a thread must not be inside the bus library when the interpreter ends
+    try:
+        with session.open_client(endpoints) as bus, session.open_client(endpoints) as streams:
+            operator = BusOperator(bus, robot, LOCAL_SOURCE, submit=submit, streams=streams)
+            return _run(operator, local=True)
+    finally:
+        _open.over.set()
+        atexit.unregister(leave)
+
+
+def leave() -> None:
+    """End the console of this process from another thread, and wait until it has let go of bus and terminal."""
+    if not _open.over.is_set():
+        _open.close()
+        _open.over.wait(LEAVE_S)
 
 
 def run_remote(found: target.Target, *, hold_s: float | None = None) -> int:
@@ -37,8 +66,12 @@ def _run(operator: BusOperator, *, local: bool, hold_s: float | None = None) -> 
     try:
         if sys.stdin.isatty() and sys.stdout.isatty():
             return _run_terminal(operator, local=local)
+        lines = Lines(operator, sys.stdout, sys.stderr, hold_s=hold_s)
+        _open.close = lines.close
+        if local:
+            _wait_ready(operator, lines)
         with interruptible():
-            return Lines(operator, sys.stdout, sys.stderr, hold_s=hold_s).run(sys.stdin)
+            return lines.run(lines_of(sys.stdin.fileno()))
     finally:
         operator.close()
 
@@ -47,21 +80,31 @@ def _run_terminal(operator: BusOperator, *, local: bool) -> int:
     from lbr.console.terminal import Terminal  # noqa: PLC0415 - prompt-toolkit is for those who have a terminal
 
     terminal = Terminal(operator, local=local, history=home.home() / "history")
-    over = threading.Event()
+    _open.close = terminal.close
     modes = termios.tcgetattr(sys.stdin)
-
-    def restore() -> None:
-        """Leave the terminal as it was when the process ends while somebody still types."""
-        if not over.is_set():
-            terminal.close()
-            over.wait(RESTORE_S)
-            with contextlib.suppress(termios.error):
-                termios.tcsetattr(sys.stdin, termios.TCSADRAIN, modes)
-
-    atexit.register(restore)
     try:
         with interruptible(lambda _number, _frame: terminal.close()):
             return terminal.run()
     finally:
-        over.set()
-        atexit.unregister(restore)
+        with contextlib.suppress(termios.error, OSError):
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, modes)
+
+
+def _wait_ready(operator: BusOperator, lines: Lines) -> None:
+    until = time.monotonic() + READY_S
+    while not lines.closing and time.monotonic() < until:
+        status = operator.telemetry().status
+        if status is not None and status.ready:
+            return
+        time.sleep(POLL_S)
+
+
+def lines_of(fd: int) -> Iterator[str]:
+    """Yield the lines of a file descriptor as they come; bytes that are not UTF-8 are kept as lone surrogates."""
+    rest = b""
+    with contextlib.suppress(OSError):
+        while chunk := os.read(fd, 65536):
+            *lines, rest = (rest + chunk).split(b"\n")
+            yield from (line.decode(errors="surrogateescape") for line in lines)
+    if rest:
+        yield rest.decode(errors="surrogateescape")

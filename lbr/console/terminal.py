@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from prompt_toolkit import PromptSession
+from prompt_toolkit.application import create_app_session
 from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
 from prompt_toolkit.formatted_text import StyleAndTextTuples
 from prompt_toolkit.history import FileHistory, History, InMemoryHistory
@@ -55,6 +56,9 @@ class Terminal:
     ) -> None:
         self._operator = operator
         self._local = local
+        self._out = sys.stdout
+        self._source = source
+        self._screen = screen
         self._closing = False
         self._lock = threading.Lock()
         self._under_way: dict[str, float] = {}
@@ -80,7 +84,8 @@ class Terminal:
         """Read lines until end of input, Ctrl-C, a shutdown or `close`; then stop what is held. Return an exit code."""
         self._operator.on_end = self._ended
         helper = threading.Thread(target=self._follow, name="console events", daemon=True)
-        with patch_stdout(raw=True):
+        with create_app_session(self._source, self._screen), patch_stdout(raw=True):
+            self._out = sys.stdout
             helper.start()
             try:
                 while not self._closing and self._one():
@@ -93,7 +98,9 @@ class Terminal:
                 self._over.set()
                 self._operator.release()
             if not self._closing:
-                print("Stopped; shutting down." if self._local else "Stopped; leaving. The robot runs on.")
+                self._print(
+                    "Stopped; shutting down." if self._local else "Stopped; leaving. The robot runs on.", "info"
+                )
             helper.join(1.0)
         return 0
 
@@ -152,8 +159,8 @@ class Terminal:
         safe = wrapped(text, self._session.output.get_size().columns)
         colour = _COLOURS.get(level, "")
         with contextlib.suppress(OSError):  # the terminal hung up; the prompt notices too
-            sys.stdout.write(f"{colour}{safe}{_PLAIN if colour else ''}\n")
-            sys.stdout.flush()
+            self._out.write(f"{colour}{safe}{_PLAIN if colour else ''}\n")
+            self._out.flush()
 
     def _follow(self) -> None:
         while not self._over.wait(REFRESH_S):

@@ -1,0 +1,97 @@
+"""The `lbr` command with no robot running, as a shell sees it."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+LBR = Path(sys.executable).with_name("lbr")
+
+
+@pytest.fixture
+def lbr(tmp_path):
+    def run(*arguments: str, **options) -> "subprocess.CompletedProcess[str]":
+        environment = os.environ | {"LBR_HOME": str(tmp_path / "home")}
+        return subprocess.run(
+            [str(LBR), *arguments], env=environment, capture_output=True, text=True, timeout=9, check=False, **options
+        )
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["status"], 1, "no robot runs here; 'lbr run' starts one"),
+        (["send", "s"], 1, "no robot runs here"),
+        (["stop"], 1, "no robot runs here"),
+        (["topic", "list"], 1, "no robot runs here"),
+        (["view"], 1, "no robot runs here"),
+        (["console", "--robot", "nobody"], 1, "robot 'nobody' does not run here"),
+        (["send", "!1 + 1"], 2, "Python runs at the robot's own console only"),
+        (["send", "a\x1bb"], 2, "control character U+001B"),
+        (["send"], 2, "Missing argument"),
+        (["send", "s", "--hold", "900"], 2, "--hold"),
+        (["nonsense"], 2, "nonsense"),
+        (["run", "nothing"], 2, "there is no launch profile 'nothing'"),
+        (["run", "--db", "/nowhere/at/all.db"], 2, "/nowhere/at/all.db"),
+        (["db", "check"], 2, "'lbr db init' makes one"),
+        (["graph"], 2, "'lbr db init' makes one"),
+        (["status", "--connect", "nonsense"], 1, "cannot reach a robot at nonsense"),
+        (["status", "--connect", "unixsock-stream//tmp/lbr-nobody-listens"], 1, "cannot reach a robot"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line_and_an_exit_code(lbr, arguments, code, said):
+    done = lbr(*arguments)
+    assert done.returncode == code
+    assert said in done.stderr
+    assert done.stderr.startswith("lbr: ")
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stdout == ""
+
+
+def test_help_and_version_work_without_a_home(lbr):
+    assert "Exit codes: 0 done" in lbr("--help").stdout
+    assert lbr("--version").stdout.startswith("lbr ")
+
+
+@pytest.mark.parametrize(
+    "command", ["run", "console", "send", "status", "stop", "doctor", "topic", "graph", "view", "db"]
+)
+def test_every_command_has_help(lbr, command):
+    done = lbr(command, "--help")
+    assert done.returncode == 0
+    assert done.stdout.startswith(f"Usage: lbr {command}")
+
+
+def test_rows_are_made_checked_and_compared(lbr):
+    assert lbr("db", "init").returncode == 0
+    assert lbr("db", "check").stdout == "lbr: good\n"
+    assert lbr("db", "diff").stdout == "the rows are as shipped\n"
+
+
+def test_rows_that_are_there_are_kept_and_drawn(lbr):
+    assert lbr("db", "init").returncode == 0
+    assert lbr("db", "init").returncode == 2
+    graph = json.loads(lbr("graph", "--json").stdout)
+    assert {"source": "drive.setpoint", "target": "motors.setpoint", "enabled": True, "rate_hz": None} in graph["edges"]
+
+
+def test_the_doctor_runs_without_a_robot(lbr):
+    findings = json.loads(lbr("doctor", "--json").stdout)
+    assert {"python", "home", "bus", "database"} <= {finding["about"] for finding in findings}
+
+
+def test_a_reader_that_leaves_early_is_no_error(lbr):
+    done = subprocess.run(f"{LBR} --help | true", shell=True, capture_output=True, text=True, timeout=9, check=False)
+    assert done.stderr == ""
+
+
+def test_starting_is_light():
+    heavy = ["sqlalchemy", "mujoco", "numpy", "prompt_toolkit", "rich", "zenoh", "lbr.executive"]
+    code = f"import sys, lbr.cli; print([name for name in {heavy} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=9, check=True)
+    assert done.stdout.strip() == "[]"

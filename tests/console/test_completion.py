@@ -1,0 +1,58 @@
+import pytest
+from prompt_toolkit.completion import CompleteEvent
+from prompt_toolkit.document import Document
+
+from lbr.console.completion import LineCompleter
+from lbr.console.verbs import Vocabulary
+from lbr.database.rows import ExternalCommandRow, VerbRow
+from lbr.messages.drive import DriveCommand
+
+
+def verb(pattern: str, target: str) -> VerbRow:
+    word = pattern.lstrip("/").partition("/")[0]
+    return VerbRow(word=word, pattern=pattern, target=target, role="operate", help=f"does {word}")
+
+
+VOCABULARY = Vocabulary(
+    [
+        verb("/r/{power}/{angle_deg}", "drive.command"),
+        verb("/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}", "drive.command"),
+        verb("/report/{name}", "executive.report"),
+        verb("stop", "drive.stop"),
+    ],
+    [ExternalCommandRow(name="clock", argv=("/bin/date",))],
+    {"drive.command": DriveCommand},
+)
+COMPLETER = LineCompleter(VOCABULARY.entries({"executive.report": ["health", "events"]}))
+
+
+def offered(text: str) -> list[str]:
+    return [one.text or one.display_text for one in COMPLETER.get_completions(Document(text), CompleteEvent())]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", ["/r/", "/report/", "stop", "clock"]),
+        ("/re", ["/report/"]),
+        ("ST", ["stop"]),
+        ("stop c", ["clock"]),
+        ("/r/", ["power: 0 to 1"]),
+        ("/r/0.2/", ["angle: -360 to 360 degrees"]),
+        ("/r/0.2/0/40/", ["back", "bottom", "forward", "left", "right"]),
+        ("/r/0.2/0/40/F", ["forward"]),
+        ("/r/0.2/0/40/forward/1/", []),
+        ("/report/", ["events", "health"]),
+        ("/nothing/", []),
+        ("clock -", []),
+    ],
+)
+def test_completion_offers_words_then_what_each_field_may_be(text, expected):
+    assert offered(text) == expected
+
+
+@pytest.mark.parametrize("entry", [{}, {"word": "x"}, {"word": "x", "pattern": "/x/{a}"}])
+def test_entries_of_other_versions_do_not_break_completion(entry):
+    completer = LineCompleter([entry])
+    for text in ("", "/x/", "x"):
+        list(completer.get_completions(Document(text), CompleteEvent()))

@@ -1,0 +1,100 @@
+import io
+import os
+
+import pytest
+from fake_robot import ROBOT, wait_for
+
+from lbr.console.lines import Lines, say_once
+from lbr.console.local import lines_of
+from lbr.console.operator import BusOperator
+from lbr.messages.system import ConsoleResult
+
+
+@pytest.fixture
+def operator(client):
+    operator = BusOperator(client, ROBOT, "console@here", listen=False)
+    yield operator
+    operator.close()
+
+
+def run(operator, lines, **options) -> tuple[int, str, str]:
+    out, err = io.StringIO(), io.StringIO()
+    return Lines(operator, out, err, **options).run(lines), out.getvalue(), err.getvalue()
+
+
+def test_results_go_out_errors_go_to_stderr_and_the_worst_code_counts(robot, operator):
+    robot.lines["s"] = ConsoleResult(code=0, text="stopped")
+    robot.lines["no"] = ConsoleResult(code=1, text="refused\x1b[2J")
+    code, out, err = run(operator, ["s\n", "\n", "bad\n", "no\n", "/s/\udcff\n"])
+    assert code == 2
+    assert out == "stopped\n"
+    assert err.splitlines() == [
+        "'bad' is not a word of this robot", "refused [2J", "the line is not valid UTF-8; send text",
+    ]  # fmt: skip
+
+
+def test_a_bounded_motion_is_waited_for_before_the_next_line(robot, operator):
+    robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
+    robot.lines["next"] = ConsoleResult(code=0, text="next")
+
+    def lines():
+        yield "/r/0.2/0/40/forward/5"
+        yield "next"
+        wait_for(lambda: len(robot.renewed) > 2)
+        assert [said for said, _, _ in robot.said] == ["/r/0.2/0/40/forward/5"]
+        robot.finish("g1")
+
+    code, out, _ = run(operator, lines())
+    assert code == 0
+    assert out.splitlines() == ["moving under L1", "range reached at 40 cm after 1.5 s", "next"]
+
+
+def test_a_bounded_motion_that_fails_makes_the_exit_code_1(robot, operator):
+    robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
+    robot.finish("g1", "fault", "the sensor is frozen")
+    code, _, err = run(operator, ["/r/0.2/0/40/forward/5"])
+    assert code == 1
+    assert "the sensor is frozen" in err
+
+
+def test_an_unbounded_motion_is_held_for_its_time_and_stopped(robot, operator):
+    robot.moves("/r/0.2/0", "L1")
+    robot.lines["next"] = ConsoleResult(code=0, text="next")
+    code, out, _ = run(operator, ["/r/0.2/0", "next"], hold_s=0.4)
+    assert code == 0
+    assert out.splitlines() == ["moving under L1", "stopped after 0.4 s", "next"]
+    assert len(robot.stopped) == 1
+    assert 3 <= len(robot.renewed) <= 6
+
+
+def test_without_a_time_the_end_of_input_stops_it(robot, operator):
+    robot.moves("/r/0.2/0", "L1")
+    run(operator, ["/r/0.2/0"])
+    assert len(robot.stopped) == 1
+    assert operator.held() is None
+
+
+def test_a_stop_does_not_wait_for_the_end_of_a_bounded_motion(robot, operator):
+    robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
+    robot.lines["stop"] = ConsoleResult(code=0, text="stopped")
+    _, out, _ = run(operator, ["/r/0.2/0/40/forward/5", "stop"])
+    assert out.splitlines() == ["moving under L1", "stopped"]
+
+
+@pytest.mark.parametrize(("dead", "expected"), [("", (0, "stopped after 0.2 s")), ("an obstacle", (1, "an obstacle"))])
+def test_one_line_is_held_and_then_stopped_unless_it_ends_before(robot, operator, dead, expected):
+    robot.moves("/r/0.2/0", "L1")
+    robot.dead |= {"L1": dead} if dead else {}
+    _, code, ending = say_once(operator, "/r/0.2/0", hold_s=0.2, announce=lambda _result: None)
+    assert (code, ending) == expected
+
+
+def test_lines_come_as_they_are_written_and_the_last_needs_no_end():
+    reader, writer = os.pipe()
+    lines = lines_of(reader)
+    os.write(writer, b"a\nb\xff")
+    assert next(lines) == "a"
+    os.write(writer, b"c")
+    os.close(writer)
+    assert list(lines) == ["b\udcffc"]
+    os.close(reader)

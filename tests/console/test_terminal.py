@@ -1,0 +1,205 @@
+"""The terminal on a real pty, in a thread as the robot's own console has it."""
+
+import contextlib
+import os
+import pty
+import re
+import termios
+import threading
+
+import pytest
+from fake_robot import ROBOT, wait_for
+from prompt_toolkit.input.vt100 import Vt100Input
+from prompt_toolkit.output.vt100 import Vt100_Output
+
+from lbr.console.operator import BusOperator
+from lbr.console.terminal import Terminal
+from lbr.messages.system import ConsoleResult
+
+PASTE = "\x1b[200~{}\x1b[201~"
+STEPS = re.compile(r"\x1b\[([0-9]*)C")
+CODES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
+
+
+class Screen:
+    """What a person does and sees at the other end of the pty."""
+
+    def __init__(self, operator: BusOperator) -> None:
+        self.master, slave = pty.openpty()
+        termios.tcsetwinsize(slave, (30, 120))
+        self._keys = os.fdopen(os.dup(slave), "r", encoding="utf-8")
+        self._text = os.fdopen(slave, "w", encoding="utf-8")
+        source = Vt100Input(self._keys)
+        screen = Vt100_Output.from_pty(self._text, term="xterm-256color")
+        self.terminal = Terminal(operator, source=source, screen=screen)
+        self.code: int | None = None
+        self._seen = b""
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._runner = threading.Thread(target=self._run, daemon=True)
+        self._reader.start()
+        self._runner.start()
+        self.sees("Robot>")
+
+    @property
+    def text(self) -> str:
+        """What was written, with the cursor's steps to the right as the blanks they stand for."""
+        moved = STEPS.sub(lambda step: " " * int(step[1] or 1), self._seen.decode(errors="replace"))
+        return CODES.sub("", moved)
+
+    def types(self, text: str) -> None:
+        os.write(self.master, text.encode())
+
+    def sees(self, text: str) -> None:
+        try:
+            wait_for(lambda: text in self.text)
+        except AssertionError:
+            raise AssertionError(f"'{text}' did not come; there is {self.text!r}") from None
+
+    def ends(self) -> int | None:
+        self._runner.join(5)
+        assert not self._runner.is_alive()
+        return self.code
+
+    def hang_up(self) -> None:
+        os.close(self.master)
+        self.master = -1
+
+    def close(self) -> None:
+        self.terminal.close()
+        self._runner.join(5)
+        with contextlib.suppress(OSError):
+            self._text.close()
+        self._keys.close()
+        self._reader.join(5)
+        if self.master >= 0:
+            os.close(self.master)
+
+    def _run(self) -> None:
+        self.code = self.terminal.run()
+
+    def _read(self) -> None:
+        while True:
+            try:
+                seen = os.read(self.master, 65536)
+                if b"\x1b[6n" in seen:  # where is the cursor?
+                    os.write(self.master, b"\x1b[1;1R")
+            except OSError:
+                return
+            self._seen += seen
+
+
+@pytest.fixture
+def screen(robot, client):
+    robot.lines["help"] = ConsoleResult(
+        code=0,
+        text="s  Stop",
+        data=[
+            {"word": "report", "pattern": "/report/{name}", "target": "executive.report", "choices": ["health"]},
+            {"word": "Shutdown", "pattern": "Shutdown", "target": "executive.shutdown", "help": ""},
+        ],
+    )
+    robot.lines["s"] = ConsoleResult(code=0, text="motors stopped")
+    operator = BusOperator(client, ROBOT, "console")
+    seen = Screen(operator)
+    wait_for(lambda: seen.terminal._completer.entries)
+    yield seen
+    seen.close()
+    operator.close()
+
+
+def said(robot) -> list[str]:
+    return [line for line, _, _ in robot.said if line != "help"]
+
+
+def test_a_line_is_said_and_its_result_shown(robot, screen):
+    screen.types("s\r")
+    screen.sees("motors stopped")
+    assert said(robot) == ["s"]
+
+
+def test_tab_completes_words_and_choices(robot, screen):
+    robot.lines["/report/health"] = ConsoleResult(code=0, text="all is well")
+    buffer = screen.terminal._session.default_buffer
+    for typed, completed in (("/re", "/report/"), ("h", "/report/health")):
+        screen.types(typed)
+        wait_for(lambda: buffer.complete_state)
+        screen.types("\t")
+        wait_for(lambda: buffer.text == completed)  # noqa: B023 - waited for here
+    screen.types("\r")
+    screen.sees("all is well")
+
+
+def test_a_paste_of_several_lines_runs_none_of_them(robot, screen):
+    screen.types(PASTE.format("s\rs\ns\n"))
+    screen.sees("The paste has 3 lines, and none was run")
+    assert said(robot) == []
+
+
+def test_a_paste_of_one_line_waits_for_enter(robot, screen):
+    screen.types(PASTE.format("s\n"))
+    wait_for(lambda: screen.terminal._session.default_buffer.text == "s")
+    assert said(robot) == []
+    screen.types("\r")
+    screen.sees("motors stopped")
+
+
+@pytest.mark.parametrize("leave", ["\x03", "\x04"])
+def test_ctrl_c_and_end_of_input_stop_what_moves_and_return(robot, screen, leave):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    screen.sees("moving under L1")
+    wait_for(lambda: robot.renewed)
+    screen.types(leave)
+    assert screen.ends() == 0
+    assert len(robot.stopped) == 1
+
+
+def test_a_terminal_that_hangs_up_stops_what_it_held(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    screen.hang_up()
+    wait_for(lambda: robot.stopped)
+    screen.ends()
+
+
+def test_close_from_another_thread_ends_it_and_stops(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    screen.terminal.close()
+    assert screen.ends() == 0
+    assert len(robot.stopped) == 1
+
+
+def test_events_and_ends_of_motions_appear_above_the_prompt(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    robot.dead["L1"] = "taken over by web"
+    screen.sees("/r/0.2/0: taken over by web")
+    robot.tell("no answer from the controller", "error")
+    screen.sees("error: motors: no answer from the controller")
+
+
+def test_a_slow_line_leaves_the_prompt_free_for_a_stop(robot, screen):
+    robot.lines["clock"] = ConsoleResult(code=0, text="it is late")
+    gate = robot.blocked["clock"] = threading.Event()
+    screen.types("clock\r")
+    screen.sees("clock (")
+    screen.types("s\r")
+    screen.sees("motors stopped")
+    gate.set()
+    screen.sees("it is late")
+
+
+def test_control_characters_from_the_robot_do_not_reach_the_terminal(robot, screen):
+    robot.lines["x"] = ConsoleResult(code=0, text="a\x1b]0;owned\x07b")
+    screen.types("x\r")
+    screen.sees("a ]0;owned b")
+
+
+def test_shutdown_leaves_once_it_is_accepted(robot, screen):
+    robot.lines["Shutdown"] = ConsoleResult(code=0, text="shutting down")
+    screen.types("Shutdown\r")
+    assert screen.ends() == 0

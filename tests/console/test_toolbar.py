@@ -1,0 +1,49 @@
+import pytest
+
+from lbr.console.operator import Telemetry
+from lbr.console.toolbar import toolbar
+from lbr.messages.motors import MotorsState
+from lbr.messages.sensing import Ranges
+from lbr.messages.system import CapabilityStatus, EstopState, Status
+
+
+def status(*, estop: bool = False, phase: str = "ready", ready: bool = True) -> Status:
+    unit = CapabilityStatus(
+        name="motors", kind="roboteq", phase=phase, pid=1, restarts=0, uptime_s=1.0, reason="", rates_hz={}
+    )
+    return Status(
+        robot="rob", profile="t", ready=ready, pid=1, uptime_s=1.0, capabilities=(unit,),
+        estop=EstopState(engaged=estop, reason="a hand in the way" if estop else ""),
+    )  # fmt: skip
+
+
+def text(telemetry: Telemetry) -> str:
+    return "".join(piece for _, piece in toolbar("rob", telemetry, None, {}))
+
+
+@pytest.mark.parametrize(
+    ("telemetry", "said"),
+    [
+        (Telemetry(status=status()), "ready"),
+        (Telemetry(status=status(estop=True)), "E-STOP: a hand in the way"),
+        (Telemetry(status=status(phase="degraded")), "degraded: motors"),
+        (Telemetry(status=status(phase="failed")), "failed: motors"),
+        (Telemetry(status=status(ready=False)), "starting"),
+        (Telemetry(), "listening"),
+        (Telemetry(status=status(), status_age_s=7.0), "NO CONTACT for 7 s"),
+        (Telemetry(status=status(), status_age_s=float("nan")), "NO CONTACT"),
+    ],
+)
+def test_the_state_is_said_in_words(telemetry, said):
+    assert text(telemetry).split(" | ")[1].startswith(said)
+
+
+def test_power_volts_and_the_nearest_range_are_shown_and_unknown_ones_left_out():
+    motors = MotorsState(left=0.2, right=-0.2, armed=True, reason="", estop=False, voltage_v=12.34)
+    ranges = Ranges(forward_m=1.0, back_m=None, left_m=0.45, right_m=2.0, bottom_m=None, status={})
+    bar = text(Telemetry(status=status(), motors=motors, ranges=ranges))
+    assert bar == " rob | ready | L +0.20 R -0.20 | 12.3 V | 0.45 m left"
+
+
+def test_a_line_under_way_shows_its_age():
+    assert "clock (3 s)" in "".join(piece for _, piece in toolbar("rob", Telemetry(), None, {"clock": 3.2}))
