@@ -31,6 +31,18 @@ database.close()
 """
 """Stands in for the program `sqlite3` on machines that lack it."""
 
+FOREIGN = {
+    "ensurepip is not available",
+    "requires a different Python",
+    "No matching distribution found for mujoco-core",
+    "lbr: command not found",
+    "database is locked",
+    "CHECK constraint failed",
+    "FOREIGN KEY constraint failed",
+    "capability 'lbr/…', settings: Object contains unknown field …",
+}
+"""Messages of pip, the shell, SQLite and msgspec."""
+
 RUN_PAGES = [page for page in PAGES if any(block.claimed for block in blocks(page))]
 
 
@@ -95,6 +107,22 @@ def test_every_column_of_every_table_is_in_the_reference():
         for (column,) in database.execute("SELECT name FROM pragma_table_info(?)", (table,)):
             assert f"| `{column}` |" in sections[table], f"{table}.{column}"
     database.close()
+
+
+def messages(page: Path) -> list[str]:
+    """The messages that a page's tables explain: what stands in backquotes in a first column."""
+    rows = [line.split(" | ")[0] for line in page.read_text().splitlines() if line.startswith("| ")]
+    return [found for row in rows for found in re.findall(r"`([^`]+)`", row)]
+
+
+def test_every_message_that_troubleshooting_explains_is_one_that_is_said():
+    source = "".join(path.read_text() for path in (ROOT / "lbr").rglob("*.py"))
+    explained = messages(ROOT / "docs" / "troubleshooting.md")
+    assert len(explained) > 30
+    for message in explained:
+        parts = [part for part in re.split(r"…|: |'[a-z]+'|[0-9.]+ (?:s|m)\b", message) if len(part.strip()) > 3]
+        missing = [part for part in parts if part.strip() not in source]
+        assert message in FOREIGN or not missing, f"nobody says {missing} of '{message}'"
 
 
 class Newcomer:
