@@ -56,10 +56,11 @@ class Report(Struct, kw_only=True):
 
 
 class Results:
-    """Collects what scenarios measure, by figure."""
+    """Collects what scenarios measure, by figure; `disturbed` are tries in which nothing moved before the fault."""
 
     def __init__(self, promises: dict[str, Promise]) -> None:
         self.by_figure: dict[str, Result] = {}
+        self.disturbed: list[str] = []
         self._promises = promises
 
     def of(self, figure: str) -> Result:

@@ -71,6 +71,8 @@ def measure(names: list[str], n: int, load: str) -> Report:
             figure = next(figure for figure in PROMISES if figure.split()[0] == name)
             results.check(figure, [f"the scenario could not go on: {err}"])
         print(f"{name}: {time.monotonic() - since:.0f} s", file=sys.stderr, flush=True)
+    for text in results.disturbed:
+        print(f"not counted: {text}", file=sys.stderr)
     ordered = [results.by_figure[figure] for figure in PROMISES if figure in results.by_figure]
     machine = (
         f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}, Python {sys.version.split()[0]}"

@@ -27,6 +27,10 @@ class Output:
         return self.left == 0.0 and self.right == 0.0
 
     @property
+    def least(self) -> float:
+        return min(abs(self.left), abs(self.right))
+
+    @property
     def most(self) -> float:
         return max(abs(self.left), abs(self.right))
 

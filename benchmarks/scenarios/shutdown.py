@@ -12,7 +12,7 @@ from pathlib import Path
 import msgspec
 import psutil
 
-from benchmarks.bench import Bench, clean_up, processes_of, say, temporary_home
+from benchmarks.bench import Bench, let_go, processes_of, say, temporary_home
 from benchmarks.figures import Results
 from lbr import home as homes
 from tests.robot import LBR, Robot, environment, start, until
@@ -67,10 +67,7 @@ def shut_down(results: Results, how: str, *, freeze: str = "") -> None:
             under_test.stays_at_rest(zero)
             under_test.check_limits()
         finally:
-            with suppress(Exception):
-                robot.bus.close()
-            clean_up(home)
-            robot.popen.wait()
+            let_go(robot)
 
 
 def shutdowns(results: Results, n: int) -> None:
@@ -105,14 +102,15 @@ def _name(process: psutil.Process) -> str:
 
 def _with_console(home: Path) -> Robot:
     """Run a robot whose console reads from a pipe."""
-    popen = subprocess.Popen(
-        [*LBR, "run", "lbr-sim"],
-        env=environment(home),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.DEVNULL,
-        stderr=(home / "stderr.txt").open("ab"),
-        text=True,
-    )
+    with (home / "stderr.txt").open("ab") as errors:
+        popen = subprocess.Popen(
+            [*LBR, "run", "lbr-sim"],
+            env=environment(home),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=errors,
+            text=True,
+        )
     record = home / "run" / "lbr.json"
     until(record.exists, limit_s=9.0, what="the running robot's record")
     found = msgspec.json.decode(record.read_bytes(), type=homes.Running)

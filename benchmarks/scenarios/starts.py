@@ -2,11 +2,11 @@
 
 import re
 import time
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
-from benchmarks.bench import clean_up, temporary_home
+from benchmarks.bench import let_go, temporary_home
 from benchmarks.figures import Results
 from benchmarks.hosted import Locked, chatterer, controller
 from tests.robot import Robot, start
@@ -22,7 +22,7 @@ def cold_start(results: Results) -> None:
         started = time.monotonic()
         robot = start(home)
         results.sample("P6", (time.monotonic() - started) * 1000)
-        _end(robot, home)
+        let_go(robot)
 
 
 def first_bytes(results: Results) -> None:
@@ -30,7 +30,7 @@ def first_bytes(results: Results) -> None:
     with temporary_home() as home, controller(home / "tty") as device:
         robot = start(home, profile=_profile(home, str(home / "tty")))
         heard = bytes(device.heard)
-        _end(robot, home)
+        let_go(robot)
     lines = [line.strip() for line in heard.split(b"\r")]
     odd = [f"before ready the controller heard {line!r}" for line in lines if not HARMLESS.fullmatch(line)]
     results.check("P6 bytes", odd if len(lines) > 3 else ["the controller heard nothing"])
@@ -46,7 +46,7 @@ def without_device(results: Results, trouble: str) -> None:
             robot = start(home, profile=_profile(home, str(tty)))
             results.sample("P7", (time.monotonic() - started) * 1000)
             results.check("P7", _not_told(robot, trouble))
-            _end(robot, home)
+            let_go(robot)
 
 
 def starts(results: Results, n: int) -> None:
@@ -80,9 +80,3 @@ def _profile(home: Path, tty: str) -> str:
     path = home / "bench.toml"
     path.write_text(f'robot = "lbr"\n[devices]\nmotor_controller = "{tty}"\nrange_board = "{home}/nothing"\n')
     return str(path)
-
-
-def _end(robot: Robot, home: Path) -> None:
-    with suppress(Exception):
-        robot.close()
-    clean_up(home)

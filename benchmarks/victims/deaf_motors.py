@@ -1,19 +1,18 @@
-"""A motor driver broken on purpose: what it was told once holds until it is told otherwise."""
+"""A motor driver broken on purpose: once it moves, neither time nor a zero nor a silent sender stops it."""
 
 from dataclasses import replace
 
 from lbr.drivers import roboteq
-from lbr.drivers.roboteq.arming import Arming
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.drivers.roboteq.controller import Controller
 
 
 class DeafMotors(Roboteq):
     def _decide(self, controller: Controller) -> None:
-        kept = self._arming.setpoint
+        kept = self._arming
         super()._decide(controller)
-        if self._arming.setpoint is None and kept is not None:
-            self._arming = Arming(setpoint=kept)
+        if kept.moving and not self._arming.moving:
+            self._arming = kept
 
 
 KIND = replace(roboteq.KIND, name="deaf_motors", entry=DeafMotors)

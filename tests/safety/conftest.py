@@ -8,6 +8,7 @@ from benchmarks.bench import Bench, bench
 from benchmarks.figures import Results
 from benchmarks.promises import PROMISES
 
+TRIES = 2
 GRADED = ("S13 gone", "S13 ready", "P1 motors", "P1 drive", "P5 gone", "P5 ready", "P6", "P8 edit", "S18 interval")
 """Times that a busy machine may stretch without anybody being hurt."""
 
@@ -23,16 +24,17 @@ def over_their_limit(results: Results) -> list[str]:
 
 
 def holds(scenario: Callable[[Results], None]) -> Results:
-    """Run a scenario and fail on what must never be; one that was only late on a busy machine is tried once more."""
-    results = Results(PROMISES)
-    for _ in range(2):
+    """Run a scenario and fail on what must never be; one that a busy machine made late or spoiled is tried again."""
+    complaints: list[str] = []
+    for _ in range(TRIES):
         results = Results(PROMISES)
         scenario(results)
         assert not results.violations()
         assert results.by_figure, "the scenario measured nothing"
-        if not over_their_limit(results):
+        complaints = [*over_their_limit(results), *results.disturbed]
+        if not complaints:
             return results
-    pytest.fail("; ".join(over_their_limit(results)))
+    pytest.fail("; ".join(complaints))
 
 
 @pytest.fixture(scope="module")
