@@ -261,3 +261,23 @@ def test_the_commands_that_the_readme_begins_with_are_the_ones_that_are_checked(
     installed = run.split(" && ")[1]
     assert installed.endswith("pip install -e '.[sim]'")
     assert test.split(" && ")[1] == installed.replace("[sim]", "[sim,dev]")
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(30)
+def test_the_first_command_of_the_readme_starts_a_robot_in_a_new_home(tmp_path):
+    command = next(b.text for b in blocks(ROOT / "README.md") if b.marker == "<!-- run-command -->").split(" && ")[-1]
+    arguments = command.strip().split("/lbr ")[1].split()
+    environment = {key: value for key, value in os.environ.items() if key != "LBR_HOME"} | {"HOME": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", "lbr.cli", *arguments],
+        env=environment,
+        input="status\nShutdown\n",
+        capture_output=True,
+        text=True,
+        timeout=20,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "shutting down" in done.stdout
+    assert (tmp_path / ".lbr" / "robot.db").stat().st_mode & 0o777 == 0o600
