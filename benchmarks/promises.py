@@ -13,6 +13,8 @@ PROMISES: dict[str, Promise] = {
     "F6": Promise(what="outputs within the configured maximum and slew, in every scenario"),
     "P1 motors": Promise(what="kill -9 motor driver, to ready", target=500, statistic="p95", hard=2000),
     "P1 drive": Promise(what="kill -9 drive, to ready", target=1000, statistic="p95", hard=2000),
+    "P1 ranges": Promise(what="kill -9 range driver, to ready", target=500, statistic="p95", hard=2000),
+    "P1 world": Promise(what="kill -9 simulated world, to ready", target=1000, statistic="p95", hard=2000),
     "S8": Promise(what="client killed, hung up or gone, to motor zero", hard=STOP_HARD_MS),
     "S8 clean": Promise(what="client leaves, to motor zero", target=50, statistic="p50", hard=STOP_HARD_MS),
     "S13": Promise(what="crash from within (6 ways, driver and app), to motor zero", hard=STOP_HARD_MS),

@@ -35,6 +35,7 @@ SCENARIOS: dict[str, tuple[Scenario, float]] = {
     "S18": (bounds.bounds, 1.0),
     "E1": (estop.estop, 1.0),
     "F7": (writers.one_writer, 0.1),
+    "P1": (kills.kill_others, 0.2),
     "P4": (shutdown.shutdowns, 0.15),
     "P5": (crashes.hangs, 0.1),
     "P6": (starts.starts, 0.3),

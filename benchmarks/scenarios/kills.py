@@ -9,6 +9,7 @@ from benchmarks.figures import Results
 
 DEATHS_BEFORE_FORGETTING = 3
 AFTERMATH_S = 0.25
+OTHERS = ("ranges", "world")
 
 
 def kill_process(under_test: Bench, name: str, figure: str, ready_figure: str = "") -> None:
@@ -40,6 +41,17 @@ def _many(results: Results, n: int, name: str, figure: str) -> None:
             if turn and turn % DEATHS_BEFORE_FORGETTING == 0:
                 under_test.forget_deaths(name)
             kill_process(under_test, name, figure, f"P1 {name}" if turn % DEATHS_BEFORE_FORGETTING == 0 else "")
+
+
+def kill_others(results: Results, n: int) -> None:
+    """P1 of what moves nothing by itself: a standing robot, so that only the recovery counts."""
+    with bench(results) as under_test:
+        for turn in range(n):
+            for name in OTHERS:
+                pid = under_test.pid(name)
+                under_test.ready_again(name, pid, under_test.kill(pid), f"P1 {name}")
+                if turn < n - 1:
+                    under_test.forget_deaths(name)
 
 
 def kill_executive(results: Results, n: int) -> None:

@@ -1,0 +1,122 @@
+"""What a whole simulated robot costs: time to ready, CPU while idle, private memory, process by process.
+
+`python -m benchmarks.footprint --seconds 20`. Private memory (USS) stands beside as many processes that have a zenoh
+session and nothing else. The world is listed and left out of the sum: a real robot has none. Exit code 1 if a hard
+value is broken: ready in 3 s.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+
+from benchmarks.bench import Bench, let_go, processes_of, temporary_home
+from benchmarks.clients import idle
+from lbr.bus.session import leaf_environment
+from tests.robot import Robot, start
+
+READY_HARD_S = 3.0
+SIMULATION = "world"
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seconds", type=float, default=20.0)
+    seconds = parser.parse_args().seconds
+    with temporary_home() as home:
+        (home / "robot.db").unlink()
+        began = time.monotonic()
+        robot = start(home)
+        ready_s = time.monotonic() - began
+        try:
+            costs = _costs(robot, seconds)
+        finally:
+            let_go(robot)
+    with _bare(len(costs)) as bare:
+        Bench.pass_time(1.0)
+        bare_mib = [_private_mib(process) for process in bare]
+    _show(costs, bare_mib, ready_s, seconds)
+    return 0 if ready_s <= READY_HARD_S else 1
+
+
+def _costs(robot: Robot, seconds: float) -> dict[str, tuple[float, float]]:
+    """Return CPU in percent of one core and private MiB by process."""
+    Bench.pass_time(2.0)
+    names = _names(robot)
+    before = {pid: _cpu_s(psutil.Process(pid)) for pid in names}
+    began = time.monotonic()
+    Bench.pass_time(seconds)
+    spent_s = time.monotonic() - began
+    return {
+        name: ((_cpu_s(psutil.Process(pid)) - before[pid]) / spent_s * 100, _private_mib(psutil.Process(pid)))
+        for pid, name in names.items()
+    }
+
+
+def _names(robot: Robot) -> dict[int, str]:
+    units = {unit["pid"]: unit["name"] for unit in robot.line("/report/health")["data"]["capabilities"]}
+    names = {robot.popen.pid: "executive (with the router)"} | units
+    for process in processes_of(robot.home):
+        names.setdefault(process.pid, f"child of {names.get(process.ppid(), process.ppid())}")
+    return names
+
+
+def _show(costs: dict[str, tuple[float, float]], bare_mib: list[float], ready_s: float, seconds: float) -> None:
+    print(f"`lbr run` to ready, database made: {ready_s:.2f} s (hard {READY_HARD_S:g} s)")
+    print(f"idle for {seconds:g} s\n")
+    print("| process | CPU, % of a core | private memory, MiB |\n|---|--:|--:|")
+    for name, (cpu, memory) in costs.items():
+        print(f"| {name} | {cpu:.1f} | {memory:.1f} |")
+    counted = [cost for name, cost in costs.items() if name != SIMULATION]
+    cpu, memory = sum(cost[0] for cost in counted), sum(cost[1] for cost in counted)
+    print(f"| all but the simulation | {cpu:.1f} | {memory:.1f} |")
+    print(f"| {len(counted)} processes with a bare zenoh session | | {sum(bare_mib[: len(counted)]):.1f} |")
+    print(f"\nratio of memory: {memory / sum(bare_mib[: len(counted)]):.2f}")
+
+
+@contextmanager
+def _bare(count: int) -> Iterator[list[psutil.Process]]:
+    """Run a bare router and clients of it, `count` processes in all."""
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+        endpoint = f"unixsock-stream/{Path(place) / 'bare.sock'}"
+        popens = [_idle("router", endpoint)]
+        try:
+            popens += [_idle("client", endpoint) for _ in range(count - 1)]
+            yield [psutil.Process(popen.pid) for popen in popens]
+        finally:
+            for popen in reversed(popens):
+                popen.communicate()
+
+
+def _idle(mode: str, endpoint: str) -> "subprocess.Popen[str]":
+    popen = subprocess.Popen(
+        [sys.executable, idle.__file__, mode, endpoint],
+        env=leaf_environment() if mode == "client" else None,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert popen.stdout is not None
+    if popen.stdout.readline().strip() != "ready":
+        raise AssertionError(f"the bare {mode} did not start")
+    return popen
+
+
+def _cpu_s(process: psutil.Process) -> float:
+    times = process.cpu_times()
+    return float(times.user + times.system)
+
+
+def _private_mib(process: psutil.Process) -> float:
+    return float(process.memory_full_info().uss) / 2**20
+
+
+if __name__ == "__main__":
+    sys.exit(main())
