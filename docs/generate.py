@@ -419,7 +419,7 @@ def cli_page() -> str:
 
 
 def _helps(command: click.Command, name: str, parent: click.Context | None) -> Iterable[tuple[str, str]]:
-    settings: dict[str, Any] = {"terminal_width": 100, "max_content_width": 100} | command.context_settings
+    settings = {"terminal_width": 100, "max_content_width": 100, **command.context_settings}
     with click.Context(command, info_name=name, parent=parent, **settings) as context:
         yield context.command_path, "\n".join(line.rstrip() for line in command.get_help(context).splitlines())
         if isinstance(command, click.Group):
