@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -107,6 +108,31 @@ def test_every_column_of_every_table_is_in_the_reference():
         for (column,) in database.execute("SELECT name FROM pragma_table_info(?)", (table,)):
             assert f"| `{column}` |" in sections[table], f"{table}.{column}"
     database.close()
+
+
+def code(page: Path) -> str:
+    """What a page shows as code: its fenced blocks and what stands in backquotes."""
+    text = page.read_text()
+    fenced = [block.text for block in blocks(page) if block.language in {"sh", "console"}]
+    outside = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
+    return "\n".join([*fenced, *re.findall(r"`([^`\n]+)`", outside)])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_commands_that_a_page_names_exist(page):
+    from lbr.cli import COMMANDS
+
+    for command, word in re.findall(r"((?:^|[/ ])lbr ([a-z]+)(?: [a-z-]+)*)", code(page), flags=re.MULTILINE):
+        assert word in COMMANDS, f"{name(page)} names '{command.strip()}'"
+
+
+def test_every_dependency_is_explained():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = [one for group in project["optional-dependencies"].values() for one in group]
+    page = (ROOT / "docs" / "dependencies.md").read_text()
+    for one in (*project["dependencies"], *extras):
+        package = re.split(r"[<>=!~\[ ]", one)[0]
+        assert f"`{package}`" in page, f"{package} is not in docs/dependencies.md"
 
 
 def messages(page: Path) -> list[str]:
