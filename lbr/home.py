@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
-from lbr.errors import AlreadyRunningError
+from lbr.errors import AlreadyRunningError, InputError
 
 SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a suffix for its lock file
 
@@ -27,16 +27,12 @@ class Running(Struct, frozen=True, kw_only=True):
 
 def home() -> Path:
     """Return the home, created for its owner alone if need be."""
-    path = Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute()
-    path.mkdir(mode=0o700, parents=True, exist_ok=True)
-    return path
+    return _made(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute())
 
 
 def directory(name: str) -> Path:
     """Return a subdirectory of the home, created for its owner alone if need be."""
-    path = home() / name
-    path.mkdir(mode=0o700, parents=True, exist_ok=True)
-    return path
+    return _made(home() / name)
 
 
 def default_database() -> Path:
@@ -50,9 +46,8 @@ def socket_path(robot: str) -> Path:
     if len(str(path)) <= SOCKET_PATH_LIMIT:
         return path
     short = Path(tempfile.gettempdir()) / f"lbr-{os.getuid()}-{blake2b(str(path).encode(), digest_size=6).hexdigest()}"
-    short.mkdir(mode=0o700, exist_ok=True)
-    if short.stat().st_uid != os.getuid():
-        raise PermissionError(f"{short} belongs to somebody else; set TMPDIR or LBR_HOME to a place of your own")
+    if _made(short).stat().st_uid != os.getuid():
+        raise InputError(f"{short} belongs to somebody else; set TMPDIR or LBR_HOME to a place of your own")
     return short / f"{robot}.sock"
 
 
@@ -95,6 +90,14 @@ class RunLock:
         """Let go."""
         self._record.unlink(missing_ok=True)
         os.close(self._fd)
+
+
+def _made(path: Path) -> Path:
+    try:
+        path.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as err:
+        raise InputError(f"{path} cannot be made ({err.strerror}); set LBR_HOME to a directory of your own") from err
+    return path
 
 
 def _is_locked(path: Path) -> bool:

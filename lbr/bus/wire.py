@@ -11,6 +11,7 @@ from typing import Any
 import msgspec
 import zenoh
 
+from lbr.bus import keys
 from lbr.bus import stamp as stamps
 from lbr.errors import BusError
 
@@ -278,6 +279,11 @@ def put(session: zenoh.Session, key: str, message: Any, *, source: str, urgent: 
         congestion_control=zenoh.CongestionControl.BLOCK if urgent else zenoh.CongestionControl.DROP,
         express=urgent,
     )
+
+
+def alive(session: zenoh.Session, robot: str, name: str) -> zenoh.LivelinessToken:
+    """Show that a capability is there, until its session ends."""
+    return session.liveliness().declare_token(keys.alive(robot, name))
 
 
 class Presence:

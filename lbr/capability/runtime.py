@@ -123,7 +123,7 @@ class ProcessContext:
         }
         self._schemas = _serve_schemas(self._bus, config, kind)
         self._presence = wire.Presence(self._bus, config.robot, lambda _name, _alive: wake())
-        self._token = self._bus.liveliness().declare_token(keys.alive(config.robot, config.name))
+        self._token = wire.alive(self._bus, config.robot, config.name)
 
     def clock(self) -> float:
         """Monotonic seconds."""

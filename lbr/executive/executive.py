@@ -192,6 +192,7 @@ class Executive:
         self._lines = wire.Served(bus, keys.console(robot), self._main.wake, puts=False, source="executive")
         self._status_out = wire.Publisher(bus, keys.status(robot), "executive")
         self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._main.wake())
+        self._alive = wire.alive(bus, robot, plans.EXECUTIVE)
         (Path(self._site.home) / "run" / f"{robot}-devices").mkdir(mode=0o700, exist_ok=True)
         self._lock.publish(
             home.Running(
