@@ -1,7 +1,6 @@
 """The `lbr` command. Every subcommand is imported only when it runs, so that all of them start fast."""
 
 import importlib
-import os
 import sys
 from importlib import metadata
 
@@ -82,8 +81,6 @@ def main(arguments: list[str] | None = None) -> int:
         code = _complain(_explained(err), err.exit_code)
     except (click.Abort, KeyboardInterrupt):
         code = INTERRUPTED
-    except BrokenPipeError:
-        code = _quiet()
     except LbrError as err:
         code = _complain(str(err), code_of(err))
     return code if isinstance(code, int) else 0
@@ -106,12 +103,6 @@ def _complain(text: str, code: int) -> int:
     for line in text.splitlines() or ["failed"]:
         print(f"lbr: {line}", file=sys.stderr)
     return code
-
-
-def _quiet() -> int:
-    """Nobody reads on: let the interpreter's last flush go nowhere."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return 0
 
 
 if __name__ == "__main__":
