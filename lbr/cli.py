@@ -48,9 +48,9 @@ class LazyGroup(click.Group):
         """Import a command."""
         if cmd_name not in COMMANDS:
             return None
-        command = importlib.import_module(f"lbr.console.commands.{COMMANDS[cmd_name][0]}").command
+        command = importlib.import_module(f"lbr.commands.{COMMANDS[cmd_name][0]}").command
         if not isinstance(command, click.Command):
-            raise TypeError(f"lbr.console.commands.{cmd_name} has no command")
+            raise TypeError(f"lbr.commands.{cmd_name} has no command")
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002

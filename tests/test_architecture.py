@@ -31,7 +31,7 @@ FLOORS = {
     "console": BUS | {"console", "database", "home"},
     "executive": CAPABILITY | {"executive", "console", "database", "home"},
 }
-TOP = {"cli", "console.commands"}
+TOP = {"cli", "commands"}
 """What people start: may import everything below."""
 
 OWNERS = {
@@ -75,9 +75,9 @@ def imports(source: str, module: str, *, package: bool = False) -> set[str]:
 
 
 def floor(module: str) -> str:
-    """The floor of `lbr.drivers.roboteq.protocol` is `drivers`; commands stand above the console."""
+    """The floor of `lbr.drivers.roboteq.protocol` is `drivers`."""
     parts = module.split(".")
-    return "console.commands" if parts[1:3] == ["console", "commands"] else parts[1] if len(parts) > 1 else ""
+    return parts[1] if len(parts) > 1 else ""
 
 
 def forbidden(source: str, module: str, *, package: bool = False) -> list[str]:
@@ -108,7 +108,7 @@ def test_imports_go_down_only_and_each_library_has_one_owner(path):
         ("lbr.drivers.roboteq.capability", "from lbr.operations.drive import KIND"),
         ("lbr.drivers.roboteq.capability", "from lbr.executive import plan"),
         ("lbr.simulation.roboteq", "from lbr.drivers.roboteq import protocol"),
-        ("lbr.executive.executive", "from lbr.console.commands import run"),
+        ("lbr.executive.executive", "from lbr.commands import run"),
         ("lbr.console.terminal", "def f():\n    from lbr.executive import executive"),
         ("lbr.capability.runtime", "import zenoh"),
         ("lbr.executive.plan", "from sqlalchemy.orm import Session"),

@@ -8,6 +8,7 @@ import json
 import os
 import secrets
 import signal
+import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -213,7 +214,10 @@ class Executive:
 
     def _close(self) -> None:
         self._happened("shutdown", "executive", self._stopping or "shutdown", "info")
+        leaving = self._leave_terminal()
         self._supervisor.shut_down(self._wait)
+        while leaving is not None and leaving.is_alive():  # its last lines may still ask something of this thread
+            self._wait(0.02)
         self._external.close()
         self._serve()
         self._pool.shutdown(wait=False, cancel_futures=True)
@@ -364,6 +368,15 @@ class Executive:
     def _stop(self, why: str) -> None:
         self._stopping = self._stopping or why
         self._main.wake()
+
+    @staticmethod
+    def _leave_terminal() -> threading.Thread | None:
+        local = sys.modules.get("lbr.console.local")
+        if local is None:
+            return None
+        leaving = threading.Thread(target=local.leave, name="leave-terminal")
+        leaving.start()
+        return leaving
 
     def _start_terminal(self) -> None:
         from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console

@@ -17,6 +17,7 @@ HANG_S = 1.2
 HANG_STARTING_S = 10.0
 HANG_DEGRADED_S = 4.0
 TERM_S = 0.8
+DEGRADED_PATIENCE_S = 1.5
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
 
@@ -106,10 +107,12 @@ class Supervisor:
         return [(slot, slot.child) for slot in slots.values() if slot.child is not None]
 
     def settled(self) -> bool:
-        """Say whether everything that should run does, or has given up."""
-        return not self._leaving and all(
-            slot.phase in RUNNING | HELD or self._held_up(slot) for slot in self.slots.values()
-        )
+        """Say whether everything that should run does, or has given up; what is degraded gets a moment to recover."""
+        return not self._leaving and all(self._is_settled(slot) for slot in self.slots.values())
+
+    def _is_settled(self, slot: Slot) -> bool:
+        patience_over = self._clock() - slot.started_at > DEGRADED_PATIENCE_S
+        return slot.phase in HELD | {"ready"} or (slot.phase == "degraded" and patience_over) or self._held_up(slot)
 
     def _held_up(self, slot: Slot) -> bool:
         """Say whether it waits for something that will not come by itself."""

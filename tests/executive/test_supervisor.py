@@ -8,7 +8,7 @@ import pytest
 
 from lbr.capability.config import ProcessConfig, Report
 from lbr.executive.plan import Change, Unit
-from lbr.executive.supervisor import HANG_S, HANG_STARTING_S, TERM_S, Supervisor
+from lbr.executive.supervisor import DEGRADED_PATIENCE_S, HANG_S, HANG_STARTING_S, TERM_S, Supervisor
 
 
 class FakeProcess:
@@ -255,3 +255,11 @@ def test_ready_means_visible_on_the_bus():
     stage.supervisor.step()
     assert stage.phase("motors") == "ready"
     assert stage.starts("drive") == 1
+
+
+def test_a_degraded_capability_gets_a_moment_before_the_robot_counts_as_ready():
+    stage = Stage(unit("ranges"))
+    stage.says("ranges", "degraded", "waiting for the first reading")
+    assert not stage.supervisor.settled()
+    stage.passes(DEGRADED_PATIENCE_S + 0.2, beating=["ranges"])
+    assert stage.supervisor.settled()

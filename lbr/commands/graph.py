@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from lbr.console.commands.options import json_option, print_json
+from lbr.commands.options import json_option, print_json
 
 
 @click.command("graph")
@@ -17,8 +17,8 @@ from lbr.console.commands.options import json_option, print_json
 def command(robot: str | None, database: Path | None, as_dot: bool, as_json: bool) -> int:
     """Show who feeds whom, from the rows; with states and rates if the robot runs here."""
     from lbr import home  # noqa: PLC0415 - only now is the database needed
+    from lbr.commands.rows import opened, robot_in  # noqa: PLC0415
     from lbr.console import wiring  # noqa: PLC0415
-    from lbr.console.commands.rows import opened, robot_in  # noqa: PLC0415
 
     here = [one for one in home.running() if robot in {None, one.robot}]
     record = here[0] if len(here) == 1 and database in {None, Path(here[0].database)} else None
@@ -37,8 +37,8 @@ def command(robot: str | None, database: Path | None, as_dot: bool, as_json: boo
 
 def _running(record: object) -> tuple[dict[str, str], dict[str, float]]:
     from lbr import home  # noqa: PLC0415
+    from lbr.commands.status import ask  # noqa: PLC0415
     from lbr.console import target  # noqa: PLC0415
-    from lbr.console.commands.status import ask  # noqa: PLC0415
     from lbr.errors import BusError  # noqa: PLC0415
 
     if not isinstance(record, home.Running):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from lbr.console.commands.options import json_option, print_json
+from lbr.commands.options import json_option, print_json
 
 
 def _file(function: click.decorators.FC) -> click.decorators.FC:
@@ -41,7 +41,7 @@ def init(database: Path | None, sql: Path | None) -> int:
 def check(database: Path | None, robot: str | None, as_json: bool) -> int:
     """Check the rows of every robot, as a start would: rows, kinds, settings, wiring and verbs. Exit code 2 if bad."""
     from lbr import home  # noqa: PLC0415
-    from lbr.console.commands.rows import opened  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
@@ -67,7 +67,7 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
 def diff(database: Path | None, as_json: bool) -> int:
     """Show what differs from the rows that ship with lbr. Exit code 0 either way."""
     from lbr import home  # noqa: PLC0415
-    from lbr.console.commands.rows import opened  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
     from lbr.database.difference import differences  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:

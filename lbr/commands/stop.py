@@ -7,7 +7,7 @@ import time
 
 import click
 
-from lbr.console.commands.options import robot_options
+from lbr.commands.options import robot_options
 
 GONE_S = 15.0
 POLL_S = 0.05

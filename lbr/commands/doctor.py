@@ -2,7 +2,7 @@
 
 import click
 
-from lbr.console.commands.options import json_option, print_json
+from lbr.commands.options import json_option, print_json
 
 MARKS = {"good": ("ok  ", "green"), "hint": ("hint", "yellow"), "bad": ("BAD ", "red")}
 
@@ -11,7 +11,7 @@ MARKS = {"good": ("ok  ", "green"), "hint": ("hint", "yellow"), "bad": ("BAD ", 
 @json_option
 def command(as_json: bool) -> int:
     """Look for what is wrong with this machine, and say what to type. Needs no running robot. Exit code 1 if bad."""
-    from lbr.console.commands import checks  # noqa: PLC0415 - it looks at much that other commands do not need
+    from lbr.commands import checks  # noqa: PLC0415 - it looks at much that other commands do not need
 
     found = []
     for finding in checks.examine():

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lbr.console.commands.options import json_option, print_json, robot_options
+from lbr.commands.options import json_option, print_json, robot_options
 
 if TYPE_CHECKING:
     from lbr.console.target import Target

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from lbr.console.commands.options import robot_options
+from lbr.commands.options import robot_options
 
 if TYPE_CHECKING:
     from msgspec import Struct

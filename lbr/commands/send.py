@@ -4,7 +4,7 @@ import sys
 
 import click
 
-from lbr.console.commands.options import json_option, print_json, robot_options
+from lbr.commands.options import json_option, print_json, robot_options
 
 
 @click.command("send", context_settings={"ignore_unknown_options": True})

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lbr.console.commands.options import json_option, print_json, robot_options
+from lbr.commands.options import json_option, print_json, robot_options
 
 if TYPE_CHECKING:
     from lbr.bus.session import Session

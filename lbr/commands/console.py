@@ -2,7 +2,7 @@
 
 import click
 
-from lbr.console.commands.options import robot_options
+from lbr.commands.options import robot_options
 
 
 @click.command("console")
