@@ -52,7 +52,7 @@ def main() -> int:
         return _write_docs(arguments.json or RESULTS)
     report = measure(arguments.only or list(SCENARIOS), arguments.n, arguments.load)
     if arguments.json:
-        arguments.json.write_bytes(msgspec.json.format(msgspec.json.encode(report), indent=1) + b"\n")
+        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
     if arguments.table or not arguments.json:
         print(table(report.results))
     return _tell(report.results)

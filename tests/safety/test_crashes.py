@@ -5,7 +5,7 @@ import pytest
 from benchmarks.bench import bench
 from benchmarks.figures import Results
 from benchmarks.scenarios import crashes
-from tests.safety.conftest import holds
+from tests.safety.limits import holds
 
 pytestmark = pytest.mark.timeout(30)
 SIDES = (crashes.motor_driver_fails, crashes.driving_app_fails)

@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks.scenarios import kills
-from tests.safety.conftest import holds
+from tests.safety.limits import holds
 
 pytestmark = pytest.mark.timeout(30)
 

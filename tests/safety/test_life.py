@@ -5,7 +5,7 @@ import pytest
 from benchmarks.bench import bench
 from benchmarks.figures import Results
 from benchmarks.scenarios import crashes, edits, shutdown, starts
-from tests.safety.conftest import holds
+from tests.safety.limits import holds
 
 pytestmark = pytest.mark.timeout(30)
 

@@ -6,7 +6,7 @@ from benchmarks.bench import bench
 from benchmarks.figures import Results
 from benchmarks.promises import PROMISES
 from benchmarks.scenarios import clients, kills
-from tests.safety.conftest import over_their_limit
+from tests.safety.limits import over_their_limit
 
 pytestmark = pytest.mark.timeout(30)
 
