@@ -147,6 +147,16 @@ class Bench:
         units: list[dict[str, Any]] = self.robot.line("/report/health")["data"]["capabilities"]
         return next(unit for unit in units if unit["name"] == name)
 
+    def all_ready(self, limit_s: float = 6.0) -> None:
+        """Wait until everything has been ready for a moment, not only on its way through."""
+
+        def ready() -> bool:
+            return {unit["phase"] for unit in self.robot.line("/report/health")["data"]["capabilities"]} == {"ready"}
+
+        for _ in range(2):
+            self.until(ready, limit_s, "all ready", every_s=0.02)
+            self.pass_time(0.1)
+
     def kill(self, pid: int, number: int = signal.SIGKILL) -> int:
         """Signal a process; return the moment before."""
         at_ns = time.monotonic_ns()

@@ -33,7 +33,7 @@ SCENARIOS: dict[str, tuple[Scenario, float]] = {
     "S8": (clients.clients_gone, 0.3),
     "S13": (crashes.crashes, 0.1),
     "S18": (bounds.bounds, 1.0),
-    "E1": (estop.estop, 1.0),
+    "E1": (estop.estop, 1.5),
     "F7": (writers.one_writer, 0.1),
     "P1": (kills.kill_others, 0.2),
     "P4": (shutdown.shutdowns, 0.15),

@@ -3,7 +3,7 @@
 import json
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -13,6 +13,7 @@ from lbr.bus import stamp, wire
 
 INTERVAL_EARLY_MS, INTERVAL_LATE_MS = -20.0, 40.0
 RENEW_S = 0.1
+WALL_NEAR_CM, WALL_FAR_CM = 380.0, 415.0
 FAR_M, NEAR_M, TARGET_CM = 1.5, 0.6, 90.0
 
 
@@ -42,14 +43,30 @@ def range_crossed(under_test: Bench) -> None:
         frame_ns = _see(under_test, lambda metres: metres < 1.0)
         zero = under_test.stopped_after("S18 range", frame_ns)
     under_test.stays_at_rest(zero)
+    _pin(under_test, None)
+
+
+def wall_approached(under_test: Bench) -> None:
+    """Drive towards the real wall to one distance, and back to another."""
+    _until_range(under_test, 0.0, WALL_NEAR_CM, lambda metres: metres <= WALL_NEAR_CM / 100)
+    _until_range(under_test, 180.0, WALL_FAR_CM, lambda metres: metres >= WALL_FAR_CM / 100)
 
 
 def bounds(results: Results, n: int) -> None:
     """S18."""
     with bench(results) as under_test:
+        for _ in range(max(1, n // 4)):
+            wall_approached(under_test)
         for _ in range(n):
             interval(under_test)
             range_crossed(under_test)
+
+
+def _until_range(under_test: Bench, angle_deg: float, range_cm: float, crossed: Callable[[float], bool]) -> None:
+    with _held(under_test, {"angle_deg": angle_deg, "range_cm": range_cm, "sensor": "forward"}):
+        under_test.wait_for_motion()
+        zero = under_test.stopped_after("S18 range", _see(under_test, crossed))
+    under_test.stays_at_rest(zero)
 
 
 @contextmanager
@@ -75,13 +92,13 @@ def _held(under_test: Bench, limits: dict[str, Any]) -> Iterator[int]:
         renewing.join()
 
 
-def _pin(under_test: Bench, metres: float) -> None:
+def _pin(under_test: Bench, metres: float | None) -> None:
     request = {"device": "range_board", "name": "range_forward_m", "value": metres}
     reply = under_test.robot.ask("world/fault", request)
     assert reply["accepted"], reply
 
 
-def _see(under_test: Bench, wanted: Any) -> int:
+def _see(under_test: Bench, wanted: Callable[[float], bool]) -> int:
     """Wait for the first frame whose forward distance is as wanted; return when the driver had it."""
     robot = under_test.robot
     frames = wire.Subscription(robot.bus, f"{robot.name}/ranges/readings", depth=64)

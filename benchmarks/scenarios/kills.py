@@ -48,6 +48,7 @@ def kill_others(results: Results, n: int) -> None:
     with bench(results) as under_test:
         for turn in range(n):
             for name in OTHERS:
+                under_test.all_ready()
                 pid = under_test.pid(name)
                 under_test.ready_again(name, pid, under_test.kill(pid), f"P1 {name}")
                 if turn < n - 1:
