@@ -77,7 +77,7 @@ CREATE TABLE device (
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     type     TEXT NOT NULL  -- what it is; a kind says which type it drives
         CHECK (type GLOB '[a-z]*' AND type NOT GLOB '*[^a-z0-9_]*' AND length(type) <= 40),
-    address  TEXT NOT NULL  -- a tty path, i2c:BUS:ADDRESS, unix:PATH, sim:
+    address  TEXT NOT NULL  -- a path, usb:VID:PID[:SERIAL], by-id:GLOB, i2c:BUS:ADDRESS, unix:PATH
         CHECK (length(address) BETWEEN 1 AND 500),
     settings TEXT NOT NULL DEFAULT '{}'  -- JSON object: what its type may set, such as the faults of its emulated twin
         CHECK (json_valid(settings) AND json_type(settings) = 'object'),

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -36,7 +37,12 @@ def _open(settings: dict[str, Any], what: str) -> Session:
     try:
         return zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
     except zenoh.ZError as err:
-        raise BusError(f"{what}: {err}") from err
+        raise BusError(f"{what}: {_plain(err)}") from err
+
+
+def _plain(err: Exception) -> str:
+    """Leave out where in the library's source an error was raised."""
+    return re.sub(r" at /\S+", "", str(err)).rstrip(". !")
 
 
 def open_router(listen: Sequence[str]) -> Session:

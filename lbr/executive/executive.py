@@ -73,6 +73,7 @@ class Executive:
         self._main = MainThread()
         self._stopping = ""
         self._code = 0
+        self._status_due = 0.0
         self._ready = False
         self._problems: tuple[str, ...] = ()
         self._recent: list[Event] = []
@@ -230,7 +231,7 @@ class Executive:
     # -- the loop ---------------------------------------------------------------------------------------------------
 
     def _loop(self, *, announce: bool) -> None:
-        rows_at = status_at = 0.0
+        rows_at = 0.0
         version = self._database.data_version()
         while not self._stopping:
             now = time.monotonic()
@@ -242,12 +243,12 @@ class Executive:
                 rows_at = now + LOOK_AT_ROWS_S
                 version = self._look_at_rows(version)
                 self._external.prune({row.name for row in self.plan.rows.external_commands})
-            if now >= status_at:
-                status_at = now + STATUS_S
+            if now >= self._status_due:
+                self._status_due = now + STATUS_S
                 self._status_out.put(self._status())
             if not self._ready and self._supervisor.settled():
                 self._became_ready(announce=announce)
-            self._wait(max(0.0, min(due, rows_at - now, status_at - now, again - now)))
+            self._wait(max(0.0, min(due, rows_at - now, self._status_due - now, again - now)))
 
     def _wait(self, timeout_s: float) -> None:
         children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
@@ -360,6 +361,7 @@ class Executive:
         return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages)
 
     def _happened(self, kind: str, subject: str, text: str, level: str = "info") -> None:
+        self._status_due = 0.0
         self._journal.happened(kind, subject, text, level)
 
     def _remember(self, event: Event) -> None:

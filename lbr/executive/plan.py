@@ -216,6 +216,7 @@ def _unit(
         wiring=_wiring(row.name, kinds, channels, site, robot),
         outputs={name: _outputs(row.name, name, kinds, channels, site, robot) for name in ports.outputs},
         requests=_requests(row.name, kinds, channels, robot),
+        calibration={c.name: c.value for c in rows.calibrations if device and c.device == device},
         release_key=site.seal(keys.estop_release(robot, row.name)),
     )
     return Unit(
