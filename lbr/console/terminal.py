@@ -9,6 +9,7 @@ from pathlib import Path
 from prompt_toolkit import PromptSession
 from prompt_toolkit.application import create_app_session
 from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
+from prompt_toolkit.filters import Condition
 from prompt_toolkit.formatted_text import StyleAndTextTuples
 from prompt_toolkit.history import FileHistory, History, InMemoryHistory
 from prompt_toolkit.input import Input
@@ -191,7 +192,21 @@ class Terminal:
             else:
                 event.current_buffer.insert_text(text)
 
+        @keys.add("c-c")
+        def _interrupt(event: KeyPressEvent) -> None:
+            self._let_go()
+            event.app.exit(exception=KeyboardInterrupt, style="class:aborting")
+
+        @keys.add("c-d", filter=Condition(lambda: not self._session.default_buffer.text))
+        def _end_of_input(event: KeyPressEvent) -> None:
+            self._let_go()
+            event.app.exit(exception=EOFError, style="class:exiting")
+
         return keys
+
+    def _let_go(self) -> None:
+        """Stop the motors now; a terminal that does not answer queries keeps the prompt from ending for a second."""
+        threading.Thread(target=self._operator.release, name="let go", daemon=True).start()
 
 
 def describe(event: Event) -> str:
