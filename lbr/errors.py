@@ -21,6 +21,10 @@ class InputError(LbrError, ValueError):
     """A line, option or file from a person that cannot be understood; the text says what is allowed."""
 
 
+class MalformedError(LbrError, ValueError):
+    """Bytes that are no message of the type they should be; one line says why."""
+
+
 class BusError(LbrError, ConnectionError):
     """The bus cannot be reached or did not answer."""
 

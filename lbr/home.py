@@ -3,6 +3,7 @@
 import fcntl
 import os
 import tempfile
+import time
 from hashlib import blake2b
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from msgspec import Struct
 
 from lbr.errors import AlreadyRunningError, InputError
 
+LOOKERS_S = 0.1
 SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a suffix for its lock file
 
 
@@ -71,13 +73,11 @@ class RunLock:
         self._robot = robot
         self._record = directory("run") / f"{robot}.json"
         self._fd = os.open(self._record.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        try:
-            fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+        if not _locked_within(self._fd, LOOKERS_S):
             os.close(self._fd)
             raise AlreadyRunningError(
                 f"robot '{robot}' already runs here; 'lbr status' shows it and 'lbr stop' ends it"
-            ) from None
+            )
 
     def publish(self, record: Running) -> None:
         """Say how to reach the robot; readable by the owner alone."""
@@ -98,6 +98,20 @@ def _made(path: Path) -> Path:
     except OSError as err:
         raise InputError(f"{path} cannot be made ({err.strerror}); set LBR_HOME to a directory of your own") from err
     return path
+
+
+def _locked_within(fd: int, limit_s: float) -> bool:
+    """Take the lock; whoever only looks whether a robot runs holds it for an instant."""
+    end = time.monotonic() + limit_s
+    while True:
+        try:
+            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > end:
+                return False
+            time.sleep(0.01)
+        else:
+            return True
 
 
 def _is_locked(path: Path) -> bool:

@@ -49,8 +49,3 @@ def alive(robot: str, capability: str) -> str:
 def schema(robot: str, capability: str, name: str) -> str:
     """Return the key that answers with the JSON Schema of a stream or command."""
     return f"{robot}/@schema/{capability}/{name}"
-
-
-def last_part(key: str) -> str:
-    """Return what follows the last slash."""
-    return key.rpartition("/")[2]

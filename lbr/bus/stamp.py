@@ -8,9 +8,11 @@ from pathlib import Path
 
 import msgspec
 
+from lbr.bus.codec import Decoder
+from lbr.errors import MalformedError
 from lbr.messages.system import Stamp
 
-_decoder = msgspec.json.Decoder(Stamp)
+_decoder = Decoder(Stamp)
 _encoder = msgspec.json.Encoder()
 MAX_STAMP_BYTES = 2048
 
@@ -24,14 +26,20 @@ def boot_id() -> str:
         return ""
 
 
-def _seal(key: bytes, payload: bytes, seq: int, mono_ns: int) -> str:
-    return hashlib.blake2b(payload + b"|%d|%d" % (seq, mono_ns), key=key, digest_size=16).hexdigest()
+def _seal(key: bytes, payload: bytes, seq: int, mono_ns: int, boot: str) -> bytes:
+    sealed = payload + b"|%d|%d|" % (seq, mono_ns) + boot.encode()
+    return hashlib.blake2b(sealed, key=key, digest_size=16).hexdigest().encode()
 
 
-def make(source: str, seq: int, payload: bytes = b"", key: bytes = b"", *, token: str = "") -> bytes:
-    """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it."""
-    mono_ns = time.monotonic_ns()
-    seal = _seal(key, payload, seq, mono_ns) if key else ""
+def make(
+    source: str, seq: int, payload: bytes = b"", key: bytes = b"", *, token: str = "", sent_s: float | None = None
+) -> bytes:
+    """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it.
+
+    `sent_s` is when what is passed on was sent first, on this machine's monotonic clock; now, if it is not given.
+    """
+    mono_ns = time.monotonic_ns() if sent_s is None else int(sent_s * 1e9)
+    seal = _seal(key, payload, seq, mono_ns, boot_id()).decode() if key else ""
     stamp = Stamp(
         source=source, seq=seq, mono_ns=mono_ns, wall_ns=time.time_ns(), boot=boot_id(), seal=seal, token=token
     )
@@ -44,7 +52,7 @@ def read(attachment: bytes | None) -> Stamp | None:
         return None
     try:
         return _decoder.decode(attachment)
-    except msgspec.DecodeError:
+    except MalformedError:
         return None
 
 
@@ -52,4 +60,12 @@ def genuine(stamp: Stamp | None, payload: bytes, key: bytes) -> bool:
     """Say whether a stamp's seal fits its payload and key."""
     if stamp is None:
         return False
-    return hmac.compare_digest(stamp.seal, _seal(key, payload, stamp.seq, stamp.mono_ns))
+    expected = _seal(key, payload, stamp.seq, stamp.mono_ns, stamp.boot)
+    return hmac.compare_digest(stamp.seal.encode(errors="replace"), expected)
+
+
+def sent_s(stamp: Stamp | None, arrived: float) -> float:
+    """Return when a message was sent, on our monotonic clock; when it arrived, if its sender's clock is another."""
+    if stamp is None or not stamp.boot or stamp.boot != boot_id():
+        return arrived
+    return min(arrived, stamp.mono_ns / 1e9)

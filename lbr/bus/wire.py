@@ -19,7 +19,6 @@ JSON = zenoh.Encoding.APPLICATION_JSON
 MAX_COMMAND_BYTES = 64 * 1024
 MAX_WAITING_COMMANDS = 64
 encode = msgspec.json.Encoder().encode
-NO_ATTACHMENT = b""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +28,14 @@ class Raw:
     key: str
     payload: bytes
     attachment: bytes
+    arrived: float
 
 
 def raw(sample: zenoh.Sample) -> Raw:
     """Take a sample's bytes out of Zenoh."""
     attachment = sample.attachment
-    return Raw(
-        str(sample.key_expr), sample.payload.to_bytes(), attachment.to_bytes() if attachment is not None else b""
-    )
+    taken = attachment.to_bytes() if attachment is not None else b""
+    return Raw(str(sample.key_expr), sample.payload.to_bytes(), taken, time.monotonic())
 
 
 def _leave(err: BaseException) -> None:
@@ -248,17 +247,20 @@ def ask(
     *,
     source: str,
     timeout_s: float = 2.0,
-    token: str = "",
     seal: bytes = b"",
+    sent_s: float | None = None,
 ) -> list[Raw]:
-    """Query a key and wait for all answers; an empty list means that nobody answered in time."""
+    """Query a key and wait for all answers; an empty list means that nobody answered in time.
+
+    `sent_s` is when what is passed on was said first, so that nobody takes it for fresher than it is.
+    """
     payload = encode(message) if message is not None else b""
     try:
         replies = session.get(
             key,
             payload=payload,
             encoding=JSON,
-            attachment=stamps.make(source, 0, payload, seal, token=token),
+            attachment=stamps.make(source, 0, payload, seal, sent_s=sent_s),
             timeout=timeout_s,
             consolidation=zenoh.ConsolidationMode.NONE,
         )

@@ -1,15 +1,15 @@
 """Commands as a capability sees them: decoded, attributed, and answered exactly once."""
 
-import time
 from collections.abc import Callable
 from typing import Any
 
-import msgspec
 from msgspec import Struct
 
 from lbr.bus import stamp, wire
+from lbr.bus.codec import Decoder
+from lbr.errors import MalformedError
 from lbr.messages.drive import CommandReply
-from lbr.messages.system import Role, Stamp
+from lbr.messages.system import Role
 
 UNSTAMPED = "a bus client"
 
@@ -25,7 +25,7 @@ class BusCall:
         self.message = message
         self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
         self.role: Role = "operate"
-        self.arrived = min(request.arrived, _sent(found))
+        self.arrived = stamp.sent_s(found, request.arrived)
         self._request = request
         self._owner = owner
         self._refused = refused
@@ -41,23 +41,10 @@ class BusCall:
         self.reply(CommandReply(accepted=False, reason=reason))
 
 
-def _sent(found: Stamp | None) -> float:
-    """Return when a command left, on our clock; now if its sender's clock is another."""
-    now = time.monotonic()
-    return min(now, found.mono_ns / 1e9) if found is not None and found.boot == stamp.boot_id() != "" else now
-
-
-def explain(err: Exception) -> str:
-    """Say in one line what is wrong with a message."""
-    if isinstance(err, msgspec.ValidationError):
-        return f"malformed command: {err}"
-    return f"not JSON: {err}"
-
-
 class Answers:
     """A question to several capabilities; complete once all have answered or run out of time."""
 
-    def __init__(self, questions: dict[str, wire.Question], decoder: msgspec.json.Decoder[Any]) -> None:
+    def __init__(self, questions: dict[str, wire.Question], decoder: Decoder[Any]) -> None:
         self._questions = questions
         self._decoder = decoder
 
@@ -70,5 +57,5 @@ class Answers:
     def _decode(self, question: wire.Question) -> Any:
         try:
             return self._decoder.decode(question.replies[0].payload) if question.replies else None
-        except msgspec.DecodeError:
+        except MalformedError:
             return None

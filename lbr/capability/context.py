@@ -13,7 +13,7 @@ S_co = TypeVar("S_co", bound=Struct, covariant=True)
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """A message with its stamp (None: the sender gave none) and its arrival on this process's monotonic clock."""
+    """A message with its stamp (None: the sender gave none), and when it was sent, or else came, on our clock."""
 
     message: Any
     stamp: Stamp | None
@@ -21,7 +21,7 @@ class Received:
     source: str
 
     def age_s(self, now: float) -> float:
-        """Seconds since it arrived."""
+        """Seconds since then."""
         return now - self.arrived
 
 

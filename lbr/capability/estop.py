@@ -1,14 +1,16 @@
 """The emergency stop inside a process that moves something: a latch fed by a session of its own."""
 
+import threading
+import time
 from collections.abc import Callable
 
-import msgspec
-
 from lbr.bus import keys, session, stamp, wire
+from lbr.bus.codec import Decoder
 from lbr.capability.config import ProcessConfig
+from lbr.errors import MalformedError
 from lbr.messages.system import EstopAcknowledgement, EstopRequest
 
-_decoder = msgspec.json.Decoder(EstopRequest)
+_decoder = Decoder(EstopRequest)
 
 
 class EstopLatch:
@@ -23,16 +25,18 @@ class EstopLatch:
         self._said: EstopAcknowledgement | None = None
         self._again = False
         self._noticed = False
-        self._releases = 0
+        self._lock = threading.Lock()
+        self._pressed_ns = self._released_ns = time.monotonic_ns()
         self._session = session.open_client(config.endpoints)
         self._ack_key = keys.estop_acknowledgement(config.robot, config.name)
-        self._pressed = wire.Subscription(self._session, keys.estop(config.robot), depth=8, wake=self._press)
+        self._presses = wire.Subscription(self._session, keys.estop(config.robot), depth=8, wake=self._press)
         release = keys.estop_release(config.robot, config.name)
         self._release = wire.Served(self._session, release, wake, puts=False, source=config.name)
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
         """Say whether the device has acknowledged the stop; sent when that changes or when the stop is repeated."""
-        self._noticed = self.engaged
+        with self._lock:
+            self._noticed = self.engaged
         said = EstopAcknowledgement(capability=self._name, engaged=self.engaged, stopped=stopped, reason=reason)
         if said != self._said or self._again:
             self._said, self._again = said, False
@@ -41,37 +45,44 @@ class EstopLatch:
     def serve(self) -> None:
         """Answer releases; called by the process's loop."""
         for request in self._release.take():
-            found = stamp.read(request.attachment)
-            proven = stamp.genuine(found, request.payload, self._release_key) and found is not None
-            if not proven or found is None or found.mono_ns <= self._releases:
-                request.reply({"accepted": False, "reason": "only the executive releases"}, self._name)
-            elif self.engaged and not self._noticed:  # a stop is never so short that nobody stopped
-                request.reply({"accepted": False, "reason": "it has not stopped yet"}, self._name)
-            else:
-                self._releases = found.mono_ns
-                self.engaged, self.reason, self._said, self._noticed = False, "", None, False
-                request.reply({"accepted": True}, self._name)
+            with self._lock:
+                why_not = self._why_not(request)
+                if not why_not:
+                    self.engaged, self.reason, self._said, self._noticed = False, "", None, False
+            request.reply({"accepted": not why_not, "reason": why_not}, self._name)
 
     def close(self) -> None:
         """Leave the bus."""
         self._session.close()
 
     def _press(self) -> None:
-        for message in self._pressed.take():
-            reason = self._reason(message.payload)
+        for message in self._presses.take():
+            reason = _reason(message.payload)
             if reason is not None:
-                self.reason = reason or "pressed"
-                self.engaged = True
-                self._again = True
+                with self._lock:
+                    self.reason, self.engaged = reason or "pressed", True
+                    self._again, self._noticed, self._pressed_ns = True, False, time.monotonic_ns()
         self._wake()
 
-    @staticmethod
-    def _reason(payload: bytes) -> str | None:
-        try:
-            request = _decoder.decode(payload)
-        except msgspec.DecodeError:
-            return "an emergency stop that could not be read"
-        return request.reason if request.engaged else None
+    def _why_not(self, request: wire.Request) -> str:
+        """Return why a release does not count: it must be the executive's, be new, and come after the last press."""
+        found = stamp.read(request.attachment)
+        if found is None or not stamp.genuine(found, request.payload, self._release_key):
+            return "only the executive releases"
+        if found.mono_ns <= max(self._released_ns, self._pressed_ns):
+            return "it was pressed again meanwhile"
+        if self.engaged and not self._noticed:  # a stop is never so short that nobody stopped
+            return "it has not stopped yet"
+        self._released_ns = found.mono_ns
+        return ""
+
+
+def _reason(payload: bytes) -> str | None:
+    try:
+        request = _decoder.decode(payload)
+    except MalformedError:
+        return "an emergency stop that could not be read"
+    return request.reason if request.engaged else None
 
 
 class NothingToStop:

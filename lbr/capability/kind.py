@@ -40,6 +40,13 @@ class Kind:
     moves: bool = False
     device: str = ""
 
+    def __post_init__(self) -> None:
+        """Refuse ports that are not messages."""
+        for ports in (self.inputs, self.setpoints, self.outputs, self.commands, self.replies, self.requests):
+            for name, message in ports.items():
+                if not (isinstance(message, type) and issubclass(message, Struct)):
+                    raise TypeError(f"kind '{self.name}': port '{name}' must carry a msgspec Struct, not {message!r}")
+
     def parse(self, settings: str | bytes) -> Any:
         """Return the settings of a row, checked; raise msgspec.ValidationError naming the field."""
         return msgspec.json.decode(settings, type=self.settings)

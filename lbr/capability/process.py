@@ -31,6 +31,7 @@ CRASHED = 70
 CLOSE_LIMIT_S = 0.5
 RETRY_FIRST_S = 0.2
 RETRY_MOST_S = 2.0
+STEADY_S = 5.0
 TELL_DEGRADED_S = 0.5
 
 
@@ -79,15 +80,17 @@ class Process:
         self._capability = capability = make(ctx)
         gc.collect()
         gc.freeze()
-        retry_s = RETRY_FIRST_S
+        retry_s, opened = RETRY_FIRST_S, time.monotonic()
         while not self._stopping:
             try:
                 capability.open()
                 ctx.ready()
-                retry_s = RETRY_FIRST_S
+                opened = time.monotonic()
                 self._loop(ctx, capability)
             except DeviceError as err:
                 capability.close()
+                if time.monotonic() - opened > STEADY_S:
+                    retry_s = RETRY_FIRST_S
                 self._wait_degraded(ctx, capability, str(err), retry_s)
                 retry_s = min(retry_s * 2, RETRY_MOST_S)
         self._reporter.phase("stopping")

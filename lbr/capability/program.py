@@ -7,6 +7,7 @@ from msgspec import Meta, Struct
 from lbr.capability.kind import Kind
 
 Word = Annotated[str, Meta(min_length=1, max_length=4096, pattern="^[^\\x00]*$")]
+Variable = Annotated[str, Meta(pattern="^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)]
 Port = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
 
 
@@ -20,7 +21,7 @@ class ProgramSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     inputs: tuple[Port, ...] = ()
     outputs: tuple[Port, ...] = ()
     commands: tuple[Port, ...] = ()
-    env: dict[str, str] = {}
+    env: dict[Variable, Word] = {}
     ready: Literal["start", "token"] = "start"
 
 

@@ -42,7 +42,10 @@ def find(name: str, home: Path) -> Kind:
         raise KindError(f"'{name}' is no kind's name: kinds are words like 'roboteq', not paths or code")
     point = _installed().get(name)
     if point is not None:
-        kind = point.load()
+        try:
+            kind = point.load()
+        except Exception as err:
+            raise KindError(f"the installed kind '{name}' does not load: {type(err).__name__}: {err}") from err
     else:
         path = user_directory(home) / f"{name}.py"
         if not path.is_file():

@@ -10,12 +10,14 @@ import msgspec
 from msgspec import Struct
 
 from lbr.bus import keys, session, stamp, wire
-from lbr.capability.calls import UNSTAMPED, Answers, BusCall, explain
+from lbr.bus.codec import Decoder
+from lbr.capability.calls import UNSTAMPED, Answers, BusCall
 from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Call, Device, EmergencyStop, Received
 from lbr.capability.estop import EstopLatch, NothingToStop
 from lbr.capability.kind import Kind
 from lbr.capability.reporter import Reporter
+from lbr.errors import MalformedError
 from lbr.messages.drive import CheckVerdict
 from lbr.messages.system import Event
 
@@ -35,7 +37,7 @@ class Port:
     ) -> None:
         self.sources = tuple(wire.source for wire in wires)
         self.last: Received | None = None
-        self._decoder = msgspec.json.Decoder(kind)
+        self._decoder = Decoder(kind)
         self._complain = complain
         self._fresh: deque[Received] = deque(maxlen=max((wire.history for wire in wires), default=1))
         self._next: dict[str, float] = {}
@@ -79,8 +81,9 @@ class Port:
                 return None
             self._next[feed.key] = now + 0.9 / feed.rate_hz
         try:
-            return Received(self._decoder.decode(raw.payload), found, now, source)
-        except (msgspec.DecodeError, RecursionError) as err:
+            message = self._decoder.decode(raw.payload)
+            return Received(message, found, stamp.sent_s(found, raw.arrived), source)
+        except MalformedError as err:
             self._complain(feed.key, f"a message on {feed.key} from '{source}' is malformed: {err}")
             return None
 
@@ -103,6 +106,7 @@ class ProcessContext:
         self._reporter = reporter
         self._wake = wake
         self._complained: dict[str, float] = {}
+        self._dropped: dict[str, int] = {}
         self._bus = session.open_client(config.endpoints)
         self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
         self._outputs = {
@@ -117,7 +121,7 @@ class ProcessContext:
         self._commands = {
             name: (
                 wire.Served(self._bus, keys.port(config.robot, config.name, name), wake, source=config.name),
-                msgspec.json.Decoder(message),
+                Decoder(message),
             )
             for name, message in kind.commands.items()
         }
@@ -158,7 +162,7 @@ class ProcessContext:
             name: wire.Question(self._bus, key, payload, timeout_s=timeout_s, source=self.name, wake=self._wake)
             for name, key in asked.items()
         }
-        return Answers(questions, msgspec.json.Decoder(self._kind.replies.get(request, CheckVerdict)))
+        return Answers(questions, Decoder(self._kind.replies.get(request, CheckVerdict)))
 
     def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
         """Publish on `@event`."""
@@ -179,6 +183,9 @@ class ProcessContext:
         self.estop.serve()
         calls: list[Call] = []
         for name, (served, decoder) in self._commands.items():
+            if served.dropped > self._dropped.get(name, 0):
+                self._dropped[name] = served.dropped
+                self._refused(served.key, f"too many commands at once on {served.key}; {served.dropped} were dropped")
             for request in served.take():
                 call = BusCall(name, None, request, self.name, lambda who, why: self._refused(who, f"{who}: {why}"))
                 if len(request.payload) > wire.MAX_COMMAND_BYTES:
@@ -186,8 +193,8 @@ class ProcessContext:
                     continue
                 try:
                     call.message = decoder.decode(request.payload or b"{}")
-                except (msgspec.DecodeError, RecursionError) as err:
-                    call.refuse(explain(err))
+                except MalformedError as err:
+                    call.refuse(f"malformed command: {err}")
                     continue
                 calls.append(call)
         return calls

@@ -7,8 +7,9 @@ from collections.abc import Callable
 import msgspec
 
 from lbr.bus import wire
+from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
-from lbr.errors import BusError
+from lbr.errors import BusError, MalformedError
 from lbr.messages.drive import CommandReply, GoalResult, StopCommand
 from lbr.messages.system import Hold
 
@@ -18,8 +19,8 @@ RESULT_WAIT_S = 0.5
 STOP_WAIT_S = 1.0
 MAX_WAITING = 4
 
-_replies = msgspec.json.Decoder(CommandReply)
-_results = msgspec.json.Decoder(GoalResult)
+_replies = Decoder(CommandReply)
+_results = Decoder(GoalResult)
 
 
 class Ending(msgspec.Struct, frozen=True, kw_only=True):
@@ -84,7 +85,7 @@ class Holder:
     def _run(self) -> None:
         try:
             self._renew_until_ended()
-        except BusError as err:
+        except Exception as err:  # noqa: BLE001 - whoever waits for the end must be told
             self._end(Ending(good=False, text=f"the bus is gone ({err}); the robot has stopped by itself"))
 
     def _renew_until_ended(self) -> None:
@@ -130,7 +131,7 @@ class Holder:
     def _read_reply(self, payload: bytes) -> None:
         try:
             reply = _replies.decode(payload)
-        except msgspec.DecodeError:
+        except MalformedError:
             return
         if reply.accepted:
             self._answered = self._clock()
@@ -142,7 +143,7 @@ class Holder:
     def _read_result(self, payload: bytes) -> None:
         try:
             result = _results.decode(payload)
-        except msgspec.DecodeError:
+        except MalformedError:
             return
         if result.goal == self.hold.goal:
             self._end(Ending(good=result.result in {"reached", "interval"}, text=describe(result)))

@@ -5,14 +5,14 @@ import time
 from collections.abc import Callable
 from typing import Any, Generic, Protocol, TypeVar
 
-import msgspec
 from msgspec import Struct
 
 from lbr.bus import keys, wire
+from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console.hold import Ending, Holder, stop
 from lbr.console.printable import clean
-from lbr.errors import BusError, InputError
+from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
 from lbr.messages.motors import MotorsState
 from lbr.messages.sensing import Ranges
@@ -189,8 +189,8 @@ class BusOperator:
         if not question.replies:
             raise BusError(f"robot '{self.robot}' does not answer; 'lbr status' shows what runs")
         try:
-            return msgspec.json.decode(question.replies[0].payload, type=ConsoleResult)
-        except msgspec.DecodeError as err:
+            return Decoder(ConsoleResult).decode(question.replies[0].payload)
+        except MalformedError as err:
             raise BusError(f"robot '{self.robot}' gave an answer that cannot be read ({err})") from None
 
 
@@ -220,8 +220,8 @@ class _Latest:
         found = []
         for raw in self._events.take():
             try:
-                found.append(msgspec.json.decode(raw.payload, type=Event))
-            except msgspec.DecodeError:
+                found.append(Decoder(Event).decode(raw.payload))
+            except MalformedError:
                 continue
         return found
 
@@ -233,7 +233,7 @@ class _Latest:
 
 class _Slot(Generic[T]):
     def __init__(self, session: Session, key: str, kind: type[T]) -> None:
-        self._decoder = msgspec.json.Decoder(kind)
+        self._decoder = Decoder(kind)
         self._feed = wire.Subscription(session, key)
         self._last: T | None = None
         self._seen = time.monotonic()
@@ -246,7 +246,7 @@ class _Slot(Generic[T]):
         for raw in self._feed.take():
             try:
                 self._last, self._seen = self._decoder.decode(raw.payload), time.monotonic()
-            except msgspec.DecodeError:
+            except MalformedError:
                 continue
         return self._last if fresh_s is None or self.age_s < fresh_s else None
 

@@ -5,14 +5,14 @@ import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import msgspec
 from msgspec import Struct
 
 from lbr import home
 from lbr.bus import probe, session, wire
+from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console.printable import listed, shown
-from lbr.errors import BusError, InputError
+from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.system import Status
 
 
@@ -76,6 +76,6 @@ def _behind(connect: str, robot: str | None, here: list[home.Running]) -> Target
 
 def _robot_of(answer: wire.Raw) -> str:
     try:
-        return msgspec.json.decode(answer.payload, type=Status).robot
-    except msgspec.DecodeError:
+        return Decoder(Status).decode(answer.payload).robot
+    except MalformedError:
         return ""

@@ -3,15 +3,15 @@
 from collections.abc import Iterable
 from typing import Any
 
-import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.bus import keys, probe, wire
+from lbr.bus.codec import Decoder, decode
 from lbr.bus.session import Session
 from lbr.console.fields import Field, properties
 from lbr.console.printable import listed, shown
-from lbr.errors import InputError
+from lbr.errors import InputError, MalformedError
 from lbr.messages.system import Status
 
 
@@ -89,15 +89,15 @@ def _rates(answers: list[wire.Raw]) -> dict[str, float]:
     if not answers:
         return {}
     try:
-        status = msgspec.json.decode(answers[0].payload, type=Status)
-    except msgspec.DecodeError:
+        status = Decoder(Status).decode(answers[0].payload)
+    except MalformedError:
         return {}
     return {f"{one.name}/{output}": rate for one in status.capabilities for output, rate in one.rates_hz.items()}
 
 
 def _decoded(payload: bytes) -> dict[str, Any]:
     try:
-        value = msgspec.json.decode(payload)
-    except msgspec.DecodeError:
+        value = decode(payload)
+    except MalformedError:
         return {}
     return value if isinstance(value, dict) else {}

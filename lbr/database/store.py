@@ -28,7 +28,7 @@ from lbr.errors import InputError, RowError
 from lbr.messages.system import Event
 
 APPLICATION_ID = 0x4C425231
-EVENT_PATIENCE_S = 0.1
+PATIENCE_S = 0.1
 
 
 def create(path: Path, sql: Path | None = None) -> None:
@@ -103,7 +103,7 @@ class Database:
 
         Waits for other writers a tenth of a second only, because events can be written later.
         """
-        with self._writing(patience_s=EVENT_PATIENCE_S) as connection:
+        with self._writing(patience_s=PATIENCE_S) as connection:
             history.append_events(connection, events, self._wall_ns())
 
     def events(self, limit: int = 100) -> tuple[Event, ...]:
@@ -125,8 +125,9 @@ class Database:
         self._update_robot(robot, durable=False, last_shutdown=self._now())
 
     def set_estop(self, robot: str, *, engaged: bool, reason: str) -> None:
-        """Latch or release the emergency stop; on return it is on the disk."""
-        self._update_robot(robot, durable=True, estop_engaged=int(engaged), estop_reason=history.storable(reason))
+        """Latch or release the emergency stop; on return it is on the disk. Waits 0.1 s at most for other writers."""
+        told = history.storable(reason)
+        self._update_robot(robot, durable=True, patience_s=PATIENCE_S, estop_engaged=int(engaged), estop_reason=told)
 
     def save_calibration(self, robot: str, device: str, values: dict[str, float]) -> None:
         """Write a device's calibration, all of it or none; on return it is on the disk."""
@@ -182,8 +183,10 @@ class Database:
             with transaction(self._connection, "IMMEDIATE") as connection:
                 yield connection
 
-    def _update_robot(self, robot: str, *, durable: bool, **columns: str | int) -> None:
-        with self._writing(durable=durable) as connection:
+    def _update_robot(
+        self, robot: str, *, durable: bool, patience_s: float = BUSY_TIMEOUT_S, **columns: str | int
+    ) -> None:
+        with self._writing(durable=durable, patience_s=patience_s) as connection:
             done = connection.execute(update(Robot).where(Robot.name == robot).values(columns))
             if done.rowcount != 1:
                 raise RowError((f"database {self.path} has no robot '{robot}': name one of its robots",))

@@ -1,6 +1,7 @@
 """One process of ours: started with its document, watched by heartbeat and pidfd, ended for certain."""
 
 import contextlib
+import fcntl
 import json
 import os
 import signal
@@ -11,15 +12,18 @@ from typing import IO
 
 import msgspec
 
+from lbr.bus.codec import Decoder
 from lbr.bus.keys import alive
 from lbr.bus.session import leaf_environment
 from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
+from lbr.errors import MalformedError
 from lbr.executive.plan import Unit
 
 LOG_LIMIT_BYTES = 2_000_000
-_reports = msgspec.json.Decoder(Report)
+LARGEST_DOCUMENT_BYTES = 1 << 20
+_reports = Decoder(Report)
 
 
 def open_log(path: Path) -> IO[bytes]:
@@ -43,54 +47,61 @@ class Child:
 
     def __init__(self, unit: Unit, config: ProcessConfig, log: IO[bytes]) -> None:
         self.unit = unit
+        self.reports_fd = -1
         self._buffer = b""
+        self._popen = _start_program(unit.program, config, log) if unit.program else self._start(config, log)
+        self.pid = self._popen.pid
+        try:
+            self.pid_fd = os.pidfd_open(self.pid)
+        except OSError:
+            self.kill()
+            self._popen.wait()
+            raise
+
+    @property
+    def fds(self) -> tuple[int, ...]:
+        """File descriptors that have news of it."""
+        return (self.pid_fd,) if self.reports_fd < 0 else (self.pid_fd, self.reports_fd)
+
+    def _start(self, config: ProcessConfig, log: IO[bytes]) -> "subprocess.Popen[bytes]":
+        document = msgspec.json.encode(config) + b"\n"
+        if len(document) > LARGEST_DOCUMENT_BYTES:
+            raise ValueError(f"its settings and wiring have {len(document)} bytes, more than a process can be given")
         self.reports_fd, report_fd = os.pipe()
         os.set_blocking(self.reports_fd, False)
         try:
-            self._popen = self._start(unit, config, log, report_fd)
+            popen = subprocess.Popen(
+                [sys.executable, "-P", "-m", "lbr.capability.process", f"{config.robot}/{config.name}"],
+                stdin=subprocess.PIPE,
+                stdout=log,
+                stderr=log,
+                env=_environment(config) | {HEARTBEAT_VARIABLE: str(report_fd)},
+                pass_fds=(report_fd,),
+                start_new_session=True,
+            )
         except BaseException:
             os.close(self.reports_fd)
             raise
         finally:
             os.close(report_fd)
-        self.pid = self._popen.pid
-        self.pid_fd = os.pidfd_open(self.pid)
-
-    @staticmethod
-    def _start(unit: Unit, config: ProcessConfig, log: IO[bytes], report_fd: int) -> "subprocess.Popen[bytes]":
-        environment = leaf_environment() | {"LBR_HOME": config.home}
-        if unit.program is not None:
-            return subprocess.Popen(
-                tethered(unit.program.argv),
-                stdin=subprocess.DEVNULL,
-                stdout=log,
-                stderr=log,
-                env=environment | program_environment(unit.program, config),
-                start_new_session=True,
-            )
-        popen = subprocess.Popen(
-            [sys.executable, "-P", "-m", "lbr.capability.process", f"{config.robot}/{unit.name}"],
-            stdin=subprocess.PIPE,
-            stdout=log,
-            stderr=log,
-            env=environment | {HEARTBEAT_VARIABLE: str(report_fd)},
-            pass_fds=(report_fd,),
-            start_new_session=True,
-        )
         assert popen.stdin is not None
-        try:
-            popen.stdin.write(msgspec.json.encode(config) + b"\n")
+        fcntl.fcntl(popen.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)  # so that writing never waits for a reader
+        with contextlib.suppress(BrokenPipeError):  # it died at once; its end is seen where every end is
+            popen.stdin.write(document)
             popen.stdin.flush()
-        except BrokenPipeError:
-            pass  # it died at once; its end is seen where every end is
         return popen
 
     def reports(self) -> list[Report]:
         """Return what the process has said since the last call; an empty report is a heartbeat."""
+        if self.reports_fd < 0:
+            return []
         try:
             part = os.read(self.reports_fd, 65536)
         except BlockingIOError:
             return []
+        if not part:  # it closed its end, and will say no more
+            os.close(self.reports_fd)
+            self.reports_fd = -1
         self._buffer = (self._buffer + part)[-65536:]
         *lines, self._buffer = self._buffer.split(b"\n")
         return [_decode(line) for line in lines]
@@ -108,16 +119,33 @@ class Child:
         return self._popen.poll()
 
     def close(self) -> None:
-        """Let go of its file descriptors after its end."""
+        """Let go of it after its end, and end what it started and left behind."""
+        self.kill()
         if self._popen.stdin is not None:
             with contextlib.suppress(BrokenPipeError):
                 self._popen.stdin.close()
-        os.close(self.reports_fd)
+        if self.reports_fd >= 0:
+            os.close(self.reports_fd)
         os.close(self.pid_fd)
 
     def _signal(self, number: int) -> None:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self.pid, number)
+
+
+def _start_program(program: ProgramSettings, config: ProcessConfig, log: IO[bytes]) -> "subprocess.Popen[bytes]":
+    return subprocess.Popen(
+        tethered(program.argv),
+        stdin=subprocess.DEVNULL,
+        stdout=log,
+        stderr=log,
+        env=_environment(config) | program_environment(program, config),
+        start_new_session=True,
+    )
+
+
+def _environment(config: ProcessConfig) -> dict[str, str]:
+    return leaf_environment() | {"LBR_HOME": config.home}
 
 
 def program_environment(program: ProgramSettings, config: ProcessConfig) -> dict[str, str]:
@@ -138,5 +166,5 @@ def _decode(line: bytes) -> Report:
         return Report()
     try:
         return _reports.decode(line)
-    except msgspec.DecodeError:
+    except MalformedError:
         return Report()

@@ -5,15 +5,16 @@ import contextlib
 import io
 import json
 import time
+import traceback
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import msgspec
 
-from lbr.bus import keys, stamp, wire
+from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall, Vocabulary
-from lbr.errors import InputError, LbrError
+from lbr.errors import InputError, LbrError, MalformedError
 from lbr.executive.plan import Plan
 from lbr.messages.drive import DriveCommand
 from lbr.messages.system import ConsoleResult, Event, Hold, Role, Status
@@ -22,6 +23,17 @@ DONE, FAILED, BAD_INPUT = 0, 1, 2
 RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
 REPORTS = ("telemetry", "settings", "statistics", "health", "events")
 MAX_RUN_S = 30.0
+MOST_LEASES = 256
+DEAD_LEASE = "lease is dead"
+
+
+class _Speaker(NamedTuple):
+    """Who says a line, with which rights, whether at the robot's own terminal, and when."""
+
+    source: str
+    role: Role
+    local: bool
+    sent_s: float
 
 
 class Robot(Protocol):
@@ -76,48 +88,52 @@ class Dispatcher:
             "restart": self._restart,
         }
 
-    def execute(self, line: str | bytes, *, source: str, role: Role, local: bool = False) -> ConsoleResult:
-        """Return what became of a line; never raises for what a person can type."""
+    def execute(
+        self, line: str | bytes, *, source: str, role: Role, local: bool = False, sent_s: float | None = None
+    ) -> ConsoleResult:
+        """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock."""
         try:
             parsed = self._robot.vocabulary.parse(line)
-            return ConsoleResult(code=DONE, text="") if parsed is None else self._run(parsed, source, role, local)
+            if parsed is None:
+                return ConsoleResult(code=DONE, text="")
+            return self._run(parsed, _Speaker(source, role, local, time.monotonic() if sent_s is None else sent_s))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err))
         except LbrError as err:
             return ConsoleResult(code=FAILED, text=str(err))
+        except Exception as err:  # noqa: BLE001 - a fault in one word must not silence the others
+            traceback.print_exception(err)
+            return ConsoleResult(code=FAILED, text=f"this word is broken: {type(err).__name__}: {err}")
 
-    def _run(self, parsed: Parsed, source: str, role: Role, local: bool) -> ConsoleResult:
+    def _run(self, parsed: Parsed, by: _Speaker) -> ConsoleResult:
         if isinstance(parsed, PythonLine):
-            return self._python(parsed.code, source, local)
+            return self._python(parsed.code, by)
         needed: Role = parsed.verb.role if isinstance(parsed, VerbCall) else "operate"
-        if RANKS[role] < RANKS[needed]:
-            return ConsoleResult(code=FAILED, text=f"this needs the role '{needed}', and you have '{role}'")
+        if RANKS[by.role] < RANKS[needed]:
+            return ConsoleResult(code=FAILED, text=f"this needs the role '{needed}', and you have '{by.role}'")
         if isinstance(parsed, ExternalStop):
             return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name))
         if isinstance(parsed, ExternalCall):
             return self._robot.run_external(parsed)
         if parsed.capability == "executive":
-            return self._built_in[parsed.command](parsed, source)
-        return self._ask(parsed, source)
+            return self._built_in[parsed.command](parsed, by.source)
+        return self._ask(parsed, by)
 
-    def _ask(self, call: VerbCall, source: str) -> ConsoleResult:
+    def _ask(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
         name = call.capability
         if name not in self._robot.plan.units:
-            return ConsoleResult(
-                code=FAILED, text=f"'{name}' is not running: its row is disabled or the profile leaves it out"
-            )
-        kind = self._robot.plan.kinds[name]
-        moves = kind.commands.get(call.command) is DriveCommand
+            text = f"'{name}' is not running: its row is disabled or the profile leaves it out"
+            return ConsoleResult(code=FAILED, text=text)
+        moves = self._robot.plan.kinds[name].commands.get(call.command) is DriveCommand
         payload = dict(call.payload)
-        lease = self._leases.get(source, "") if moves else ""
-        answer = self._query(call, payload | ({"lease": lease} if lease else {}), source)
-        if lease and answer is not None and not answer.get("accepted"):
-            self._leases.pop(source, None)
-            again = self._query(call, payload, source)
-            answer = again if again is not None and (again.get("accepted") or "lease" in answer["reason"]) else answer
+        lease = self._leases.get(by.source, "") if moves else ""
+        answer = self._query(call, payload | ({"lease": lease} if lease else {}), by)
+        if lease and answer is not None and str(answer.get("reason", "")).startswith(DEAD_LEASE):
+            self._leases.pop(by.source, None)  # what we held is over; this line may begin anew, dated as it was said
+            answer = self._query(call, payload, by)
         if answer is None:
             return ConsoleResult(code=FAILED, text=f"'{name}' did not answer; {self._why_silent(name)}")
-        return self._told(call, payload, answer, source)
+        return self._told(call, payload, answer, by.source)
 
     def _told(self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], source: str) -> ConsoleResult:
         if "accepted" not in answer:
@@ -133,6 +149,8 @@ class Dispatcher:
                 code=DONE, text=reason or (_flat({call.command: said}) if said else "done"), data=answer
             )
         self._leases[source] = lease
+        while len(self._leases) > MOST_LEASES:
+            self._leases.pop(next(iter(self._leases)))
         robot, name = self._robot.plan.robot, call.capability
         hold = Hold(
             lease=lease,
@@ -142,16 +160,20 @@ class Dispatcher:
             result_key=keys.port(robot, name, "result"),
             payload=payload | {"lease": lease},
             goal=str(answer.get("goal", "")),
-            max_run_s=MAX_RUN_S,
+            max_run_s=self._max_run_s(name),
         )
         return ConsoleResult(code=DONE, text=reason or "accepted", hold=hold, data=answer)
 
-    def _query(self, call: VerbCall, payload: dict[str, Any], source: str) -> dict[str, Any] | None:
+    def _max_run_s(self, name: str) -> float:
+        settings = self._robot.plan.kinds[name].parse(self._robot.plan.units[name].config.settings)
+        return float(getattr(settings, "max_run_s", MAX_RUN_S))
+
+    def _query(self, call: VerbCall, payload: dict[str, Any], by: _Speaker) -> dict[str, Any] | None:
         key = keys.port(self._robot.plan.robot, call.capability, call.command)
-        answers = wire.ask(self._bus, key, payload, source=source, timeout_s=2.0)
+        answers = wire.ask(self._bus, key, payload, source=by.source, timeout_s=2.0, sent_s=by.sent_s)
         if not answers:
             return None
-        decoded = msgspec.json.decode(answers[0].payload)
+        decoded = codec.decode(answers[0].payload)
         return decoded if isinstance(decoded, dict) else {"answer": decoded}
 
     def _why_silent(self, name: str) -> str:
@@ -180,9 +202,10 @@ class Dispatcher:
         for raw in wire.ask(self._bus, f"{self._robot.plan.robot}/*/*", None, source="executive", timeout_s=1.0):
             said = stamp.read(raw.attachment)
             age = (time.monotonic_ns() - said.mono_ns) / 1e9 if said and said.boot == stamp.boot_id() else None
-            value = msgspec.json.decode(raw.payload)
-            if isinstance(value, dict):
-                found[raw.key.partition("/")[2]] = value | ({"age_s": round(age, 3)} if age is not None else {})
+            with contextlib.suppress(MalformedError):  # a picture, say
+                value = codec.decode(raw.payload)
+                if isinstance(value, dict):
+                    found[raw.key.partition("/")[2]] = value | ({"age_s": round(age, 3)} if age is not None else {})
         return dict(sorted(found.items()))
 
     def _settings(self) -> dict[str, Any]:
@@ -222,12 +245,12 @@ class Dispatcher:
         self._robot.restart(name)
         return ConsoleResult(code=DONE, text=f"'{name}' is starting anew")
 
-    def _python(self, code: str, source: str, local: bool) -> ConsoleResult:
-        if not local:
+    def _python(self, code: str, by: _Speaker) -> ConsoleResult:
+        if not by.local:
             return ConsoleResult(
                 code=FAILED, text="Python runs at the terminal that started the robot, and nowhere else"
             )
-        self._robot.note("python", f"{source}: {code[:400]}")
+        self._robot.note("python", f"{by.source}: {code[:400]}")
         out = io.StringIO()
         try:
             with contextlib.redirect_stdout(out):

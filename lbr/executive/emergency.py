@@ -1,6 +1,6 @@
 """The emergency stop's keeper: persists the latch, repeats it until every device has acknowledged, releases it.
 
-Movers hear the stop directly, on sessions of their own; nothing here stands between a press and a motor.
+Movers hear the stop directly, on sessions of their own: what is put on `@estop` reaches them past the executive.
 """
 
 import threading
@@ -8,17 +8,18 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 
-import msgspec
-
 from lbr.bus import keys, session, stamp, wire
-from lbr.errors import LbrError
+from lbr.bus.codec import Decoder
+from lbr.errors import LbrError, MalformedError
 from lbr.messages.system import EstopAcknowledgement, EstopRequest, EstopState
 
 REPEAT_S = 0.05
+REPEAT_LATER_S = 1.0
+REPEAT_FOR_S = 5.0
 ACKNOWLEDGE_LIMIT_S = 0.5
 ECHO_S = 2.0
-_requests = msgspec.json.Decoder(EstopRequest)
-_acknowledgements = msgspec.json.Decoder(EstopAcknowledgement)
+_requests = Decoder(EstopRequest)
+_acknowledgements = Decoder(EstopAcknowledgement)
 
 
 class Emergency:
@@ -34,6 +35,7 @@ class Emergency:
         seal: Callable[[str], str],
         persist: Callable[[bool, str], None],
         happened: Callable[[str, str, str, str], None],
+        reset: Callable[[wire.Request], None],
         wake: Callable[[], None],
     ) -> None:
         self._robot = robot
@@ -42,12 +44,14 @@ class Emergency:
         self._seal = seal
         self._persist = persist
         self._happened = happened
+        self._reset = reset
         self._wake = wake
         self._stopped: set[str] = set()
         self._changed = threading.Condition()
         self._repeat_at = 0.0
         self._repeat_until = 0.0
         self._own_echo_until = 0.0
+        self._count = 0
         self._unsaved = False
         self._save_at = 0.0
         self._news: deque[tuple[str, str, str, str]] = deque(maxlen=100)
@@ -56,7 +60,9 @@ class Emergency:
         acknowledgements = keys.estop_acknowledgement(robot, "*")
         self._said = wire.Subscription(self._session, acknowledgements, depth=64, wake=self._hear_acknowledgements)
         self._latest = wire.Answer(self._session, keys.estop(robot), self.state)
-        self.resets = wire.Served(self._session, keys.estop_reset(robot), wake, puts=False, source="executive")
+        self._resets = wire.Served(
+            self._session, keys.estop_reset(robot), self._hear_resets, puts=False, source="executive"
+        )
 
     def state(self) -> EstopState:
         """Return the latch and who has acknowledged it; from any thread."""
@@ -83,20 +89,40 @@ class Emergency:
         return self.state()
 
     def release(self, source: str) -> str:
-        """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own."""
-        for name in self._movers():
-            key = keys.estop_release(self._robot, name)
-            answers = wire.ask(
-                self._session, key, {}, source="executive", timeout_s=1.0, seal=bytes.fromhex(self._seal(key))
-            )
-            if not any(b'"accepted":true' in answer.payload for answer in answers):
-                return f"'{name}' did not release its emergency stop; it stays latched"
-        self._engaged, self._reason, self._source, self._repeat_until = False, "", "", 0.0
-        self._stopped.clear()
-        self._unsaved = True
-        self._news.append(("estop_reset", "executive", f"emergency stop released by {source}", "warning"))
+        """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own.
+
+        A press that comes meanwhile wins: what was released already is latched again.
+        """
+        with self._changed:
+            presses = self._count
+        why_not = next((text for name in self._movers() if (text := self._release(name))), "")
+        with self._changed:
+            if not why_not and presses != self._count:
+                why_not = "the emergency stop was pressed again meanwhile; it stays latched"
+            if why_not:
+                self._repeat_until = time.monotonic() + REPEAT_FOR_S if self._engaged else 0.0
+                self._stopped.clear()
+            else:
+                self._engaged, self._reason, self._source, self._repeat_until = False, "", "", 0.0
+                self._stopped.clear()
+                self._unsaved = True
+                self._news.append(("estop_reset", "executive", f"emergency stop released by {source}", "warning"))
         self._wake()
-        return ""
+        return why_not
+
+    def forget(self, name: str) -> None:
+        """Take back a mover's acknowledgement: its process is a new one."""
+        with self._changed:
+            self._stopped.discard(name)
+
+    def _release(self, name: str) -> str:
+        key = keys.estop_release(self._robot, name)
+        seal = bytes.fromhex(self._seal(key))
+        answers = wire.ask(self._session, key, {}, source="executive", timeout_s=1.0, seal=seal)
+        if any(b'"accepted":true' in answer.payload for answer in answers):
+            return ""
+        why = "; ".join(answer.payload.decode(errors="replace") for answer in answers) or "no answer"
+        return f"'{name}' did not release its emergency stop ({why}); it stays latched"
 
     def step(self, now: float) -> float:
         """Write down what is new, repeat what is not acknowledged; return when to be called again."""
@@ -104,9 +130,9 @@ class Emergency:
             self._happened(*self._news.popleft())
         if self._unsaved and now >= self._save_at:
             self._save(now)
-        if self._engaged and now < self._repeat_until and self.state().waiting:
+        if self._engaged and self.state().waiting:
             if now >= self._repeat_at:
-                self._repeat_at = now + REPEAT_S
+                self._repeat_at = now + (REPEAT_S if now < self._repeat_until else REPEAT_LATER_S)
                 self._own_echo_until = now + ECHO_S
                 request = EstopRequest(engaged=True, reason=self._reason)
                 wire.put(self._session, keys.estop(self._robot), request, source="executive", urgent=True)
@@ -133,6 +159,10 @@ class Emergency:
             self._changed.notify_all()
         self._wake()
 
+    def _hear_resets(self) -> None:
+        for request in self._resets.take():
+            self._reset(request)
+
     def _hear_acknowledgements(self) -> None:
         with self._changed:
             for raw in self._said.take():
@@ -147,13 +177,14 @@ class Emergency:
             return
         try:
             request = _requests.decode(raw.payload)
-        except (msgspec.DecodeError, RecursionError):
+        except MalformedError:
             request = EstopRequest(engaged=True, reason="an emergency stop that could not be read")
         if not request.engaged:
             text = f"{source} put 'not engaged' on @estop; only a query on @estop/reset releases it"
             self._news.append(("refused", "estop", text, "warning"))
             return
-        self._repeat_until = now + 5.0
+        self._count += 1
+        self._repeat_until = now + REPEAT_FOR_S
         if not self._engaged:
             self._stopped.clear()
             self._engaged, self._reason, self._source = True, request.reason or "pressed", source
@@ -163,6 +194,6 @@ class Emergency:
     def _note(self, raw: wire.Raw) -> None:
         try:
             said = _acknowledgements.decode(raw.payload)
-        except (msgspec.DecodeError, RecursionError):
+        except MalformedError:
             return
         (self._stopped.add if said.stopped and said.engaged else self._stopped.discard)(said.capability)

@@ -11,13 +11,12 @@ import signal
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from msgspec.structs import replace
 
 from lbr import home
-from lbr.bus import keys, session, stamp, wire
+from lbr.bus import keys, session, wire
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import store
 from lbr.database.rows import RobotRows
@@ -33,12 +32,13 @@ from lbr.executive.mainthread import MainThread
 from lbr.executive.overview import Overview
 from lbr.executive.plan import Plan, Site, Unit
 from lbr.executive.profile import Profile
+from lbr.executive.service import Service
 from lbr.executive.supervisor import Supervisor
-from lbr.messages.system import ConsoleResult, EstopState, Event, Role, Status
+from lbr.messages.system import ConsoleResult, EstopState, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
-MAX_LINE_BYTES = 1 << 16
+UNKNOWN_VERSION = -1
 APP_NICENESS = 10
 ANY_HOST = ("0.0.0.0", "[::]")  # noqa: S104 - recognised to be replaced by loopback for local clients
 
@@ -68,6 +68,8 @@ class Executive:
         self._profile_name = profile_name
         self._database = database
         self._lock = lock
+        found = database.path.stat()
+        self._file = (found.st_dev, found.st_ino)
         self._started_at = time.monotonic()
         self._token = secrets.token_urlsafe(24)
         self._main = MainThread()
@@ -83,7 +85,6 @@ class Executive:
         self._site = Site(home=str(home.home()), endpoints=(socket,), secret=secrets.token_bytes(32))
         self._supervisor = Supervisor(self._start, self._happened, lambda name: name in self._presence.names)
         self._overview = Overview(self._supervisor)
-        self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="console")
         rows = database.load(profile.robot)
         self.plan = self._first_plan(rows)
         self.vocabulary = self._words(self.plan)
@@ -125,8 +126,6 @@ class Executive:
 
     def estop_reset(self, source: str) -> ConsoleResult:
         """Release the emergency stop; moves nothing."""
-        if not self._emergency.state().engaged:
-            return ConsoleResult(code=DONE, text="there is no emergency stop to release")
         why_not = self._emergency.release(source)
         if why_not:
             return ConsoleResult(code=FAILED, text=why_not)
@@ -172,16 +171,6 @@ class Executive:
         self._journal = Journal(bus, robot, self._database, self._main.wake)
         self._journal.listeners.append(self._remember)
         rows = self.plan.rows.robot
-        self._emergency = Emergency(
-            robot,
-            self._site.endpoints,
-            EstopState(engaged=rows.estop_engaged, reason=rows.estop_reason),
-            movers=self._movers,
-            seal=self._site.seal,
-            persist=lambda engaged, reason: self._database.set_estop(robot, engaged=engaged, reason=reason),
-            happened=self._happened,
-            wake=self._main.wake,
-        )
         namespace = {
             "robot": self,
             "plan": lambda: self.plan,
@@ -191,7 +180,19 @@ class Executive:
             "wire": wire,
         }
         self.dispatcher = Dispatcher(self, bus, namespace)
-        self._lines = wire.Served(bus, keys.console(robot), self._main.wake, puts=False, source="executive")
+        self._service = Service(bus, robot, self.dispatcher, token=self._token, reset=self.estop_reset)
+        self._emergency = Emergency(
+            robot,
+            self._site.endpoints,
+            EstopState(engaged=rows.estop_engaged, reason=rows.estop_reason),
+            movers=self._movers,
+            seal=self._site.seal,
+            persist=lambda engaged, reason: self._database.set_estop(robot, engaged=engaged, reason=reason),
+            happened=self._happened,
+            reset=self._service.answer_reset,
+            wake=self._main.wake,
+        )
+        self._service.start()
         self._status_out = wire.Publisher(bus, keys.status(robot), "executive")
         self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._main.wake())
         self._alive = wire.alive(bus, robot, plans.EXECUTIVE)
@@ -220,8 +221,8 @@ class Executive:
         while leaving is not None and leaving.is_alive():  # its last lines may still ask something of this thread
             self._wait(0.02)
         self._external.close()
-        self._serve()
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._service.close()
+        self._main.close()
         self._journal.step(time.monotonic())
         self._journal.flush()
         with contextlib.suppress(LbrError):
@@ -236,7 +237,6 @@ class Executive:
         while not self._stopping:
             now = time.monotonic()
             due = self._supervisor.step()
-            self._serve()
             again = self._emergency.step(now)
             self._journal.step(now)
             if now >= rows_at:
@@ -252,43 +252,18 @@ class Executive:
 
     def _wait(self, timeout_s: float) -> None:
         children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
-        self._main.wait(timeout_s, (fd for child in children for fd in (child.reports_fd, child.pid_fd)))
-
-    def _serve(self) -> None:
-        self._main.run_calls()
-        for request in self._lines.take():
-            self._pool.submit(self._answer_line, request)
-        for request in self._emergency.resets.take():
-            self._pool.submit(self._answer_reset, request)
-
-    def _answer_line(self, request: wire.Request) -> None:
-        source, role = self._caller(request)
-        if len(request.payload) > MAX_LINE_BYTES:
-            result = ConsoleResult(code=2, text=f"a line has at most 4096 characters, not {len(request.payload)}")
-        else:
-            result = self.dispatcher.execute(_line(request.payload), source=source, role=role)
-        request.reply(result, "executive")
-
-    def _answer_reset(self, request: wire.Request) -> None:
-        result = self.estop_reset(self._caller(request)[0])
-        request.reply({"accepted": result.code == DONE, "reason": result.text}, "executive")
-
-    def _caller(self, request: wire.Request) -> tuple[str, Role]:
-        found = stamp.read(request.attachment)
-        if found is None:
-            return "a bus client", "operate"
-        local = secrets.compare_digest(found.token.encode(), self._token.encode())
-        return found.source[:80] or "a bus client", "admin" if local else "operate"
+        self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
 
     def _look_at_rows(self, version: int) -> int:
         try:
+            self._check_file()
             seen = self._database.data_version()
             if seen == version:
                 return version
             rows = self._database.load(self._profile.robot)
         except LbrError as err:
             self._complain((str(err),))
-            return version
+            return UNKNOWN_VERSION
         plan, problems = plans.make(rows, self._profile, self._site)
         if plan is None:
             self._complain(tuple(str(problem) for problem in problems))
@@ -298,6 +273,17 @@ class Executive:
         if plan.rows != self.plan.rows or change != plans.Change():
             self._adopt(plan, change)
         return seen
+
+    def _check_file(self) -> None:
+        """Notice that another file stands where the database was: what is written there is not what is read here."""
+        try:
+            found = self._database.path.stat()
+        except OSError as err:
+            raise InputError(
+                f"database {self._database.path} is gone ({err.strerror}); put it back and restart"
+            ) from err
+        if (found.st_dev, found.st_ino) != self._file:
+            raise InputError(f"database {self._database.path} was replaced by another file; restart to use it")
 
     def _complain(self, problems: tuple[str, ...]) -> None:
         if problems != self._problems:
@@ -328,6 +314,7 @@ class Executive:
     # -- small parts ------------------------------------------------------------------------------------------------
 
     def _start(self, unit: Unit) -> Child:
+        self._emergency.forget(unit.name)
         config = replace(unit.config, estop=self._emergency.state())
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
             child = Child(unit, config, log)
@@ -387,20 +374,15 @@ class Executive:
             return self.dispatcher.execute(line, source="console", role="admin", local=True)
 
         def talk() -> None:
+            why = "console closed"
             try:
                 self._code = run_local(self.plan.robot, self._site.endpoints, submit)
-            except (InputError, LbrError) as err:
-                self._stop(str(err))
-            self._stop("console closed")
+            except LbrError as err:
+                why = str(err)
+            finally:
+                self._stop(why)
 
         threading.Thread(target=talk, name="terminal", daemon=True).start()
-
-
-def _line(payload: bytes) -> str | bytes:
-    if payload[:1] == b'"':
-        with contextlib.suppress(ValueError):
-            return str(json.loads(payload))
-    return payload
 
 
 def _reachable(endpoint: str) -> str:

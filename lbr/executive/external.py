@@ -2,8 +2,10 @@
 
 import contextlib
 import os
+import select
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 from lbr.database.rows import ExternalCommandRow
@@ -27,31 +29,40 @@ class ExternalCommands:
         known = self._running.get(row.name)
         if known is not None and known.poll() is None:
             raise InputError(f"'{row.name}' runs already (pid {known.pid}); 'stop {row.name}' ends it")
-        out = subprocess.PIPE if row.blocking else open_log(self._logs / f"{row.name}.log")
         try:
-            popen = subprocess.Popen(
+            popen = self._spawn(row, arguments)
+        except OSError as err:
+            raise LbrError(f"'{row.name}' could not be started: {err}") from err
+        self._running[row.name] = popen
+        return popen
+
+    def _spawn(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> "subprocess.Popen[bytes]":
+        with contextlib.ExitStack() as stack:
+            out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
+            return subprocess.Popen(
                 tethered((*row.argv, *arguments)),
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
-        except OSError as err:
-            raise LbrError(f"'{row.name}' could not be started: {err}") from err
-        self._running[row.name] = popen
-        return popen
 
     @staticmethod
     def wait(row: ExternalCommandRow, popen: "subprocess.Popen[bytes]") -> tuple[int, str]:
-        """Wait for a blocking command; return its exit code and what it printed. From any thread."""
+        """Wait for a blocking command; return its exit code and the beginning of what it printed. From any thread."""
+        assert popen.stdout is not None
+        with popen.stdout:
+            output, over = _read(popen.stdout.fileno(), time.monotonic() + BLOCKING_LIMIT_S)
         try:
-            output, _ = popen.communicate(timeout=BLOCKING_LIMIT_S)
+            popen.wait(STOP_S if over else 0.0)
         except subprocess.TimeoutExpired:
-            _signal(popen, signal.SIGKILL)
-            popen.communicate()
+            over = False
+        _signal(popen, signal.SIGKILL)
+        code = popen.wait()
+        if not over:
             return 1, f"'{row.name}' took longer than {BLOCKING_LIMIT_S:.0f} s and was ended"
         text = output[:OUTPUT_LIMIT].decode(errors="replace").rstrip()
-        return popen.returncode, text + ("\n…" if len(output) > OUTPUT_LIMIT else "")
+        return code, text + ("\n…" if len(output) > OUTPUT_LIMIT else "")
 
     def stop(self, name: str) -> str:
         """End a running command, by force after two seconds; from any thread."""
@@ -86,6 +97,21 @@ class ExternalCommands:
             except subprocess.TimeoutExpired:
                 _signal(popen, signal.SIGKILL)
                 popen.wait()
+
+
+def _read(fd: int, until: float) -> tuple[bytes, bool]:
+    """Read to the end, keeping only the beginning; say whether the end came in time."""
+    kept = b""
+    poll = select.poll()
+    poll.register(fd, select.POLLIN)
+    while poll.poll(max(0.0, until - time.monotonic()) * 1000):
+        part = os.read(fd, 65536)
+        if not part:
+            return kept, True
+        kept += part[: OUTPUT_LIMIT + 1 - len(kept)]
+        if time.monotonic() > until:
+            break
+    return kept, False
 
 
 def _signal(popen: "subprocess.Popen[bytes]", number: int) -> None:

@@ -4,17 +4,17 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-import msgspec
-
 from lbr.bus import keys, stamp, wire
+from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.database.store import Database
-from lbr.errors import LbrError
+from lbr.errors import LbrError, MalformedError
 from lbr.messages.system import Event
 
 WRITE_EVERY_S = 0.25
 MOST_WAITING = 2000
-_decoder = msgspec.json.Decoder(Event)
+LARGEST_EVENT_BYTES = 16 * 1024
+_decoder = Decoder(Event)
 
 
 class Journal:
@@ -25,6 +25,7 @@ class Journal:
         self._database = database
         self._waiting: deque[Event] = deque(maxlen=MOST_WAITING)
         self._write_at = 0.0
+        self._complain_at = 0.0
         self._publisher = wire.Publisher(bus, keys.event(robot), "executive")
         self._others = wire.Subscription(bus, keys.event(robot), depth=512, wake=wake)
 
@@ -41,10 +42,10 @@ class Journal:
             if found is not None and found.source == "executive":
                 continue
             try:
-                self._keep(_decoder.decode(raw.payload))
-            except (msgspec.DecodeError, RecursionError):
-                self.happened(
-                    "refused", "event", f"a malformed event from '{found.source if found else '?'}'", "warning"
+                self._keep(_decoder.decode(raw.payload[: LARGEST_EVENT_BYTES + 1]))
+            except MalformedError as err:
+                self._complain(
+                    f"an event from '{found.source[:80] if found else 'a bus client'}' is malformed: {err}", now
                 )
         if self._waiting and now >= self._write_at:
             self._write_at = now + WRITE_EVERY_S
@@ -59,6 +60,11 @@ class Journal:
             return
         for _ in batch:
             self._waiting.popleft()
+
+    def _complain(self, text: str, now: float) -> None:
+        if now >= self._complain_at:
+            self._complain_at = now + 1.0
+            self.happened("refused", "event", text[:500], "warning")
 
     def _keep(self, event: Event) -> None:
         self._waiting.append(event)

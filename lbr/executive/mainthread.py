@@ -6,7 +6,8 @@ import queue
 import select
 import threading
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
+from concurrent.futures import TimeoutError as FutureTimeout
 from typing import Any, TypeVar
 
 from lbr.errors import LbrError
@@ -32,7 +33,10 @@ class MainThread:
         future: Future[T] = Future()
         self._calls.put((do, future))
         self.wake()
-        return future.result(timeout=ANSWER_LIMIT_S)
+        try:
+            return future.result(timeout=ANSWER_LIMIT_S)
+        except (FutureTimeout, CancelledError):
+            raise LbrError("the executive is busy or ends; try again") from None
 
     def wake(self) -> None:
         """Let its wait return; from any thread."""
@@ -59,5 +63,13 @@ class MainThread:
                 return
             try:
                 future.set_result(do())
-            except LbrError as err:
+            except Exception as err:  # noqa: BLE001 - it belongs to whoever asked
                 future.set_exception(err)
+
+    def close(self) -> None:
+        """Refuse what was handed over and is not done yet."""
+        while True:
+            try:
+                self._calls.get_nowait()[1].cancel()
+            except queue.Empty:
+                return

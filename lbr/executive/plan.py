@@ -112,11 +112,11 @@ def _understand(row: CapabilityRow, label: str, home: Path) -> tuple[Kind | None
         )
     try:
         kind = registry.find(row.kind, home)
-    except KindError as err:
+    except (KindError, OSError) as err:
         return None, None, [Problem("capability", label, "kind", str(err))]
     try:
         return kind, kind.parse(row.settings), []
-    except msgspec.DecodeError as err:
+    except Exception as err:  # noqa: BLE001 - a kind of somebody's own may check its settings in any way
         return kind, None, [Problem("capability", label, "settings", f"{err} (kind '{row.kind}')")]
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from lbr.capability.config import Report
+from lbr.errors import LbrError
 from lbr.executive.plan import Change, Plan, Unit
 from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide
 from lbr.messages.system import CapabilityPhase
@@ -173,9 +174,8 @@ class Supervisor:
         slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
         try:
             slot.child = self._start(slot.unit)
-        except OSError as err:
-            slot.phase, slot.reason = "failed", f"could not be started: {err}"
-            self._tell("failed", slot, slot.reason, "error")
+        except (OSError, ValueError, LbrError) as err:
+            self._after_end(slot, End.CRASHED, f"could not be started: {err}", now)
             return
         slot.phase, slot.said = "starting", None
         if slot.unit.program is not None:
@@ -236,6 +236,9 @@ class Supervisor:
         why = slot.reason if slot.reason and end is not End.CLEAN else _code(code)
         if now - slot.started_at > HEALTHY_S:
             slot.deaths = ()
+        self._after_end(slot, end, why, now)
+
+    def _after_end(self, slot: Slot, end: End, why: str, now: float) -> None:
         decision = decide(slot.unit.restart, end, slot.deaths, now, self._dice.uniform(-1, 1))
         slot.deaths = (*(death for death in slot.deaths if now - death < WINDOW_S), now)
         slot.rates, slot.counts = {}, {}

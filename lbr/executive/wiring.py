@@ -13,7 +13,7 @@ from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.rows import ChannelRow, Problem, RobotRows, VerbRow
 
-EXECUTIVE_VERBS = frozenset({"report", "estop", "reset", "help", "shutdown", "status", "restart", "stop_program"})
+EXECUTIVE_VERBS = frozenset({"report", "estop", "reset", "help", "shutdown", "status", "restart"})
 _FIELD = re.compile(r"\{([a-z_]+)(?:\.\.\.)?\}")
 ANY = object()
 """The type of a program's port: known to the program alone."""

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta, Struct
 
 Role = Literal["view", "operate", "admin"]
+Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping", "stopped", "failed"]
 
 
@@ -16,9 +17,9 @@ class Stamp(Struct, frozen=True, kw_only=True):
     """
 
     source: str
-    seq: int
-    mono_ns: int
-    wall_ns: int
+    seq: Count
+    mono_ns: Count
+    wall_ns: Count
     boot: str = ""
     seal: str = ""
     token: str = ""
@@ -27,9 +28,9 @@ class Stamp(Struct, frozen=True, kw_only=True):
 class Event(Struct, frozen=True, kw_only=True):
     """Something happened: what (`kind`), to whom (`subject`), in one sentence (`text`)."""
 
-    kind: str
-    subject: str
-    text: str
+    kind: Annotated[str, Meta(max_length=80)]
+    subject: Annotated[str, Meta(max_length=80)]
+    text: Annotated[str, Meta(max_length=4000)]
     level: Literal["info", "warning", "error"] = "info"
     wall_ns: int = 0
     data: dict[str, Any] = {}

@@ -4,11 +4,12 @@ import json
 import random
 import sqlite3
 import string
+import time
 
 import pytest
 
-from lbr.bus import wire
-from tests.robot import Robot, lbr, until
+from lbr.bus import stamp, wire
+from tests.robot import Robot, lbr, running, until
 
 pytestmark = pytest.mark.timeout(30)
 
@@ -89,6 +90,44 @@ def test_rubbish_on_every_key_kills_nothing_and_moves_nothing(robot):
     assert outputs(robot) == moved
     assert robot.line("/r/0.1/180")["code"] == 0
     robot.line("stop")
+
+
+STAMP = '{"source":"x","seq":1,"mono_ns":%s,"wall_ns":1,"boot":"%s","seal":"%s"%s}'
+POISON = {
+    "a seal that is not ASCII": ("motors/setpoint", b'{"left":0.4,"right":0.4}', (STAMP % (1, "", "é", "")).encode()),
+    "a payload that is not UTF-8": ("drive/command", b'{"power":0.3,"lease":"\xff"}', b""),
+    "a stamp that is not UTF-8": (
+        "drive/command",
+        b'{"power":9}',
+        b'{"source":"\xff","seq":1,"mono_ns":1,"wall_ns":1}',
+    ),
+    "a stamp nested deeply": ("drive/command", b'{"power":9}', (STAMP % (1, "", "", ',"z":' + "[" * 1900)).encode()),
+    "a time of 400 digits": ("drive/command", b'{"power":9}', (STAMP % ("9" * 400, stamp.boot_id(), "", "")).encode()),
+    "readings that are not UTF-8": ("ranges/readings", b'{"forward_m":1,"status":{"forward":"\xff"}}', b""),
+    "an event that is not UTF-8": ("@event", b'{"kind":"\xff","subject":"x","text":"x"}', b""),
+    "an event of a megabyte": ("@event", b'{"kind":"x","subject":"x","text":"' + b"x" * 900_000 + b'"}', b""),
+}
+
+
+@pytest.mark.parametrize("name", POISON)
+def test_no_single_message_ends_a_process(robot, name):
+    key, payload, attachment = POISON[name]
+    before = pids(robot)
+    robot.bus.put(f"{robot.name}/{key}", payload, attachment=attachment)
+    list(robot.bus.get(f"{robot.name}/{key}", payload=payload, attachment=attachment, timeout=1.0))
+    assert robot.line("/report/health")["code"] == 0
+    assert pids(robot) == before
+
+
+@pytest.mark.parametrize("payload", [b'{"engaged":true,"reason":"\xff"}', b'{"engaged":' + b"[" * 5000, b"stop!"])
+def test_an_emergency_stop_that_cannot_be_read_latches_everywhere(robot, payload):
+    before = pids(robot)
+    robot.bus.put(f"{robot.name}/@estop", payload)
+    until(lambda: robot.ask("@estop")["acknowledged"] == ["drive", "motors"])
+    assert robot.line("/r/0.2/0")["code"] == 1
+    assert until(lambda: (said := robot.ask("@estop/reset", {}))["accepted"] and said)
+    assert pids(robot) == before
+    until(lambda: robot.ask("motors/state")["armed"])
 
 
 @pytest.mark.parametrize(
@@ -200,3 +239,75 @@ def test_a_locked_database_is_one_sentence(home):
     assert done.returncode in {1, 2}
     assert done.stderr.startswith("lbr: ")
     assert "Traceback" not in done.stderr
+
+
+def test_rows_and_files_that_only_fail_when_used_do_not_end_the_executive(robot):
+    shell = json.dumps({"argv": ["/bin/true"], "env": {"A=B": "c"}})
+    robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'shell', 'exec', ?)", shell)
+    until(lambda: any("'lbr/shell', settings" in problem for problem in robot.status()["problems"]))
+    robot.edit("DELETE FROM capability WHERE name = 'shell'")
+    folder = robot.home / "capabilities"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    (folder / "odd.py").write_text(
+        "from lbr.capability import Capability, Kind\n"
+        "KIND = Kind(name='odd', summary='', family='app', entry=Capability, commands={'go': dict})\n"
+    )
+    robot.edit("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'odd', 'odd')")
+    until(lambda: any("must carry a msgspec Struct" in problem for problem in robot.status()["problems"]))
+    robot.edit("DELETE FROM capability WHERE name = 'odd'")
+    until(lambda: robot.status()["problems"] == [])
+
+
+def test_an_external_command_without_a_place_for_its_log_is_an_answer(robot):
+    robot.edit("INSERT INTO external_command (robot, name, argv) VALUES ('lbr', 'nap', '[\"/bin/sleep\", \"9\"]')")
+    until(lambda: robot.line("help")["text"].count("nap"))
+    logs = robot.home / "logs"
+    logs.rename(robot.home / "away")
+    try:
+        result = robot.line("nap")
+    finally:
+        (robot.home / "away").rename(logs)
+    assert (result["code"], "could not be started" in result["text"]) == (1, True)
+
+
+def test_a_database_that_is_replaced_under_a_running_robot_is_noticed(home):
+    with running(home) as robot:
+        (home / "robot.db").rename(home / "old.db")
+        until(lambda: any("is gone" in problem for problem in robot.status()["problems"]))
+        (home / "old.db").rename(home / "robot.db")
+        until(lambda: robot.status()["problems"] == [])
+
+
+def test_stops_are_answered_while_another_program_locks_the_database(robot):
+    with sqlite3.connect(robot.home / "robot.db") as database:
+        database.execute("BEGIN IMMEDIATE")
+        began = time.monotonic()
+        assert robot.line("estop")["code"] == 0
+        assert robot.line("s")["code"] == 0
+        taken = time.monotonic() - began
+        database.rollback()
+    database.close()
+    assert taken < 1.0
+    assert until(lambda: (said := robot.ask("@estop/reset", {}))["accepted"] and said)
+
+
+def test_a_press_during_a_reset_leaves_nobody_behind(robot):
+    for _ in range(10):
+        robot.put("@estop", {"engaged": True})
+        until(lambda: robot.ask("@estop")["acknowledged"] == ["drive", "motors"])
+        reset = robot.bus.get(f"{robot.name}/@estop/reset", payload=b"{}")
+        robot.put("@estop", {"engaged": True})
+        list(reset)
+        until(
+            lambda: (
+                len(
+                    {
+                        robot.ask("drive/state")["estop"],
+                        robot.ask("motors/state")["estop"],
+                        robot.ask("@estop")["engaged"],
+                    }
+                )
+                == 1
+            )
+        )
+    until(lambda: robot.ask("@estop/reset", {})["accepted"])

@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import sys
+import time
 
 import psutil
 import pytest
@@ -28,6 +29,11 @@ def test_a_program_learns_its_wiring_restarts_and_dies_with_the_executive(home):
         assert json.loads(wiring["LBR_INPUTS"]) == {"ranges": ["lbr/ranges/readings"]}
         assert json.loads(wiring["LBR_OUTPUTS"]) == {"noise": "lbr/beep/noise"}
         pid = until(lambda: robot.capability("beep")["pid"])
+        executive = psutil.Process(robot.popen.pid)
+        used = sum(executive.cpu_times()[:2])
+        looked = time.monotonic()
+        until(lambda: time.monotonic() - looked > 1.0)
+        assert sum(executive.cpu_times()[:2]) - used < 0.5, "the executive spins beside a program"
         os.kill(pid, signal.SIGKILL)
         second = until(lambda: (now := robot.capability("beep")["pid"]) not in {None, pid} and now)
         robot.popen.kill()
