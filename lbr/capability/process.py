@@ -151,8 +151,15 @@ def _watch_lifeline(process: Process) -> None:
     process.stop()
 
 
+def _where(err: BaseException) -> str:
+    """Say in which line of whose file it was raised: the last that is not the runtime's own."""
+    frames = traceback.extract_tb(err.__traceback__)
+    last = next((frame for frame in reversed(frames) if "/lbr/capability/" not in frame.filename), None)
+    return f" ({Path(last.filename).name}, line {last.lineno})" if last else ""
+
+
 def _crash(process: Process | None, reporter: Reporter, err: BaseException) -> None:
-    reason = f"{type(err).__name__}: {err}"
+    reason = f"{type(err).__name__}: {err}{_where(err)}"
     traceback.print_exception(err)
     reporter.phase("failed", reason)
     try:

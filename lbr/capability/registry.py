@@ -54,6 +54,10 @@ def find(name: str, home: Path) -> Kind:
         kind = _from_file(name, path, fingerprint(name, home))
     if not isinstance(kind, Kind):
         raise KindError(f"kind '{name}' declares no KIND = Kind(…)")
+    if kind.name != name:
+        raise KindError(
+            f"kind '{name}' calls itself '{kind.name}': the name of the file, or entry point, and KIND.name agree"
+        )
     return kind
 
 

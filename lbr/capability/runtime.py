@@ -135,6 +135,8 @@ class ProcessContext:
 
     def publish(self, output: str, message: Struct) -> None:
         """Publish on every key of an output."""
+        if output not in self._outputs:
+            raise KeyError(f"'{self.name}' has no output '{output}'; it has {', '.join(self._outputs) or 'none'}")
         for publisher in self._outputs[output]:
             publisher.put(message)
 
@@ -218,7 +220,8 @@ class ProcessContext:
 
 
 def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> list[wire.Constant]:
-    own = {name: message for name, message in kind.outputs.items() if not any(o.seal for o in config.outputs[name])}
+    keyed = {wire.key for wires in config.outputs.values() for wire in wires}
+    own = {name: kind.outputs[name] for name in kind.outputs if keys.port(config.robot, config.name, name) in keyed}
     types = {**own, **kind.commands, **kind.setpoints}
     return [
         wire.Constant(bus, keys.schema(config.robot, config.name, name), partial(msgspec.json.schema, message))

@@ -143,7 +143,6 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=reason or "refused", data=answer)
         lease = str(answer.get("lease", ""))
         if not lease:
-            self._leases.pop(source, None)
             said = {name: value for name, value in answer.items() if name not in {"accepted", "reason"}}
             return ConsoleResult(
                 code=DONE, text=reason or (_flat({call.command: said}) if said else "done"), data=answer

@@ -39,6 +39,7 @@ from lbr.messages.system import ConsoleResult, EstopState, Event, Status
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
 UNKNOWN_VERSION = -1
+EDITS_TOLD = 4
 APP_NICENESS = 10
 ANY_HOST = ("0.0.0.0", "[::]")  # noqa: S104 - recognised to be replaced by loopback for local clients
 
@@ -209,6 +210,9 @@ class Executive:
         )
         self._database.record_start(robot)
         self._happened("run", "executive", f"robot '{robot}' with profile '{self._profile_name}'", "info")
+        if rows.estop_engaged:
+            text = f"the emergency stop is still latched ({rows.estop_reason or 'pressed'}); 'reset' releases it"
+            self._happened("estop", "executive", text, "warning")
         for endpoint in self._listen[1:]:
             text = f"the bus listens on {endpoint}, without any password: whoever reaches it can drive this robot"
             self._happened("listening", "executive", text, "warning")
@@ -274,6 +278,12 @@ class Executive:
             self._adopt(plan, change)
         return seen
 
+    def _edited(self, since: int) -> str:
+        rows = self._database.revisions(since)
+        said = [f"{row.operation} {row.table} '{row.row_key[-1]}'" for row in rows[:EDITS_TOLD]]
+        more = f" and {len(rows) - EDITS_TOLD} more" if len(rows) > EDITS_TOLD else ""
+        return (", ".join(said) or "the rows were edited") + more
+
     def _check_file(self) -> None:
         """Notice that another file stands where the database was: what is written there is not what is read here."""
         try:
@@ -292,6 +302,7 @@ class Executive:
             self._happened("rows_refused", "executive", text, "error")
 
     def _adopt(self, plan: Plan, change: plans.Change) -> None:
+        edited = self._edited(self.plan.rows.revision)
         self.vocabulary = self._words(plan)
         self.plan = plan
         done = [
@@ -299,7 +310,7 @@ class Executive:
             for what, names in (("stop", change.stop), ("restart", change.restart), ("start", change.start))
             if names
         ]
-        text = f"revision {plan.rows.revision}: {'; '.join(done) or 'words and rows, no process'}"
+        text = f"{edited}: {'; '.join(done) or 'no process is touched'}"
         self._happened("rows_changed", "executive", text, "info")
         self._supervisor.adopt(plan, change)
 

@@ -256,14 +256,14 @@ def _wiring(
         (source, output), (target, port) = channel.source_end, channel.target_end
         if target != name or output in kinds[source].requests:
             continue
-        sealed = _is_setpoint((target, port), kinds)
-        key = keys.port(robot, target, port) if sealed else keys.port(robot, source, output)
+        addressed = _is_setpoint((target, port), kinds)
+        key = keys.port(robot, target, port) if addressed else keys.port(robot, source, output)
         wire = InputWire(
             key=key,
             source=source,
             rate_hz=channel.rate_hz,
             history=channel.history,
-            seal=site.seal(key) if sealed else "",
+            seal=site.seal(key) if kinds[source].family != "program" else "",
         )
         wires[port] = (*wires.get(port, ()), wire)
     return wires
@@ -277,8 +277,11 @@ def _outputs(
         for channel in channels
         if channel.source_end == (name, output) and _is_setpoint(channel.target_end, kinds)
     ]
-    sealed = tuple(OutputWire(key=key, seal=site.seal(key)) for key in setpoints)
-    return sealed or (OutputWire(key=keys.port(robot, name, output)),)
+    if setpoints:
+        return tuple(OutputWire(key=key, seal=site.seal(key)) for key in setpoints)
+    own = keys.port(robot, name, output)
+    read = any(channel.source_end == (name, output) for channel in channels)
+    return (OutputWire(key=own, seal=site.seal(own) if read else ""),)
 
 
 def _requests(

@@ -18,6 +18,7 @@ HANG_S = 1.2
 HANG_STARTING_S = 10.0
 HANG_DEGRADED_S = 4.0
 TERM_S = 0.8
+NO_PROGRAM = 127
 DEGRADED_PATIENCE_S = 1.5
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
@@ -171,7 +172,7 @@ class Supervisor:
         return all(self.slots[need].phase in RUNNING for need in slot.unit.needs if need in self.slots)
 
     def _launch(self, slot: Slot, now: float) -> None:
-        slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
+        slot.due_at, slot.hung, slot.started_at, slot.beat_at, slot.reason = None, False, now, now, ""
         try:
             slot.child = self._start(slot.unit)
         except (OSError, ValueError, LbrError) as err:
@@ -234,6 +235,7 @@ class Supervisor:
             return
         end = End.HUNG if slot.hung else End.CLEAN if code == 0 else End.CRASHED
         why = slot.reason if slot.reason and end is not End.CLEAN else _code(code)
+        why += "" if end is End.CLEAN else f"; its log: logs/{slot.unit.config.robot}-{slot.unit.name}.log"
         if now - slot.started_at > HEALTHY_S:
             slot.deaths = ()
         self._after_end(slot, end, why, now)
@@ -283,4 +285,6 @@ class Supervisor:
 
 
 def _code(code: int) -> str:
+    if code == NO_PROGRAM:
+        return "there is no such program, or it may not be executed"
     return f"killed by signal {-code}" if code < 0 else f"exit code {code}"

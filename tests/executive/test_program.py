@@ -48,4 +48,4 @@ def test_a_program_that_is_not_there_is_reported(home):
             settings,
         )
         until(lambda: any(unit["phase"] == "failed" for unit in robot.status()["capabilities"]))
-        assert "exit code 127" in robot.capability("gone")["reason"]
+        assert "there is no such program" in robot.capability("gone")["reason"]

@@ -1,6 +1,6 @@
 """The decisions of drive operations, as a pure function of what is known, what happened and when."""
 
-from math import nan
+from math import isnan, nan
 
 from msgspec.structs import replace
 
@@ -212,9 +212,18 @@ def _what_is_over(state: State, now: float) -> tuple[Ending, str] | None:
         return "lapsed", f"it lapsed, not renewed within {hold.ttl_s:g} s"
     if hold.goal is not None and (ended := goals.ending(hold.goal, now)):
         return ended
-    if hold.command.power > 0.0 and not now - hold.changed < state.settings.max_run_s:
-        return "stopped", f"it ran for {state.settings.max_run_s:g} s unattended"
-    return None
+    worn = _worn_out(state, hold, now) if hold.command.power > 0.0 else ""
+    return ("stopped", worn) if worn else None
+
+
+def _worn_out(state: State, hold: Hold, now: float) -> str:
+    """Return why a motion that nobody ended is over: it ran unattended, or a rule has held the base still."""
+    settings = state.settings
+    if not now - hold.changed < settings.max_run_s:
+        return f"it ran for {settings.max_run_s:g} s unattended"
+    if not isnan(state.blocked_since) and not now - state.blocked_since < settings.blocked_s:
+        return f"held still for {settings.blocked_s:g} s: {state.limited.detail}"
+    return ""
 
 
 def _end(state: State, how: Ending, why: str, now: float) -> Decision:

@@ -46,6 +46,9 @@ class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     accel_per_s: Annotated[float, Meta(gt=0.0, le=50.0, description="growth of each wheel's power")] = 2.0
     ttl_s: Annotated[float, Meta(gt=0.0, le=1.0, description="life of a lease between renewals")] = 0.3
     max_run_s: Annotated[float, Meta(gt=0.0, le=3600.0, description="longest motion without a changed command")] = 30.0
+    blocked_s: Annotated[
+        float, Meta(gt=0.0, le=3600.0, description="a rule that stops the base for so long ends the motion")
+    ] = 1.0
     motors_max_age_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
     checks_timeout_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.1
     mixing: Literal["normalised", "clamped"] = "normalised"

@@ -147,6 +147,7 @@ class State(Struct, frozen=True, kw_only=True):
     views: Mapping[Sensor, View] = {}
     odometer: Odometer = Odometer()
     limited: Limit = FREE
+    blocked_since: float = nan
     told: str = ""
     told_at: float = nan
     dead: tuple[tuple[str, str], ...] = ()

@@ -1,5 +1,7 @@
 """From what is held to the next setpoint: mixing, then rules, then slew, then the limit."""
 
+from math import isnan, nan
+
 from msgspec.structs import replace
 
 from lbr.operations.drive.mixing import mix
@@ -19,14 +21,16 @@ def next_wheels(state: State, now: float) -> State:
     odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps)
     state = replace(state, odometer=odometer, ticked=now)
     if state.hold is None:
-        return replace(state, left=0.0, right=0.0, limited=FREE, told="")
+        return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="")
     asked = mix(state.hold.power, state.hold.command.angle_deg, settings)
     limited = limit(settings, state.views, asked, now, state.limited.blocked)
     step = settings.accel_per_s * min(elapsed_s, LONGEST_STEP_S)
     wheels = slew((state.left, state.right), _scaled(asked, limited), step)
     between = limit(settings, state.views, wheels, now, limited.blocked)
     left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))
-    return replace(state, left=left, right=right, limited=limited)
+    blocked = state.hold.power > 0.0 and not limited.scale > 0.0
+    since = (now if isnan(state.blocked_since) else state.blocked_since) if blocked else nan
+    return replace(state, left=left, right=right, limited=limited, blocked_since=since)
 
 
 def slew(wheels: Wheels, target: Wheels, step: float) -> Wheels:

@@ -513,3 +513,24 @@ def test_the_state_at_rest_says_why(bench):
     assert (state.reason, state.holder, state.power) == ("stopped by phone: lunch", None, 0.0)
     bench.estop(True)
     assert drive_state(bench.state, bench.now).reason == "emergency stop: button"
+
+
+def test_a_motion_that_a_rule_holds_still_for_a_second_is_over_and_does_not_resume(bench):
+    reply = moving(bench)
+    bench.see(forward=0.2)
+    bench.run(0.9, renewing(bench, reply), sense_each=2)
+    assert bench.drive(0.5, lease=reply.lease).accepted, "it may go on until the second is over"
+    bench.run(0.3, renewing(bench, reply), sense_each=2)
+    bench.see(forward=3.0)
+    bench.run(0.5, renewing(bench, reply), sense_each=2)
+    assert bench.wheels == (0.0, 0.0)
+    assert "held still for 1 s: forward 0.20 m" in bench.drive(0.5, lease=reply.lease).reason
+
+
+def test_a_short_hindrance_does_not_end_a_motion(bench):
+    reply = moving(bench)
+    bench.see(forward=0.2)
+    bench.run(0.6, renewing(bench, reply), sense_each=2)
+    bench.see(forward=3.0)
+    bench.run(0.3, renewing(bench, reply), sense_each=2)
+    assert bench.wheels[0] > 0.3

@@ -31,7 +31,7 @@ class DriveMachine(RuleBasedStateMachine):
 
     @initialize()
     def begin(self):
-        self.bench = Bench(max_power=MAX_POWER, accel_per_s=ACCEL_PER_S, max_run_s=MAX_RUN_S)
+        self.bench = Bench(max_power=MAX_POWER, accel_per_s=ACCEL_PER_S, max_run_s=MAX_RUN_S, blocked_s=3600.0)
         self.live = None
         self.until = self.changed = 0.0
         self.asked = {}
