@@ -247,6 +247,7 @@ def ask(
     *,
     source: str,
     timeout_s: float = 2.0,
+    token: str = "",
     seal: bytes = b"",
     sent_s: float | None = None,
 ) -> list[Raw]:
@@ -260,7 +261,7 @@ def ask(
             key,
             payload=payload,
             encoding=JSON,
-            attachment=stamps.make(source, 0, payload, seal, sent_s=sent_s),
+            attachment=stamps.make(source, 0, payload, seal, token=token, sent_s=sent_s),
             timeout=timeout_s,
             consolidation=zenoh.ConsolidationMode.NONE,
         )
