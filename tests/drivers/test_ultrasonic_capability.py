@@ -90,6 +90,12 @@ def test_noise_never_becomes_a_number_and_counts_as_silence(ring, ctx, board):
     assert "bad_lines" in ctx.kinds()
 
 
+def test_a_number_no_board_can_count_to_is_a_bad_line_and_the_next_frame_is_read(ring, ctx, board):
+    board.say((LINE % 120).replace(b"100}", b"9" * 400 + b"}") + LINE % 121)
+    hear(ring, ctx)
+    assert [ranges.forward_m for _, ranges in ctx.published] == [1.21]
+
+
 def test_what_came_in_during_a_long_pause_is_too_old_to_publish(ring, ctx, board):
     board.say(LINE % 120)
     hear(ring, ctx)

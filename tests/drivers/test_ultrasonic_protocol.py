@@ -56,6 +56,15 @@ def test_a_line_is_a_frame_or_nothing(line, expected):
         b"received: { ",
         b"\xff\xfe\x00",
         b"[" * 400,
+        b"[" * 100_000,
+        b'{"Ranges": {"x": ' + b"[" * 100_000,
+        b'{"\xff": 1}',
+        GOOD.replace(b"Forward", b"Forw\xffrd"),
+        GOOD.replace(b"102", b"9" * 400),
+        GOOD.replace(b"102", b"9" * 5000),
+        GOOD.replace(b"102", b"4294967296"),
+        GOOD.replace(b"120", b"-2147483649"),
+        GOOD.replace(b"120", b"-" + b"9" * 400),
     ],
 )
 def test_what_is_damaged_becomes_no_frame(line):
@@ -130,6 +139,23 @@ def test_whatever_babbles_little_is_held_and_the_next_clean_line_is_read(pieces,
         parser.feed(piece)
         assert parser.held_bytes <= MAX_LINE_BYTES
     assert parser.feed(b"\n" + spelt(frame))[-1] == frame
+
+
+@given(st.binary(max_size=60), st.integers(0, len(GOOD)), st.integers(0, 20))
+def test_damage_anywhere_in_a_line_never_raises(damage, at, length):
+    found = parse_line(GOOD[:at] + damage + GOOD[at + length :])
+    if isinstance(found, Frame):
+        to_ranges(found, ARDUINO)
+
+
+@given(st.sampled_from(["Forward", "Left", "Right", "Back", "Bottom", "Deltat"]), st.integers(1, 6000))
+def test_a_number_of_any_length_is_read_or_makes_a_bad_line(name, digits):
+    numbers = dict.fromkeys(("Forward", "Left", "Right", "Back", "Bottom", "Deltat"), "1") | {name: "9" * digits}
+    line = '{"Ranges": {' + ", ".join(f'"{key}": {number}' for key, number in numbers.items()) + "}}"
+    found = parse_line(line.encode())
+    assert isinstance(found, Frame if digits < 10 else BadLine)
+    if isinstance(found, Frame):
+        to_ranges(found, PARALLAX)
 
 
 @given(frames)

@@ -4,9 +4,10 @@ The Arduino waits for `g`, stops on `s` and tells of every byte it received; the
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import msgspec
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from lbr.drivers.lines import LineSplitter, RawLine
 from lbr.drivers.ultrasonic import SENSORS, Board, UltrasonicSettings
@@ -17,17 +18,18 @@ FINISH = b"s\n"
 MAX_LINE_BYTES = 512
 TICKS_PER_S: dict[Board, float] = {"arduino": 1000.0, "parallax": 80_000_000.0}
 NO_SENSOR = -1
+Number = Annotated[int, Meta(ge=-(2**31), lt=2**32, description="what a board of 32 bits can count to")]
 
 
 class Frame(Struct, frozen=True):
     """One measuring cycle as the board wrote it."""
 
-    forward: int = msgspec.field(name="Forward")
-    left: int = msgspec.field(name="Left")
-    right: int = msgspec.field(name="Right")
-    back: int = msgspec.field(name="Back")
-    bottom: int = msgspec.field(name="Bottom")
-    deltat: int = msgspec.field(name="Deltat")
+    forward: Number = msgspec.field(name="Forward")
+    left: Number = msgspec.field(name="Left")
+    right: Number = msgspec.field(name="Right")
+    back: Number = msgspec.field(name="Back")
+    bottom: Number = msgspec.field(name="Bottom")
+    deltat: Number = msgspec.field(name="Deltat")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +71,7 @@ def parse_line(line: bytes) -> Frame | BadLine | None:
         return None
     try:
         return _decoder.decode(line).ranges
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError, OverflowError):
         return BadLine(RawLine(line, overlong=False).readable)
 
 
