@@ -7,6 +7,7 @@ import threading
 import time
 import tty
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -69,6 +70,7 @@ class ScriptedRoboteq(Pty):
         self.answer: Callable[[str], bytes | None] = lambda _line: None  # None: as usual
         self._buffer = b""
         self._stop = threading.Event()
+        self._babbler: threading.Thread | None = None
         super().__init__(path)
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
@@ -76,9 +78,17 @@ class ScriptedRoboteq(Pty):
     def motor_commands(self) -> list[str]:
         return [line for line in self.log if line.startswith("!")]
 
+    def babble(self, noise: bytes) -> None:
+        """Talk without end, as fast as the line takes it, and answer nothing; still hear everything."""
+        self.answer = lambda _line: b""
+        self._babbler = threading.Thread(target=self._babble, args=(noise,), daemon=True)
+        self._babbler.start()
+
     def finish(self) -> None:
         self._stop.set()
         self._thread.join()
+        if self._babbler is not None:
+            self._babbler.join()
         if self.master >= 0:
             self.unplug()
 
@@ -92,6 +102,12 @@ class ScriptedRoboteq(Pty):
                     self._take(os.read(self.master, 4096))
             except (OSError, ValueError):
                 continue
+
+    def _babble(self, noise: bytes) -> None:
+        while not self._stop.is_set():
+            with suppress(BlockingIOError):
+                if select.select([], [self.master], [], 0.005)[1]:
+                    os.write(self.master, noise)
 
     def _take(self, data: bytes) -> None:
         self._buffer += data

@@ -256,6 +256,38 @@ def test_a_pause_as_long_as_the_watchdog_needs_a_new_zero(drive, motors, ctx, pe
     assert "held up" in ctx.state.reason
 
 
+@pytest.mark.parametrize("noise", [b"junk\r" * 200, b"\xff" * 1000])
+def test_every_step_ends_before_a_babbling_controller_does(drive, motors, ctx, peer, noise):
+    drive()
+    peer.babble(noise)
+    steps = []
+
+    def step():
+        began = time.monotonic()
+        try:
+            motors.step()
+        finally:
+            steps.append(time.monotonic() - began)
+
+    with pytest.raises(DeviceError, match=r"babbles .* unanswered"):
+        until(lambda: (ctx.give(setpoint(0.5, 0.5)), step())[1])
+    assert max(steps) < 0.2
+
+
+def test_an_emergency_stop_is_written_to_a_babbling_controller_and_never_called_done(drive, motors, ctx, peer):
+    drive()
+    peer.babble(b"junk\r" * 200)
+    ctx.give(setpoint(0.4, 0.4))
+    motors.step()
+    ctx.estop.engaged = True
+    began = time.monotonic()
+    with pytest.raises(DeviceError, match="babbles"):
+        until(motors.step)
+    assert peer.times[peer.log.index("!EX")] - began < 0.06
+    assert time.monotonic() - began < 0.5
+    assert not any(stopped for stopped, _ in ctx.estop.acknowledged)
+
+
 def test_closing_while_moving_writes_zero_within_fifty_milliseconds(drive, motors, peer):
     drive()
     began = time.monotonic()

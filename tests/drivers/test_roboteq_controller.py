@@ -12,6 +12,7 @@ from lbr.drivers.roboteq.controller import Controller, wire_value
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
 
+NOISE = {"junk": b"junk\r" * 200, "line ends": b"\r" * 1000, "no line ends": b"\xff" * 1000}
 MIRRORED = '{"device": "motors", "left": {"channel": 1, "direction": -1}, "right": {"channel": 2}'
 
 
@@ -166,6 +167,48 @@ def test_a_silent_controller_is_an_error_within_a_second(bring_up, peer):
     with pytest.raises(DeviceError, match="does not answer"):
         bring_up().open()
     assert time.monotonic() - began < 1.0
+
+
+@pytest.mark.parametrize("noise", NOISE.values(), ids=NOISE)
+def test_a_babbling_controller_is_an_error_that_says_so(bring_up, peer, noise):
+    controller = bring_up()
+    controller.open()
+    peer.babble(noise)
+    began = time.monotonic()
+    with pytest.raises(
+        DeviceError, match=r"babbles \([0-9]+ bytes that answer nothing\) and left 4 commands unanswered"
+    ):
+        until(lambda: controller.drive(0.4, 0.4), 2.0)
+    assert time.monotonic() - began < 1.0
+
+
+@pytest.mark.parametrize("noise", NOISE.values(), ids=NOISE)
+def test_what_babbles_from_the_beginning_is_no_controller_and_opening_ends(bring_up, peer, noise):
+    peer.babble(noise)
+    began = time.monotonic()
+    with pytest.raises(DeviceError, match=r"babbles .* does not answer \?FID"):
+        bring_up().open()
+    assert time.monotonic() - began < 1.0
+
+
+@pytest.mark.parametrize("reply_timeout_s", [0.03, 0.1])
+@pytest.mark.parametrize(
+    ("urgent", "line"),
+    [(Controller.emergency_stop, "!EX"), (Controller.stop, "!M 0 0"), (Controller.close, "!M 0 0")],
+)
+def test_a_babbling_controller_is_told_to_stop_soon(bring_up, peer, urgent, line, reply_timeout_s):
+    controller = bring_up(f', "reply_timeout_s": {reply_timeout_s}')
+    controller.open()
+    controller.drive(0.4, 0.4)
+    peer.babble(NOISE["junk"])
+    controller.drive(0.3, 0.3)  # its answer is still due
+    peer.log.clear()
+    peer.times.clear()
+    began = time.monotonic()
+    assert not urgent(controller)
+    assert time.monotonic() - began < 0.05 + 2.5 * reply_timeout_s
+    until(lambda: line in peer.log)
+    assert peer.times[peer.log.index(line)] - began < 0.06
 
 
 def test_one_lost_answer_is_counted_and_the_next_command_goes_on(bring_up, peer):

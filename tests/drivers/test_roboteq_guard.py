@@ -103,6 +103,15 @@ def test_closing_dismisses_the_guard_and_frees_the_line(peer):
     open_line(ctx.device, 115200).close()
 
 
+def test_the_guard_is_not_held_up_by_a_controller_that_babbles(driver, peer):
+    process, guard = driver
+    peer.babble(b"junk\r" * 200)
+    peer.log.clear()
+    process.kill()
+    until(lambda: gone(guard), 1.0)
+    assert peer.log.count("!M 0 0") >= 4
+
+
 def test_a_row_may_do_without_a_guard(peer):
     ctx = FakeContext(KIND.parse('{"device": "motors", "guard": false}'), peer.path, "roboteq")
     motors = Roboteq(ctx)

@@ -13,6 +13,7 @@ from lbr.drivers.roboteq.telemetry import Telemetry
 from lbr.errors import DeviceError
 
 PATIENCE_S = 0.005
+URGENT_PATIENCE_S = 0.03
 SETUP_TIMEOUT_S = 0.1
 CLOSING_TIMEOUT_S = 0.02
 SETUP_TRIES = 3
@@ -122,7 +123,7 @@ class Controller:
     def _identify(self) -> None:
         said = self._ask(wire.query("FID"), SETUP_TRIES)
         if said is None or said.value is None:
-            raise DeviceError(self._sentence("does not answer ?FID; check cable, power and address"))
+            raise DeviceError(self._sentence(f"{self._babbles}does not answer ?FID; check cable, power and address"))
         self.firmware = _text(said)
         self.model = _text(self._ask(wire.query("TRN"), 1))
         for what, found, pattern in (
@@ -160,17 +161,15 @@ class Controller:
         return None
 
     def _urgent(self, command: bytes, timeout_s: float | None = None) -> bool:
+        """Write a command, shortly after the one under way at the latest; return whether it was acknowledged."""
         self._line.drop_output()
         limit = self._settings.reply_timeout_s if timeout_s is None else timeout_s
-        if self._exchange.busy and (before := self._exchange.wait(limit)) is not None:
-            self._note(before)
         if self._exchange.busy:
-            return False
+            self._note(self._exchange.finish(min(limit, URGENT_PATIENCE_S)))
         self._send(command, limit)
-        outcome = self._exchange.wait(limit * 2)
-        if outcome is not None:
-            self._note(outcome)
-        return outcome is not None and outcome.result == "acknowledged"
+        outcome = self._exchange.finish(limit)
+        self._note(outcome)
+        return outcome.result == "acknowledged"
 
     def _send(self, command: bytes, timeout_s: float | None = None) -> None:
         if command[:1] == b"!":
@@ -226,13 +225,19 @@ class Controller:
 
     def _complain(self) -> None:
         if self._lost_in_a_row >= LOST_IN_A_ROW:
-            raise DeviceError(self._sentence(f"left {self._lost_in_a_row} commands unanswered; check cable and power"))
+            left = f"{self._babbles}left {self._lost_in_a_row} commands unanswered"
+            raise DeviceError(self._sentence(f"{left}; check cable and power"))
         latched = "emergency_stop" in (self.telemetry.faults or ())
         if self._refused_in_a_row >= REFUSED_IN_A_ROW and not latched:
             raise DeviceError(self._sentence(f"refused {self._refused_in_a_row} commands in a row; check its set-up"))
         if self._foreign_watchdogs >= 2:  # one alone may be a misread digit
             found, expected = self.telemetry.watchdog_ms, self._settings.watchdog_ms
             raise DeviceError(self._sentence(f"has a watchdog of {found} ms, expected {expected}: was reset"))
+
+    @property
+    def _babbles(self) -> str:
+        heard = self._exchange.babble_bytes
+        return f"babbles ({heard} bytes that answer nothing) and " if heard > wire.MAX_LINE_BYTES else ""
 
     def _gap(self) -> bool:
         return not self.fed_s_ago < self._settings.watchdog_ms / 1000.0

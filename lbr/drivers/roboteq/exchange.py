@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from lbr.drivers.roboteq.protocol import Ack, Echo, Nak, Noise, Reply, ReplyParser, Value
+from lbr.drivers.roboteq.protocol import Ack, Echo, Nak, Reply, ReplyParser, Value
 
 Result = Literal["acknowledged", "value", "refused", "lost"]
 
@@ -45,7 +45,7 @@ class Exchange:
     """
 
     def __init__(self, line: Line, clock: Callable[[], float]) -> None:
-        self.noise = 0
+        self.babble_bytes = 0  # heard since an answer was last understood
         self._line = line
         self._clock = clock
         self._parser = ReplyParser()
@@ -73,21 +73,27 @@ class Exchange:
         self._line.write(command)  # what did not fit is answered with `-` or not at all
 
     def wait(self, budget_s: float) -> Outcome | None:
-        """Return how the exchange ended, waiting `budget_s` at most; None while its answer is still due."""
+        """Return how the exchange ended, waiting `budget_s` at most; None while its answer is still due.
+
+        A line that never falls silent ends it no later than one that is.
+        """
         until = self._clock() + budget_s
         while self.busy:
             now = self._clock()
             data = self._line.read(min(until, self._deadline) - now)
+            self.babble_bytes += len(data)
             if (outcome := self._take(self._parser.feed(data))) is not None:
                 return outcome
-            if data:
-                continue
             if not now < self._deadline:
-                self._owed += not self._is_query()
-                return self._end("lost")
+                return self._lose()
             if not now < until:
                 break
         return None
+
+    def finish(self, budget_s: float) -> Outcome:
+        """Return how the exchange under way ended; what is not answered within `budget_s` is lost."""
+        assert self.busy
+        return self.wait(budget_s) or self._lose()
 
     def _take(self, replies: list[Reply]) -> Outcome | None:
         found = [outcome for reply in replies if (outcome := self._match(reply)) is not None]
@@ -104,8 +110,6 @@ class Exchange:
                     return self._answered(reply)
             case Ack() | Nak():
                 return self._signed(reply)
-            case Noise():
-                self.noise += 1
         return None
 
     def _answered(self, value: Value) -> Outcome:
@@ -126,7 +130,13 @@ class Exchange:
             return self._end("refused")
         return None if self._is_query() else self._end("acknowledged")
 
+    def _lose(self) -> Outcome:
+        self._owed += not self._is_query()
+        return self._end("lost")
+
     def _end(self, result: Result, value: Value | None = None) -> Outcome:
+        if result != "lost":
+            self.babble_bytes = 0
         outcome = Outcome(self._command, result, value)
         self._command = b""
         return outcome

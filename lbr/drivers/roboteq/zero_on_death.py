@@ -8,11 +8,12 @@ import select
 import signal
 import sys
 import termios
+import time
 from contextlib import suppress
 
 TRIES = 5
 AT_LEAST = 2  # the first may end a line that the driver left half written, and be refused with it
-ANSWER_S = 0.02
+ANSWER_S = 0.03
 
 
 def main(tty: int, pipe: int, stop: bytes) -> None:
@@ -24,19 +25,20 @@ def main(tty: int, pipe: int, stop: bytes) -> None:
     for attempt in range(1, TRIES + 1):
         if stopped(tty, stop) and attempt >= AT_LEAST:
             return
+    with suppress(OSError, termios.error):
+        termios.tcflush(tty, termios.TCOFLUSH)  # closing a line waits for its output, for half a minute
 
 
 def stopped(tty: int, stop: bytes) -> bool:
-    """Write zero and say whether it was acknowledged."""
+    """Write zero and say whether it was acknowledged; a line that never falls silent is not waited for."""
     answer = b""
+    until = time.monotonic() + ANSWER_S
     with suppress(OSError, termios.error):
         termios.tcflush(tty, termios.TCIOFLUSH)
         os.write(tty, stop)
-        while b"+\r" not in answer and select.select([tty], [], [], ANSWER_S)[0]:
-            data = os.read(tty, 256)
-            if not data:
-                break
-            answer = (answer + data)[-256:]
+        while b"+\r" not in answer and (left_s := until - time.monotonic()) > 0.0:
+            if select.select([tty], [], [], left_s)[0]:
+                answer = (answer + os.read(tty, 256))[-256:]
     return b"+\r" in answer
 
 
