@@ -305,6 +305,23 @@ def test_closing_writes_zero_and_waits_for_it(bring_up, peer):
     assert peer.motor == (0, 0)
 
 
+def test_closing_tells_whether_somebody_may_still_be_moving(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    peer.answer = lambda line: b""
+    assert not controller.close()
+    peer.answer = lambda line: None
+    controller = bring_up()
+    controller.open()
+    assert controller.close()
+    controller = bring_up()
+    assert controller.close()  # never opened
+    controller = bring_up()
+    controller.open()
+    peer.unplug()
+    assert controller.close()
+
+
 def test_an_emergency_stop_cuts_then_zeroes_and_release_zeroes_first(bring_up, peer):
     controller = bring_up()
     controller.open()

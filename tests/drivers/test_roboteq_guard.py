@@ -103,6 +103,21 @@ def test_closing_dismisses_the_guard_and_frees_the_line(peer):
     open_line(ctx.device, 115200).close()
 
 
+def test_the_guard_writes_zero_when_the_closing_driver_was_not_answered(peer):
+    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    motors = Roboteq(ctx)
+    motors.open()
+    peer.motor = (500, 500)
+    unheard = iter(range(3))  # as often as the driver tries itself
+
+    peer.answer = lambda line: b"" if line == "!M 0 0" and next(unheard, None) is not None else None
+    guard = motors._guard
+    motors.close()
+    assert peer.motor == (0, 0)
+    assert not guard.standing
+    open_line(ctx.device, 115200).close()
+
+
 def test_the_guard_is_not_held_up_by_a_controller_that_babbles(driver, peer):
     process, guard = driver
     peer.babble(b"junk\r" * 200)

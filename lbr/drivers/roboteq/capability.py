@@ -93,16 +93,18 @@ class Roboteq(Capability[RoboteqSettings]):
         self._publish(reason)
 
     def close(self) -> None:
-        """Write zero, then let go."""
+        """Write zero, then let go; what is not acknowledged the guard writes again."""
         controller, self._controller = self._controller, None
         guard, self._guard = self._guard, None
         self._held_since = None
+        stopped = False
         try:
-            if controller is not None:
-                controller.close()
-            if guard is not None:  # not dismissed if that failed: it writes zero once this process has ended
-                guard.dismiss()
+            stopped = controller is None or controller.close()
         finally:
+            if guard is not None and stopped:
+                guard.dismiss()
+            elif guard is not None:
+                guard.speak()
             self._disarm("the line was closed")
 
     def _heed_estop(self, controller: Controller) -> None:

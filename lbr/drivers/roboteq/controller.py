@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable
-from contextlib import suppress
 from math import inf, isfinite
 
 from lbr.drivers.roboteq import RoboteqSettings, Wheel
@@ -112,13 +111,21 @@ class Controller:
         """Seconds since a motor command was last written."""
         return self._clock() - self._fed
 
-    def close(self) -> None:
-        """Write zero, wait shortly for it to be acknowledged, and let go of the line."""
-        with suppress(DeviceError):
-            tries = 1 if self._lost_in_a_row else 3
-            if self._known and not any(self._urgent(wire.STOP, CLOSING_TIMEOUT_S) for _ in range(tries)):
-                self._line.drop_output()  # closing a line waits for its output, for half a minute
-        self._line.close()
+    def close(self) -> bool:
+        """Write zero and let go of the line; return whether it was acknowledged, or there is nobody to stop."""
+        try:
+            return not self._known or self._zeroed()
+        except DeviceError:
+            return True  # the line is gone, for everyone who holds it
+        finally:
+            self._line.close()
+
+    def _zeroed(self) -> bool:
+        tries = 1 if self._lost_in_a_row else 3
+        if any(self._urgent(wire.STOP, CLOSING_TIMEOUT_S) for _ in range(tries)):
+            return True
+        self._line.drop_output()  # closing a line waits for its output, for half a minute
+        return False
 
     def _identify(self) -> None:
         said = self._ask(wire.query("FID"), SETUP_TRIES)

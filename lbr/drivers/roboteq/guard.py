@@ -9,6 +9,7 @@ from pathlib import Path
 from lbr.drivers.roboteq.protocol import STOP
 
 DISMISS_S = 0.2
+LAST_WORDS_S = 0.5
 PROGRAM = Path(__file__).with_name("zero_on_death.py")
 
 
@@ -49,9 +50,16 @@ class Guard:
         """Send it away without a last word; it lets go of the line."""
         with suppress(OSError):
             os.write(self._alive, b"q")
+        self._part(DISMISS_S)
+
+    def speak(self) -> None:
+        """Have it write zero now, as if the driver had died; then it lets go of the line."""
+        self._part(LAST_WORDS_S)
+
+    def _part(self, within_s: float) -> None:
         os.close(self._alive)
         try:
-            self._process.wait(DISMISS_S)
+            self._process.wait(within_s)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
