@@ -19,8 +19,7 @@ from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import store
-from lbr.database.rows import RobotRows
-from lbr.errors import InputError, LbrError, RowError
+from lbr.errors import LbrError
 from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
 from lbr.executive.child import Child, open_log
@@ -34,12 +33,11 @@ from lbr.executive.plan import Plan, Site, Unit
 from lbr.executive.profile import Profile
 from lbr.executive.service import Service
 from lbr.executive.supervisor import Supervisor
+from lbr.executive.watch import RowWatch
 from lbr.messages.system import ConsoleResult, EstopState, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
-UNKNOWN_VERSION = -1
-EDITS_TOLD = 4
 APP_NICENESS = 10
 ANY_HOST = ("0.0.0.0", "[::]")  # noqa: S104 - recognised to be replaced by loopback for local clients
 
@@ -69,8 +67,6 @@ class Executive:
         self._profile_name = profile_name
         self._database = database
         self._lock = lock
-        found = database.path.stat()
-        self._file = (found.st_dev, found.st_ino)
         self._started_at = time.monotonic()
         self._token = secrets.token_urlsafe(24)
         self._main = MainThread()
@@ -86,8 +82,8 @@ class Executive:
         self._site = Site(home=str(home.home()), endpoints=(socket,), secret=secrets.token_bytes(32))
         self._supervisor = Supervisor(self._start, self._happened, lambda name: name in self._presence.names)
         self._overview = Overview(self._supervisor)
-        rows = database.load(profile.robot)
-        self.plan = self._first_plan(rows)
+        self._watch = RowWatch(database, profile, self._site)
+        self.plan = self._watch.first()
         self.vocabulary = self._words(self.plan)
 
     def run(self, *, console: bool) -> int:
@@ -160,12 +156,6 @@ class Executive:
 
     # -- opening and closing --------------------------------------------------------------------------------------
 
-    def _first_plan(self, rows: RobotRows) -> Plan:
-        plan, problems = plans.make(rows, self._profile, self._site)
-        if plan is None:
-            raise RowError(tuple(str(problem) for problem in problems))
-        return plan
-
     def _open(self, bus: session.Session) -> None:
         robot = self.plan.robot
         self._external = ExternalCommands(home.directory("logs"))
@@ -237,7 +227,6 @@ class Executive:
 
     def _loop(self, *, announce: bool) -> None:
         rows_at = 0.0
-        version = self._database.data_version()
         while not self._stopping:
             now = time.monotonic()
             due = self._supervisor.step()
@@ -245,7 +234,7 @@ class Executive:
             self._journal.step(now)
             if now >= rows_at:
                 rows_at = now + LOOK_AT_ROWS_S
-                version = self._look_at_rows(version)
+                self._look_at_rows()
                 self._external.prune({row.name for row in self.plan.rows.external_commands})
             if now >= self._status_due:
                 self._status_due = now + STATUS_S
@@ -258,60 +247,26 @@ class Executive:
         children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
         self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
 
-    def _look_at_rows(self, version: int) -> int:
-        try:
-            self._check_file()
-            seen = self._database.data_version()
-            if seen == version:
-                return version
-            rows = self._database.load(self._profile.robot)
-        except LbrError as err:
-            self._complain((str(err),))
-            return UNKNOWN_VERSION
-        plan, problems = plans.make(rows, self._profile, self._site)
-        if plan is None:
-            self._complain(tuple(str(problem) for problem in problems))
-            return seen
+    def _look_at_rows(self) -> None:
+        news = self._watch.look(self.plan)
+        if news is None:
+            return
+        if news.plan is None:
+            if news.problems != self._problems:
+                self._problems = news.problems
+                text = "the edit is not applied, the robot goes on as it was: " + "; ".join(news.problems)
+                self._happened("rows_refused", "executive", text, "error")
+            return
         self._problems = ()
-        change = plans.difference(self.plan, plan)
-        if plan.rows != self.plan.rows or change != plans.Change():
-            self._adopt(plan, change)
-        return seen
+        if news.edited or news.change != plans.Change():
+            self._adopt(news.plan, news.change, news.edited or "a capability's file")
 
-    def _edited(self, since: int) -> str:
-        rows = self._database.revisions(since)
-        said = [f"{row.operation} {row.table} '{row.row_key[-1]}'" for row in rows[:EDITS_TOLD]]
-        more = f" and {len(rows) - EDITS_TOLD} more" if len(rows) > EDITS_TOLD else ""
-        return (", ".join(said) or "the rows were edited") + more
-
-    def _check_file(self) -> None:
-        """Notice that another file stands where the database was: what is written there is not what is read here."""
-        try:
-            found = self._database.path.stat()
-        except OSError as err:
-            raise InputError(
-                f"database {self._database.path} is gone ({err.strerror}); put it back and restart"
-            ) from err
-        if (found.st_dev, found.st_ino) != self._file:
-            raise InputError(f"database {self._database.path} was replaced by another file; restart to use it")
-
-    def _complain(self, problems: tuple[str, ...]) -> None:
-        if problems != self._problems:
-            self._problems = problems
-            text = "the edit is not applied, the robot goes on as it was: " + "; ".join(problems)
-            self._happened("rows_refused", "executive", text, "error")
-
-    def _adopt(self, plan: Plan, change: plans.Change) -> None:
-        edited = self._edited(self.plan.rows.revision)
+    def _adopt(self, plan: Plan, change: plans.Change, edited: str) -> None:
         self.vocabulary = self._words(plan)
         self.plan = plan
-        done = [
-            f"{what} {', '.join(names)}"
-            for what, names in (("stop", change.stop), ("restart", change.restart), ("start", change.start))
-            if names
-        ]
-        text = f"{edited}: {'; '.join(done) or 'no process is touched'}"
-        self._happened("rows_changed", "executive", text, "info")
+        steps = (("stop", change.stop), ("restart", change.restart), ("start", change.start))
+        done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
+        self._happened("rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", "info")
         self._supervisor.adopt(plan, change)
 
     def _became_ready(self, *, announce: bool) -> None:

@@ -58,6 +58,9 @@ def test_a_capability_of_ones_own_is_a_file_and_a_row(robot):
     assert time.monotonic() - started < 4.0
     robot.edit("""UPDATE capability SET settings = '{"word": "moin"}' WHERE name = 'greeter'""")
     until(lambda: robot.ask("greeter/said") == {"text": "moin"}, limit_s=5.0)
+    file = robot.home / "capabilities" / "hello.py"
+    file.write_text(HELLO.replace("Said(self.ctx.settings.word)", "Said(self.ctx.settings.word.upper())"))
+    until(lambda: robot.ask("greeter/said") == {"text": "MOIN"}, limit_s=5.0)
     robot.edit("UPDATE capability SET enabled = 0 WHERE name = 'greeter'")
     until(lambda: phase(robot, "greeter") == "absent")
     robot.edit("DELETE FROM capability WHERE name = 'greeter'")

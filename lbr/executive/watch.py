@@ -1,0 +1,87 @@
+"""Looks at the rows: the first plan, and every later one when somebody has edited rows or a capability's file."""
+
+from pathlib import Path
+
+from msgspec import Struct
+
+from lbr.capability import registry
+from lbr.database.store import Database
+from lbr.errors import InputError, LbrError, RowError
+from lbr.executive import plan as plans
+from lbr.executive.plan import Change, Plan, Site
+from lbr.executive.profile import Profile
+
+UNKNOWN_VERSION = -1
+EDITS_TOLD = 4
+
+
+class News(Struct, frozen=True):
+    """What a look has found: a plan that differs, with what to do and what was edited, or why there is none."""
+
+    plan: Plan | None = None
+    change: Change = Change()
+    edited: str = ""
+    problems: tuple[str, ...] = ()
+
+
+class RowWatch:
+    """Compares what the database says with what was planned last; cheap to call five times a second."""
+
+    def __init__(self, database: Database, profile: Profile, site: Site) -> None:
+        self._database = database
+        self._profile = profile
+        self._site = site
+        self._file = _identity(database.path)
+        self._version = UNKNOWN_VERSION
+        self._files: dict[str, str] = {}
+
+    def first(self) -> Plan:
+        """Return the plan to start with; raise RowError with everything that is wrong."""
+        self._version = self._database.data_version()
+        plan, problems = plans.make(self._database.load(self._profile.robot), self._profile, self._site)
+        if plan is None:
+            raise RowError(tuple(str(problem) for problem in problems))
+        self._files = self._fingerprints(plan)
+        return plan
+
+    def look(self, plan: Plan) -> News | None:
+        """Return what is new since the last look; None if nothing was touched."""
+        try:
+            self._check_file()
+            seen, files = self._database.data_version(), self._fingerprints(plan)
+            if (seen, files) == (self._version, self._files):
+                return None
+            rows = self._database.load(self._profile.robot)
+        except LbrError as err:
+            self._version = UNKNOWN_VERSION
+            return News(problems=(str(err),))
+        self._version, self._files = seen, files
+        new, problems = plans.make(rows, self._profile, self._site)
+        if new is None:
+            return News(problems=tuple(str(problem) for problem in problems))
+        return News(plan=new, change=plans.difference(plan, new), edited=self._edited(plan.rows.revision))
+
+    def _edited(self, since: int) -> str:
+        rows = self._database.revisions(since)
+        said = [f"{row.operation} {row.table} '{row.row_key[-1]}'" for row in rows[:EDITS_TOLD]]
+        more = f" and {len(rows) - EDITS_TOLD} more" if len(rows) > EDITS_TOLD else ""
+        return ", ".join(said) + more
+
+    def _fingerprints(self, plan: Plan) -> dict[str, str]:
+        kinds = {row.kind for row in plan.rows.capabilities}
+        return {kind: registry.fingerprint(kind, Path(self._site.home)) for kind in sorted(kinds)}
+
+    def _check_file(self) -> None:
+        """Notice that another file stands where the database was: what is written there is not what is read here."""
+        path = self._database.path
+        try:
+            found = _identity(path)
+        except OSError as err:
+            raise InputError(f"database {path} is gone ({err.strerror}); put it back, or restart") from err
+        if found != self._file:
+            raise InputError(f"database {path} was replaced by another file; restart to use it")
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    found = path.stat()
+    return found.st_dev, found.st_ino
