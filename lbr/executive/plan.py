@@ -280,8 +280,7 @@ def _outputs(
     if setpoints:
         return tuple(OutputWire(key=key, seal=site.seal(key)) for key in setpoints)
     own = keys.port(robot, name, output)
-    read = any(channel.source_end == (name, output) for channel in channels)
-    return (OutputWire(key=own, seal=site.seal(own) if read else ""),)
+    return (OutputWire(key=own, seal="" if kinds[name].family == "program" else site.seal(own)),)
 
 
 def _requests(

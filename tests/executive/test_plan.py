@@ -172,3 +172,10 @@ def test_spaces_and_lines_in_settings_restart_nothing(rows):
     new = edited(rows, "capabilities", "motors", settings=motors.settings.replace(":", " :\n "))
     assert plans.difference(planned(rows), planned(new)) == Change()
     assert b"\n" not in bytes(planned(new).units["motors"].config.settings)
+
+
+def test_a_new_listener_costs_its_publisher_nothing(rows):
+    ear = CapabilityRow(name="ear", kind="exec", settings='{"argv": ["/bin/cat"], "inputs": ["pose"]}')
+    wire = ChannelRow(source="world.pose", target="ear.pose")
+    new = replace(rows, capabilities=(*rows.capabilities, ear), channels=(*rows.channels, wire))
+    assert plans.difference(planned(rows), planned(new)) == Change(start=("ear",))
