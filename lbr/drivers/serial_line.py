@@ -26,7 +26,6 @@ class SerialLine:
     def __init__(self, device: str, path: str, port: serial.Serial) -> None:
         self.device = device
         self.path = path
-        self.short_writes = 0
         self._port = port
         self._fd: int = port.fileno()
         self._poll = select.poll()
@@ -53,11 +52,9 @@ class SerialLine:
         """Hand over what the line takes at once and return how much that was; never waits."""
         with self._telling("cannot be written"):
             try:
-                count = os.write(self._fd, data)
+                return os.write(self._fd, data)
             except BlockingIOError:
-                count = 0
-        self.short_writes += count < len(data)
-        return count
+                return 0
 
     def drop_output(self) -> None:
         """Throw away what was written and has not left yet."""

@@ -58,7 +58,6 @@ class ScriptedRoboteq(Pty):
             "C": "130:-260",
             "T": "30:25:26",
             "FF": "0",
-            "FS": "1",
         }
         self.log: list[str] = []
         self.times: list[float] = []

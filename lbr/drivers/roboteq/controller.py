@@ -19,7 +19,7 @@ SETUP_TRIES = 3
 LOST_IN_A_ROW = 4
 REFUSED_IN_A_ROW = 5
 ROTATION: tuple[bytes, ...] = (
-    *(wire.query(name) for name in ("FF", "A", "C", "V", "FF", "A", "C", "T", "FF", "FS")),
+    *(wire.query(name) for name in ("FF", "A", "C", "V", "FF", "A", "C", "T", "FF")),
     wire.read_setting("RWD"),
 )
 

@@ -55,11 +55,6 @@ def motors(channel1: int, channel2: int) -> bytes:
     return b"!M %d %d\r" % (_checked(channel1), _checked(channel2))
 
 
-def motor(channel: int, value: int) -> bytes:
-    """Return `!G`: one channel alone."""
-    return b"!G %d %d\r" % (channel, _checked(value))
-
-
 def query(name: str) -> bytes:
     """Return the query of a measured value, such as `?V`."""
     return b"?%s\r" % name.encode("ascii")

@@ -16,16 +16,6 @@ FAULT_BITS: tuple[str, ...] = (
     "mosfet",
     "default_configuration",
 )
-STATUS_BITS: tuple[str, ...] = (
-    "serial_mode",
-    "pulse_mode",
-    "analog_mode",
-    "power_stage_off",
-    "stall",
-    "at_limit",
-    "bit_6",
-    "script_runs",
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,14 +29,14 @@ class Volts:
 
 @dataclass(frozen=True, slots=True)
 class Channels:
-    """One whole number for each channel, as `?C`, `?M` and `?S` answer."""
+    """One whole number for each channel, as `?C` answers."""
 
     values: tuple[int | None, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Amps:
-    """Answer to `?A` (motors) or `?BA` (battery): signed amperes for each channel."""
+    """Answer to `?A`: signed amperes for each channel."""
 
     amps_a: tuple[float | None, ...]
 
@@ -65,7 +55,7 @@ class Temperatures:
 
 @dataclass(frozen=True, slots=True)
 class Flags:
-    """Names of the bits set, as `?FF` and `?FS` answer; None: not understood."""
+    """Names of the bits set, as `?FF` answers; None: not understood."""
 
     names: tuple[str, ...] | None
 
@@ -116,10 +106,6 @@ def _faults(text: str) -> Flags:
     return Flags(_named(text, FAULT_BITS))
 
 
-def _status(text: str) -> Flags:
-    return Flags(_named(text, STATUS_BITS))
-
-
 def _text(text: str) -> Text:
     return Text(text.strip())
 
@@ -152,13 +138,9 @@ _INTEGER = re.compile(r"[+-]?[0-9]{1,10}")
 _DECODERS: dict[str, Callable[[str], Reading]] = {
     "V": _volts,
     "A": _amps,
-    "BA": _amps,
     "T": _temperatures,
     "C": _channels,
-    "M": _channels,
-    "S": _channels,
     "FF": _faults,
-    "FS": _status,
     "FID": _text,
     "TRN": _text,
 }
