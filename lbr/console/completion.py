@@ -13,9 +13,11 @@ class LineCompleter(Completer):
     def __init__(self, entries: Iterable[dict[str, Any]] = ()) -> None:
         self.entries = list(entries)
 
-    def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Completion]:  # noqa: ARG002
-        """Yield what may come next."""
+    def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Completion]:
+        """Yield what may come next; at an empty line only to who asks for it."""
         text = document.text_before_cursor.lstrip()
+        if not text and not complete_event.completion_requested:
+            return
         if text.startswith("/") and "/" in text[1:]:
             yield from self._fields(text)
         elif text.lower().startswith("stop "):

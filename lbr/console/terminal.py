@@ -1,6 +1,8 @@
 """The terminal: a prompt with completion, history and a live status bar. Whatever it held stops when it ends."""
 
 import contextlib
+import os
+import queue
 import sys
 import threading
 import time
@@ -9,6 +11,7 @@ from pathlib import Path
 from prompt_toolkit import PromptSession
 from prompt_toolkit.application import create_app_session
 from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
+from prompt_toolkit.buffer import Buffer
 from prompt_toolkit.filters import Condition
 from prompt_toolkit.formatted_text import StyleAndTextTuples
 from prompt_toolkit.history import FileHistory, History, InMemoryHistory
@@ -16,9 +19,9 @@ from prompt_toolkit.input import Input
 from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
 from prompt_toolkit.keys import Keys
 from prompt_toolkit.output import Output
-from prompt_toolkit.patch_stdout import patch_stdout
 from prompt_toolkit.styles import Style
 
+from lbr.console.above import Above, Screen
 from lbr.console.completion import LineCompleter
 from lbr.console.hold import Ending
 from lbr.console.operator import BusOperator
@@ -29,7 +32,7 @@ from lbr.messages.system import ConsoleResult, Event
 
 PROMPT = "Robot> "
 REFRESH_S = 0.25
-PATIENCE_S = 0.3  # so long the prompt waits for a line's result before it offers the next one
+PATIENCE_S = 0.3  # so long the next line waits for a line's result
 SHUTDOWN = "executive.shutdown"
 STYLE = Style.from_dict(
     {
@@ -57,9 +60,8 @@ class Terminal:
     ) -> None:
         self._operator = operator
         self._local = local
-        self._out = sys.stdout
         self._source = source
-        self._screen = screen
+        self._screen = screen or Screen.from_pty(sys.stdout, term=os.environ.get("TERM"))
         self._closing = False
         self._lock = threading.Lock()
         self._under_way: dict[str, float] = {}
@@ -69,7 +71,7 @@ class Terminal:
         self._session: PromptSession[str] = PromptSession(
             PROMPT,
             input=source,
-            output=screen,
+            output=self._screen,
             history=_history(history),
             completer=self._completer,
             complete_while_typing=True,
@@ -79,18 +81,24 @@ class Terminal:
             refresh_interval=REFRESH_S,
             style=STYLE,
             reserve_space_for_menu=6,
+            erase_when_done=True,
         )
+        self._session.default_buffer.accept_handler = self._accept
+        self._above = Above(self._session.app)
+        self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
 
     def run(self) -> int:
         """Read lines until end of input, Ctrl-C, a shutdown or `close`; then stop what is held. Return an exit code."""
         self._operator.on_end = self._ended
-        helper = threading.Thread(target=self._follow, name="console events", daemon=True)
-        with create_app_session(self._source, self._screen), patch_stdout(raw=True):
-            self._out = sys.stdout
-            helper.start()
+        helpers = [
+            threading.Thread(target=self._follow, name="console events", daemon=True),
+            threading.Thread(target=self._say_all, name="console lines", daemon=True),
+        ]
+        with create_app_session(self._source, self._screen), self._above.catching(self._print):
+            for helper in helpers:
+                helper.start()
             try:
-                while not self._closing and self._one():
-                    pass
+                self._session.prompt(pre_run=self._begin, handle_sigint=False, set_exception_handler=False)
             except (EOFError, KeyboardInterrupt):
                 pass
             except OSError:  # the terminal hung up
@@ -99,10 +107,10 @@ class Terminal:
                 self._over.set()
                 self._operator.release()
             if not self._closing:
-                self._print(
-                    "Stopped; shutting down." if self._local else "Stopped; leaving. The robot runs on.", "info"
-                )
-            helper.join(1.0)
+                self._print("Stopped; shutting down." if self._local else "Stopped; leaving. The robot runs on.")
+            for helper in helpers:
+                helper.join(1.0)
+            self._above.ended()
         return 0
 
     def close(self) -> None:
@@ -119,35 +127,47 @@ class Terminal:
         if app.is_running and not app.is_done:
             app.exit(exception=EOFError, style="class:exiting")
 
-    def _one(self) -> bool:
-        line = self._session.prompt(handle_sigint=False, set_exception_handler=False)
-        if not line.strip():
-            return True
-        shut = threading.Event()
-        answered = threading.Event()
-        worker = threading.Thread(target=self._say, args=(line, answered, shut), name="console line", daemon=True)
-        worker.start()
-        answered.wait(PATIENCE_S)
-        return not shut.is_set()
+    def _begin(self) -> None:
+        self._above.started()
+        if self._closing:
+            self._exit()
 
-    def _say(self, line: str, answered: threading.Event, shut: threading.Event) -> None:
-        started = time.monotonic()
+    def _accept(self, buffer: Buffer) -> bool:
+        """Take a line without leaving the prompt: when its turn comes it moves above it, and its result follows."""
+        line = buffer.text.strip()
+        if line:
+            self._lines.put(line)
+        return False
+
+    def _say_all(self) -> None:
+        while not self._over.is_set():
+            try:
+                line = self._lines.get(timeout=REFRESH_S)
+            except queue.Empty:
+                continue
+            if self._over.is_set():
+                return
+            self._above.print(PROMPT + one_line(line))
+            answered = threading.Event()
+            threading.Thread(target=self._say, args=(line, answered), name="console line", daemon=True).start()
+            answered.wait(PATIENCE_S)
+
+    def _say(self, line: str, answered: threading.Event) -> None:
         with self._lock:
-            self._under_way[line.strip()] = started
+            self._under_way[line] = time.monotonic()
         try:
             self._show(self._operator.submit(line))
             if self._is_shutdown(line):
-                shut.set()
                 self.close()
         except LbrError as err:
             self._print(str(err), "error")
         finally:
             with self._lock:
-                self._under_way.pop(line.strip(), None)
+                self._under_way.pop(line, None)
             answered.set()
 
     def _is_shutdown(self, line: str) -> bool:
-        return any(e.get("target") == SHUTDOWN and e.get("word") == line.strip() for e in self._completer.entries)
+        return any(e.get("target") == SHUTDOWN and e.get("word") == line for e in self._completer.entries)
 
     def _show(self, result: ConsoleResult) -> None:
         if result.text:
@@ -156,12 +176,10 @@ class Terminal:
     def _ended(self, line: str, ending: Ending) -> None:
         self._print(f"{one_line(line)}: {ending.text}", "info" if ending.good else "warning")
 
-    def _print(self, text: str, level: str) -> None:
-        safe = wrapped(text, self._session.output.get_size().columns)
+    def _print(self, text: str, level: str = "info") -> None:
         colour = _COLOURS.get(level, "")
-        with contextlib.suppress(OSError):  # the terminal hung up; the prompt notices too
-            self._out.write(f"{colour}{safe}{_PLAIN if colour else ''}\n")
-            self._out.flush()
+        safe = wrapped(text, self._screen.get_size().columns)
+        self._above.print(f"{colour}{safe}{_PLAIN if colour else ''}")
 
     def _follow(self) -> None:
         while not self._over.wait(REFRESH_S):
@@ -178,7 +196,8 @@ class Terminal:
         with self._lock:
             under_way = {line: now - since for line, since in self._under_way.items() if now - since > PATIENCE_S}
         operator = self._operator
-        return [*toolbar(operator.robot, operator.telemetry(), operator.held(), under_way)]
+        columns = self._screen.get_size().columns
+        return [*toolbar(operator.robot, operator.telemetry(), operator.held(), under_way, columns)]
 
     def _keys(self) -> KeyBindings:
         keys = KeyBindings()
@@ -195,6 +214,9 @@ class Terminal:
         @keys.add("c-c")
         def _interrupt(event: KeyPressEvent) -> None:
             self._let_go()
+            if event.app.current_buffer.text:
+                event.app.current_buffer.reset()
+                return
             event.app.exit(exception=KeyboardInterrupt, style="class:aborting")
 
         @keys.add("c-d", filter=Condition(lambda: not self._session.default_buffer.text))
@@ -205,7 +227,10 @@ class Terminal:
         return keys
 
     def _let_go(self) -> None:
-        """Stop the motors now; a terminal that does not answer queries keeps the prompt from ending for a second."""
+        """Stop the motors now, whatever the prompt does next; lines that wait are not said."""
+        with contextlib.suppress(queue.Empty):
+            while True:
+                self._lines.get_nowait()
         threading.Thread(target=self._operator.release, name="let go", daemon=True).start()
 
 

@@ -9,29 +9,34 @@ from lbr.messages.sensing import Ranges
 from lbr.messages.system import Status
 
 Fragments = list[tuple[str, str]]
+Piece = tuple[int, str, str]  # rank (the highest goes first where there is no room), style, text
 CONTACT_S = 3.0
+SEPARATOR = " | "
 GOOD, DOUBTFUL, BAD = "class:good", "class:doubtful", "class:bad"
 
 
-def toolbar(robot: str, telemetry: Telemetry, held: Holder | None, under_way: Mapping[str, float]) -> Fragments:
-    """Return the bar; `under_way` are lines without a result yet, and for how many seconds."""
-    pieces: Fragments = [("", robot), _state(telemetry)]
+def toolbar(
+    robot: str, telemetry: Telemetry, held: Holder | None, under_way: Mapping[str, float], columns: int = 1000
+) -> Fragments:
+    """Return the bar, cut to `columns` from its least important end; `under_way` are lines without a result yet, and
+    for how many seconds."""
+    pieces: list[Piece] = [(0, "", robot), (0, *_state(telemetry))]
     drive, motors = telemetry.drive, telemetry.motors
     if held is not None:
         bound = f" of {held.hold.max_run_s:g}" if not held.hold.goal else ""
-        pieces.append((DOUBTFUL, f"moving {held.elapsed_s:.1f}{bound} s"))
+        pieces.append((1, DOUBTFUL, f"moving {held.elapsed_s:4.1f}{bound} s"))
     if drive is not None and drive.holder:
-        pieces.append(("", f"held by {shown(drive.holder)}"))
+        pieces.append((4, "", f"held by {shown(drive.holder)}"))
     if drive is not None and drive.limited_by:
-        pieces.append((DOUBTFUL, f"slowed by {shown(drive.limited_by)}"))
+        pieces.append((2, DOUBTFUL, f"slowed by {shown(drive.limited_by)}"))
     if motors is not None:
-        pieces.append(("", f"L {motors.left:+.2f} R {motors.right:+.2f}"))
+        pieces.append((3, "", f"L {motors.left:+.2f} R {motors.right:+.2f}"))
         if motors.voltage_v is not None:
-            pieces.append(("", f"{motors.voltage_v:.1f} V"))
+            pieces.append((5, "", f"{motors.voltage_v:4.1f} V"))
     if telemetry.ranges is not None:
-        pieces.append(("", _nearest(telemetry.ranges)))
-    pieces += [("", f"{shown(line)} ({age_s:.0f} s)") for line, age_s in under_way.items()]
-    return _joined(pieces)
+        pieces.append((6, "", _nearest(telemetry.ranges)))
+    pieces += [(7, "", f"{shown(line)} ({age_s:.0f} s)") for line, age_s in under_way.items()]
+    return _joined(_fitting(pieces, columns))
 
 
 def state_of(status: Status) -> tuple[str, str]:
@@ -68,8 +73,25 @@ def _nearest(ranges: Ranges) -> str:
     return f"{known[where]:.2f} m {where}"
 
 
+def _fitting(pieces: list[Piece], columns: int) -> Fragments:
+    """Leave out what there is no room for; the state is shortened at last."""
+    while len(pieces) > 2 and _width(pieces) > columns:
+        rank = max(rank for rank, _, _ in pieces)
+        pieces.remove(next(piece for piece in reversed(pieces) if piece[0] == rank))
+    kept = [(style, text) for _, style, text in pieces]
+    over = _width(pieces) - columns
+    if over > 0:
+        style, text = kept[1]
+        kept[1] = style, text[: max(1, len(text) - over - 1)] + "…"
+    return kept
+
+
+def _width(pieces: list[Piece]) -> int:
+    return sum(len(text) + len(SEPARATOR) for _, _, text in pieces) - 1  # a blank before, a blank after
+
+
 def _joined(pieces: Fragments) -> Fragments:
     bar: Fragments = [("", " ")]
     for style, text in pieces:
-        bar += [(style, text), ("", " | ")]
+        bar += [(style, text), ("", SEPARATOR)]
     return bar[:-1]

@@ -27,7 +27,10 @@ COMPLETER = LineCompleter(VOCABULARY.entries({"executive.report": ["health", "ev
 
 
 def offered(text: str) -> list[str]:
-    return [one.text or one.display_text for one in COMPLETER.get_completions(Document(text), CompleteEvent())]
+    return [
+        one.text or one.display_text
+        for one in COMPLETER.get_completions(Document(text), CompleteEvent(completion_requested=True))
+    ]
 
 
 @pytest.mark.parametrize(
@@ -56,3 +59,7 @@ def test_entries_of_other_versions_do_not_break_completion(entry):
     completer = LineCompleter([entry])
     for text in ("", "/x/", "x"):
         list(completer.get_completions(Document(text), CompleteEvent()))
+
+
+def test_an_empty_line_offers_nothing_until_tab_asks():
+    assert not list(COMPLETER.get_completions(Document(""), CompleteEvent(text_inserted=True)))

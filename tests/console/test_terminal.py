@@ -10,28 +10,31 @@ import threading
 import pytest
 from fake_robot import ROBOT, wait_for
 from prompt_toolkit.input.vt100 import Vt100Input
-from prompt_toolkit.output.vt100 import Vt100_Output
+from vt import Vt
 
+from lbr.console.above import Screen as TerminalScreen
 from lbr.console.operator import BusOperator
 from lbr.console.terminal import Terminal
 from lbr.messages.system import ConsoleResult
 
 PASTE = "\x1b[200~{}\x1b[201~"
 STEPS = re.compile(r"\x1b\[([0-9]*)C")
+MENU_ROWS = 6
 CODES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
 
 class Screen:
     """What a person does and sees at the other end of the pty."""
 
-    def __init__(self, operator: BusOperator) -> None:
+    def __init__(self, operator: BusOperator, rows: int = 30, columns: int = 120) -> None:
         self.master, slave = pty.openpty()
-        termios.tcsetwinsize(slave, (30, 120))
+        self.size = rows, columns
+        termios.tcsetwinsize(slave, self.size)
         self._keys = os.fdopen(os.dup(slave), "r", encoding="utf-8")
         self._text = os.fdopen(slave, "w", encoding="utf-8")
         source = Vt100Input(self._keys)
-        screen = Vt100_Output.from_pty(self._text, term="xterm-256color")
-        self.terminal = Terminal(operator, source=source, screen=screen)
+        output = TerminalScreen.from_pty(self._text, term="xterm-256color")
+        self.terminal = Terminal(operator, source=source, screen=output)
         self.code: int | None = None
         self._seen = b""
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -45,6 +48,22 @@ class Screen:
         """What was written, with the cursor's steps to the right as the blanks they stand for."""
         moved = STEPS.sub(lambda step: " " * int(step[1] or 1), self._seen.decode(errors="replace"))
         return CODES.sub("", moved)
+
+    @property
+    def shown(self) -> list[str]:
+        """The lines that a person sees now, without empty ones at the end."""
+        seen = Vt(*self.size)
+        seen.feed(self._seen.decode(errors="replace"))
+        return "\n".join(seen.lines).rstrip().splitlines()
+
+    def shows(self, *lines: str) -> None:
+        """Wait until the whole screen is these lines, the input with room for its menu, and the bar."""
+        *above, prompt = lines
+        wanted = [*above, prompt, *[""] * (MENU_ROWS - 1)]
+        try:
+            wait_for(lambda: self.shown[:-1] == wanted and self.shown[-1].startswith(f" {ROBOT} | "))
+        except AssertionError:
+            raise AssertionError("the screen is\n" + "\n".join(self.shown)) from None
 
     def types(self, text: str) -> None:
         os.write(self.master, text.encode())
@@ -81,8 +100,6 @@ class Screen:
         while True:
             try:
                 seen = os.read(self.master, 65536)
-                if b"\x1b[6n" in seen:  # where is the cursor?
-                    os.write(self.master, b"\x1b[1;1R")
             except OSError:
                 return
             self._seen += seen
@@ -203,3 +220,73 @@ def test_shutdown_leaves_once_it_is_accepted(robot, screen):
     robot.lines["Shutdown"] = ConsoleResult(code=0, text="shutting down")
     screen.types("Shutdown\r")
     assert screen.ends() == 0
+
+
+def test_what_is_typed_told_and_moved_leaves_one_prompt_and_one_bar(robot, screen):
+    screen.shows("Robot>")
+    robot.tell("the first")
+    screen.shows("motors: the first", "Robot>")
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    screen.shows("motors: the first", "Robot> /r/0.2/0", "moving under L1", "Robot>")
+    screen.types("xyz")
+    robot.dead["L1"] = "taken over by web"
+    robot.show()
+    screen.shows(
+        "motors: the first", "Robot> /r/0.2/0", "moving under L1", "/r/0.2/0: taken over by web", "Robot> xyz"
+    )  # fmt: skip
+    wait_for(lambda: screen.shown[-1] == f" {ROBOT} | ready")
+
+
+def test_a_full_screen_scrolls_and_keeps_one_prompt_and_one_bar(robot, screen):
+    for number in range(60):
+        robot.tell(f"event {number}")
+    rows = screen.size[0] - MENU_ROWS - 1
+    wanted = [f"motors: event {number}" for number in range(60)][-rows:]
+    screen.types("abc")
+    screen.shows(*wanted, "Robot> abc")
+
+
+def test_what_any_thread_prints_stays_out_of_the_input_line(robot, screen):
+    screen.types("abc")
+    screen.shows("Robot> abc")
+    with screen.terminal._above.catching(screen.terminal._print):
+        writers = [threading.Thread(target=print, args=(f"line {number}",)) for number in range(4)]
+        for writer in writers:
+            writer.start()
+            writer.join()
+    screen.shows("line 0", "line 1", "line 2", "line 3", "Robot> abc")
+
+
+def test_a_narrower_terminal_keeps_one_bar_within_its_columns(robot, screen):
+    robot.tell("the first")
+    screen.shows("motors: the first", "Robot>")
+    robot.lines["long"] = ConsoleResult(code=0, text="word " * 30)
+    screen.size = 24, 40
+    termios.tcsetwinsize(screen.master, screen.size)
+    wait_for(lambda: screen.terminal._screen.get_size().columns == 40)
+    screen.types("long\r")
+    wait_for(lambda: [line for line in screen.shown if line.startswith("  word word")])
+    assert sum(line.startswith(f" {ROBOT} | ") for line in screen.shown) == 1
+    assert sum(line.startswith("Robot>") for line in screen.shown) == 2
+
+
+def test_ctrl_c_clears_a_half_typed_line_and_stops(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    screen.types("half")
+    screen.shows("Robot> /r/0.2/0", "moving under L1", "Robot> half")
+    screen.types("\x03")
+    screen.shows("Robot> /r/0.2/0", "moving under L1", "Robot>")
+    wait_for(lambda: robot.stopped)
+    screen.types("\x03")
+    assert screen.ends() == 0
+    assert screen.shown == ["Robot> /r/0.2/0", "moving under L1", "Stopped; leaving. The robot runs on."]
+
+
+def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
+    words = [f"word{number}" for number in range(8)]
+    screen.types("".join(f"{word}\r" for word in words))
+    wait_for(lambda: len(said(robot)) == len(words))
+    assert said(robot) == words

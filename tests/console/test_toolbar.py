@@ -17,8 +17,8 @@ def status(*, estop: bool = False, phase: str = "ready", ready: bool = True) -> 
     )  # fmt: skip
 
 
-def text(telemetry: Telemetry) -> str:
-    return "".join(piece for _, piece in toolbar("rob", telemetry, None, {}))
+def text(telemetry: Telemetry, columns: int = 1000) -> str:
+    return "".join(piece for _, piece in toolbar("rob", telemetry, None, {}, columns))
 
 
 @pytest.mark.parametrize(
@@ -47,3 +47,18 @@ def test_power_volts_and_the_nearest_range_are_shown_and_unknown_ones_left_out()
 
 def test_a_line_under_way_shows_its_age():
     assert "clock (3 s)" in "".join(piece for _, piece in toolbar("rob", Telemetry(), None, {"clock": 3.2}))
+
+
+@pytest.mark.parametrize("columns", [12, 20, 30, 40, 60, 80])
+def test_a_narrow_bar_keeps_the_state_and_leaves_out_the_least_important(columns):
+    motors = MotorsState(left=0.2, right=-0.2, armed=True, reason="", estop=False, voltage_v=12.34)
+    ranges = Ranges(forward_m=1.0, back_m=None, left_m=0.45, right_m=2.0, bottom_m=None, status={})
+    bar = text(Telemetry(status=status(), motors=motors, ranges=ranges), columns)
+    assert len(bar) <= columns
+    assert bar.startswith(" rob | re")
+    assert ("12.3 V" in bar) <= ("L +0.20" in bar)
+
+
+def test_a_long_reason_is_shortened_to_fit():
+    bar = text(Telemetry(status=status(estop=True)), 24)
+    assert bar == " rob | E-STOP: a hand …"
