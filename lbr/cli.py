@@ -22,6 +22,7 @@ COMMANDS = {
     "view": ("view", "Watch a simulated robot from above."),
     "db": ("db", "Create, check and compare the robot's rows."),
 }
+NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2 it prints the help by itself
 HELP = """Run a robot that is rows in a database, and talk to it.
 
 \b
@@ -77,6 +78,8 @@ def main(arguments: list[str] | None = None) -> int:
         code = cli.main(arguments, prog_name="lbr", standalone_mode=False)
     except click.exceptions.Exit as leaving:
         code = leaving.exit_code
+    except NO_ARGUMENTS as err:
+        code = _help(err)
     except click.ClickException as err:
         code = _complain(_explained(err), err.exit_code)
     except (click.Abort, KeyboardInterrupt):
@@ -84,6 +87,11 @@ def main(arguments: list[str] | None = None) -> int:
     except LbrError as err:
         code = _complain(str(err), code_of(err))
     return code if isinstance(code, int) else 0
+
+
+def _help(err: click.UsageError) -> int:
+    click.echo(err.ctx.get_help() if err.ctx is not None else err.format_message())
+    return 0
 
 
 def _explained(err: click.ClickException) -> str:

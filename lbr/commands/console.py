@@ -19,7 +19,7 @@ def command(robot: str | None, connect: str | None, hold_s: float | None) -> int
     """Open a console on a running robot.
 
     End of input, Ctrl-C and a closed terminal stop what this console moves, and leave; the robot runs on. Lines may also
-    come from a pipe: results go to standard output, errors to standard error, and the exit code is the worst line's.
+    come from a pipe (empty ones and those that begin with # are skipped): results go to standard output, errors to standard error, and the exit code is the worst line's.
     """
     from lbr.console import local, target  # noqa: PLC0415 - prompt-toolkit is for those who have a console
 

@@ -33,6 +33,8 @@ def command(words: tuple[str, ...], robot: str | None, connect: str | None, hold
     from lbr.messages.system import ConsoleResult  # noqa: PLC0415
 
     line = clean(" ".join(words))
+    if not line:
+        raise InputError("there is nothing to send; 'lbr send help' lists what can be said")
     if line.startswith("!"):
         raise InputError("Python runs at the robot's own console only; 'lbr send help' lists what can be said")
 

@@ -180,6 +180,7 @@ def stop(session: Session, key: str, source: str, reason: str = "") -> bool:
 def describe(result: GoalResult) -> str:
     """Say in one line how a bounded move ended."""
     at = f" at {result.range_cm:g} cm" if result.range_cm is not None else ""
-    why = f": {result.reason}" if result.reason and result.reason != result.result else ""
+    planned = result.result in {"reached", "interval"}
+    why = f": {result.reason}" if result.reason and result.reason != result.result and not planned else ""
     said = {"reached": "range reached", "interval": "time is over"}.get(result.result, result.result)
     return f"{said}{at} after {result.elapsed_s:.1f} s{why}"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import IO
 
 from lbr.console.hold import Ending, Holder
-from lbr.console.operator import STOPS, Operator
+from lbr.console.operator import Operator, is_stop
 from lbr.console.printable import one_line
 from lbr.errors import InputError, LbrError
 from lbr.messages.system import ConsoleResult
@@ -17,7 +17,7 @@ POLL_S = 0.05
 
 
 class Lines:
-    """Says lines in order. A bounded motion is waited for. An unbounded one is held for `hold_s` if that is given, and
+    """Says lines in order, except empty ones and comments (`# …`). A bounded motion is waited for. An unbounded one is held for `hold_s` if that is given, and
     otherwise until a later line moves or stops the robot, or the input ends. A stop never waits for a motion's end."""
 
     def __init__(self, operator: Operator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
@@ -48,7 +48,8 @@ class Lines:
     def _read(self, lines: Iterable[str]) -> None:
         try:
             for line in lines:
-                self._waiting.put(line)
+                if line.strip() and not line.lstrip().startswith("#"):
+                    self._waiting.put(line)
         finally:
             self._waiting.put(None)
 
@@ -97,13 +98,13 @@ class Lines:
 
     def _is_stop(self) -> bool:
         line = self._next[-1]
-        return line is not None and line.strip().lower() in STOPS
+        return line is not None and is_stop(line)
 
     def _is_over(self, until: float | None, *, ready: bool) -> bool:
         return ready if until is None else not time.monotonic() < until
 
     def _release(self, held: Holder) -> Ending | None:
-        self._operator.release()
+        self._operator.release("the input ended" if self._hold_s is None else f"the {self._hold_s:g} s are over")
         return Ending(good=True, text=f"stopped after {held.elapsed_s:.1f} s")
 
     def _failed(self, text: str, code: int) -> None:
@@ -130,6 +131,6 @@ def say_once(operator: Operator, line: str, *, hold_s: float, announce: Announce
         return result, result.code, ""
     ending = held.wait(None if held.hold.goal else hold_s)
     if ending is None:
-        operator.release()
+        operator.release(f"the {hold_s:g} s are over")
         return result, result.code, f"stopped after {held.elapsed_s:.1f} s"
     return result, (result.code if ending.good else FAILED), ending.text

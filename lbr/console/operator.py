@@ -21,6 +21,7 @@ from lbr.messages.system import ConsoleResult, Event, Status
 LINE_TIMEOUT_S = 600.0
 SETTLE_S = 0.6
 STOPS = frozenset({"s", "stop", "estop"})  # after these, the end of a motion is no news
+LET_GO = "the operator let go"
 
 T = TypeVar("T", bound=Struct)
 
@@ -58,11 +59,16 @@ class Operator(Protocol):
     def latest(self) -> Holder | None:
         """Return what was held last, whether or not it has ended."""
 
-    def release(self) -> None:
+    def release(self, why: str = LET_GO) -> None:
         """Stop what we hold; quick, and cheap to repeat."""
 
     def close(self) -> None:
         """Release, and let go of the robot."""
+
+
+def is_stop(line: str) -> bool:
+    """Say whether a line stops the robot."""
+    return line.strip().strip("/").lower() in STOPS
 
 
 class BusOperator:
@@ -107,7 +113,7 @@ class BusOperator:
         result = self._submit(line)
         if result.hold is not None:
             self._take(line, turn, result)
-        elif result.code == 0 and line.lower() in STOPS:
+        elif result.code == 0 and is_stop(line):
             self._quiet_until = time.monotonic() + SETTLE_S
         return result
 
@@ -124,8 +130,9 @@ class BusOperator:
         return self._latest.telemetry() if self._latest else Telemetry()
 
     def events(self) -> list[Event]:
-        """Return the events since the last call."""
-        return self._latest.events() if self._latest else []
+        """Return the events since the last call, without those that repeat how our own motions ended."""
+        found = self._latest.events() if self._latest else []
+        return [one for one in found if one.subject != "drive" or not one.text.startswith(f"{self._source}: ")]
 
     def held(self) -> Holder | None:
         """Return what is being held."""
@@ -136,14 +143,14 @@ class BusOperator:
         """Return what was held last."""
         return self._holder
 
-    def release(self) -> None:
+    def release(self, why: str = LET_GO) -> None:
         """Stop what we hold, and whatever a line still under way may start."""
         with self._lock:
             self._said += 1
             holder = self._holder
         if holder is not None and holder.ending is None:
             self._quiet_until = time.monotonic() + SETTLE_S
-            holder.release("the operator let go")
+            holder.release(why)
 
     def close(self) -> None:
         """Release, and stop listening."""

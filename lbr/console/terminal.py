@@ -167,7 +167,7 @@ class Terminal:
             answered.set()
 
     def _is_shutdown(self, line: str) -> bool:
-        return any(e.get("target") == SHUTDOWN and e.get("word") == line for e in self._completer.entries)
+        return any(e.get("target") == SHUTDOWN and e.get("word") == line.strip("/") for e in self._completer.entries)
 
     def _show(self, result: ConsoleResult) -> None:
         if result.text:

@@ -42,6 +42,9 @@ class PythonLine(Struct, frozen=True, kw_only=True):
     code: str
 
 
+_LEAVE = "Ctrl-D leaves the console, 'Shutdown' shuts the robot down"
+_HINTS = {"quit": _LEAVE, "exit": _LEAVE, "?": "'help' lists what can be said"}
+
 Parsed = VerbCall | ExternalCall | ExternalStop | PythonLine
 
 
@@ -87,13 +90,15 @@ class Vocabulary:
         width = min(max((len(said) for said, _ in lines), default=0), 44)
         return "\n".join(f"{said:<{width}}  {text}".rstrip() for said, text in lines)
 
-    def _path(self, line: str) -> VerbCall:
+    def _path(self, line: str) -> Parsed:
         parts = [part for part in line.split("/") if part]
         word = parts[0].strip() if parts else ""
         known = [verb for verb in self._verbs if not verb.pattern.alias and verb.pattern.word == word]
+        fitting = [verb for verb in known if verb.takes(parts[1:])]
+        if not fitting and len(parts) == 1 and self._is_bare(word):
+            return self._words(word)
         if not known:
             raise self._unknown(f"/{word}")
-        fitting = [verb for verb in known if verb.takes(parts[1:])]
         if not fitting:
             allowed = listed([verb.plain for verb in known])
             raise InputError(f"'{shown(line)}' has {_count(len(parts) - 1)} after '/{word}'; say {allowed}")
@@ -113,6 +118,9 @@ class Vocabulary:
             raise InputError(f"nothing may follow '{word}', but '{shown(rest)}' does")
         raise self._unknown(word)
 
+    def _is_bare(self, word: str) -> bool:
+        return word in self._bare or word.lower() in self._bare or word in self._external
+
     def _stop_external(self, name: str) -> ExternalStop:
         if name in self._external:
             return ExternalStop(command=self._external[name])
@@ -120,6 +128,8 @@ class Vocabulary:
         raise InputError(f"no external command is called '{shown(name)}' ({there}); 'stop' alone stops the robot")
 
     def _unknown(self, word: str) -> InputError:
+        if word.lower().lstrip("/") in _HINTS:
+            return InputError(f"'{shown(word)}' is not a word of this robot; {_HINTS[word.lower().lstrip('/')]}")
         words = {verb.pattern.word if verb.pattern.alias else f"/{verb.pattern.word}" for verb in self._verbs}
         words |= set(self._external)
         exact = [known for known in sorted(words) if known.lower().lstrip("/") == word.lower().lstrip("/")]

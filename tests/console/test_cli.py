@@ -35,6 +35,8 @@ def lbr(tmp_path):
         (["send", "a\x1bb"], 2, "control character U+001B"),
         (["send"], 2, "Missing argument"),
         (["send", "s", "--hold", "900"], 2, "--hold"),
+        (["send", ""], 2, "there is nothing to send"),
+        (["send", " ", ""], 2, "there is nothing to send"),
         (["nonsense"], 2, "nonsense"),
         (["run", "nothing"], 2, "there is no launch profile 'nothing'"),
         (["run", "--db", "/nowhere/at/all.db"], 2, "/nowhere/at/all.db"),
@@ -65,6 +67,13 @@ def test_every_command_has_help(lbr, command):
     done = lbr(command, "--help")
     assert done.returncode == 0
     assert done.stdout.startswith(f"Usage: lbr {command}")
+
+
+@pytest.mark.parametrize("command", [[], ["topic"], ["db"]])
+def test_a_group_without_a_command_prints_its_help(lbr, command):
+    done = lbr(*command)
+    assert done.stdout == lbr(*command, "--help").stdout
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_rows_are_made_checked_and_compared(lbr):

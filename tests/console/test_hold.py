@@ -65,7 +65,7 @@ def test_the_result_of_a_bounded_move_ends_its_hold(robot, hold):
     holder = hold(robot.hold("L1", goal="g7"))
     wait_for(lambda: robot.renewed)
     robot.finish("another")
-    robot.finish("g7")
+    robot.finish("g7", reason="forward is at 40 cm")
     ending = holder.wait(3)
     assert ending.good
     assert ending.text == "range reached at 40 cm after 1.5 s"

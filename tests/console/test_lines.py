@@ -33,6 +33,21 @@ def test_results_go_out_errors_go_to_stderr_and_the_worst_code_counts(robot, ope
     ]  # fmt: skip
 
 
+def test_empty_lines_and_comments_are_skipped_and_stop_nothing(robot, operator):
+    robot.moves("/r/0.2/0", "L1")
+    robot.lines["next"] = ConsoleResult(code=0, text="next")
+
+    def lines():
+        yield from ["# first a motion\n", "\n", "/r/0.2/0\n", "  # and nothing more\n", " \t\n"]
+        wait_for(lambda: len(robot.renewed) > 2)
+        yield "next"
+
+    code, out, err = run(operator, lines())
+    assert (code, err) == (0, "")
+    assert out.splitlines()[:2] == ["moving under L1", "next"]
+    assert [line for line, _, _ in robot.said] == ["/r/0.2/0", "next"]
+
+
 def test_a_bounded_motion_is_waited_for_before_the_next_line(robot, operator):
     robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
     robot.lines["next"] = ConsoleResult(code=0, text="next")
@@ -87,6 +102,7 @@ def test_one_line_is_held_and_then_stopped_unless_it_ends_before(robot, operator
     robot.dead |= {"L1": dead} if dead else {}
     _, code, ending = say_once(operator, "/r/0.2/0", hold_s=0.2, announce=lambda _result: None)
     assert (code, ending) == expected
+    assert robot.stopped == ([] if dead else ["the 0.2 s are over"])
 
 
 def test_lines_come_as_they_are_written_and_the_last_needs_no_end():

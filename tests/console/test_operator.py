@@ -3,9 +3,9 @@ import threading
 import pytest
 from fake_robot import ROBOT, wait_for
 
-from lbr.console.operator import BusOperator
+from lbr.console.operator import BusOperator, is_stop
 from lbr.errors import BusError, InputError
-from lbr.messages.system import ConsoleResult
+from lbr.messages.system import ConsoleResult, Event
 
 
 @pytest.fixture
@@ -74,6 +74,23 @@ def test_the_end_of_a_motion_is_told_unless_a_stop_was_said(robot, operator):
 def test_what_the_robot_says_is_kept(robot, operator):
     wait_for(lambda: robot.keep_telling() or operator.telemetry().status)
     assert {event.text for event in wait_for(operator.events)} == {"the battery is low"}
+
+
+def test_events_that_repeat_the_end_of_an_own_motion_are_left_out(robot, operator):
+    wait_for(lambda: robot.keep_telling() or operator.telemetry().status)
+    operator.events()
+    for source in ("console@here", "web@there"):
+        robot.events.put(Event(kind="stopped", subject="drive", text=f"{source}: stopped by {source}"))
+    robot.events.put(Event(kind="ready", subject="drive", text="ready"))
+    heard = []
+    wait_for(lambda: heard.extend(operator.events()) or any(event.kind == "ready" for event in heard))
+    told = [event.text for event in heard if event.subject == "drive"]
+    assert told == ["web@there: stopped by web@there", "ready"]
+
+
+@pytest.mark.parametrize("line", ["s", "/stop", " STOP ", "/estop/"])
+def test_a_stop_is_known_with_and_without_slashes(line):
+    assert is_stop(line)
 
 
 def test_words_are_the_data_of_help(robot, operator):

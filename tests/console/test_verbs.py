@@ -54,6 +54,9 @@ VOCABULARY = Vocabulary(
         ("s", "drive.stop", {}),
         ("stop", "drive.stop", {}),
         ("STOP", "drive.stop", {}),
+        ("/stop", "drive.stop", {}),
+        ("/S/", "drive.stop", {}),
+        ("/s", "drive.stop", {}),
         ("f", "drive.command", {"power": 0.25, "angle_deg": 0}),
         ("F", "drive.command", {"power": 0.25, "angle_deg": 0}),
         ("/s/a/b", "speech.say", {"text": "a/b"}),
@@ -93,7 +96,11 @@ def test_a_line_becomes_its_message(line, target, payload):
         ("/x/1", "'/x' is not a word of this robot"),
         ("stpo", "did you mean 'stop'?"),
         ("shutdown", "did you mean 'Shutdown'?"),
-        ("/stop", "did you mean 'stop'?"),
+        ("/stpo", "did you mean 'stop'?"),
+        ("quit", "Ctrl-D leaves the console, 'Shutdown' shuts the robot down"),
+        ("/exit", "Ctrl-D leaves the console, 'Shutdown' shuts the robot down"),
+        ("?", "'help' lists what can be said"),
+        ("/stop/it", "is not a word of this robot"),
         ("s now", "nothing may follow 's'"),
         ("stop it", "'stop' alone stops the robot"),
         ("gone", "is not a word"),
@@ -116,6 +123,7 @@ def test_bad_input_gets_one_line_that_says_what_is_allowed(line, complaint):
 
 def test_an_external_command_takes_arguments_and_is_stopped_by_name():
     assert VOCABULARY.parse("clock -u '+%H %M'") == ExternalCall(command=CLOCK, arguments=("-u", "+%H %M"))
+    assert VOCABULARY.parse("/clock") == ExternalCall(command=CLOCK)
     assert VOCABULARY.parse("Stop clock") == ExternalStop(command=CLOCK)
 
 
