@@ -1,5 +1,6 @@
 """The capability `world`: a room, a robot in it, and an emulated twin for each device row that has one."""
 
+import json
 import sys
 from collections import deque
 from pathlib import Path
@@ -128,7 +129,8 @@ class World(Capability[WorldSettings]):
         except InputError as err:
             call.refuse(str(err))
             return
-        self.ctx.event("fault_injected", f"{request.device}: {request.name} is now {request.value}", level="warning")
+        now = "as it was" if request.value is None else json.dumps(request.value)
+        self.ctx.event("fault_injected", f"{request.device}: {request.name} is now {now}", level="warning")
         call.reply(FaultReply(accepted=True, faults=faults))
 
     def _picture(self, call: Call, request: PictureRequest) -> None:

@@ -114,7 +114,7 @@ def _state(state: State, event: Command, now: float) -> str:
     if event.command.power == 0.0:
         return ""
     if state.estop:
-        return f"emergency stop: {state.estop_reason or 'no reason given'}"
+        return f"emergency stop: {state.estop_reason or 'no reason given'}; 'reset' releases it"
     if trouble := motors_trouble(state, now):
         return trouble
     if insists(state, event.source, now):

@@ -123,7 +123,7 @@ def test_the_emergency_stop_is_obeyed_acknowledged_and_shown(robot):
     assert robot.wheels == (0.0, 0.0)
     assert robot.ctx.estop.acknowledged == [True]
     assert robot.ctx.said("state")[-1].estop
-    assert robot.send(robot.ctx.command(0.5)).answer.reason == "emergency stop: button"
+    assert robot.send(robot.ctx.command(0.5)).answer.reason == "emergency stop: button; 'reset' releases it"
 
 
 def test_a_latch_from_before_the_start_is_obeyed():

@@ -270,7 +270,7 @@ def test_motors_that_fall_silent_end_the_lease(bench):
 
 def test_a_latched_emergency_stop_refuses_and_its_reset_moves_nothing(bench):
     bench.estop(True)
-    assert bench.drive(0.5).reason == "emergency stop: button"
+    assert bench.drive(0.5).reason == "emergency stop: button; 'reset' releases it"
     bench.estop(False)
     bench.run(0.5)
     assert bench.wheels == STILL
