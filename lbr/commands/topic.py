@@ -14,8 +14,11 @@ if TYPE_CHECKING:
     from lbr.bus.session import Session
     from lbr.bus.wire import Raw
     from lbr.console.rates import Rate
+    from lbr.console.topics import Topic
 
 WAIT_S = 5.0
+SILENT_S = 2.0
+LISTEN_S = 1.0
 REFUSAL_S = 0.3
 POLL_S = 0.02
 
@@ -29,11 +32,12 @@ def command() -> None:
 @robot_options
 @json_option
 def list_topics(robot: str | None, connect: str | None, as_json: bool) -> int:
-    """List streams and commands, with message types and rates."""
+    """List streams and commands, with message types and rates; listens a second for streams that nobody describes."""
     from lbr.console import topics  # noqa: PLC0415 - the bus is for those who use it
 
     with _bus(robot, connect) as (bus, name, source):
         found = topics.catalogue(bus, name, source)
+        found = sorted([*found, *topics.heard(bus, name, found, LISTEN_S)], key=lambda topic: topic.name)
     if as_json:
         print_json([{"name": t.name, "role": t.role, "message": t.message, "rate_hz": t.rate_hz} for t in found])
         return 0
@@ -54,7 +58,10 @@ def info(topic: str, robot: str | None, connect: str | None, as_json: bool) -> i
 
     with _bus(robot, connect) as (bus, name, source):
         key = topics.key_of(name, topic)
-        found = topics.choose(topics.catalogue(bus, name, source), key.partition("/")[2])
+        there, wanted = _known(bus, name, source), key.partition("/")[2]
+        if wanted not in {topic.name for topic in there}:
+            there += topics.heard(bus, name, there, LISTEN_S)
+        found = topics.choose(there, wanted)
     if as_json:
         print_json({"key": key, "role": found.role, "rate_hz": found.rate_hz, "schema": found.json_schema})
         return 0
@@ -73,7 +80,7 @@ def info(topic: str, robot: str | None, connect: str | None, as_json: bool) -> i
 @click.option("--raw", is_flag=True, help="Print the payload's bytes as they are.")
 @json_option
 def echo(topic: str, robot: str | None, connect: str | None, once: bool, raw: bool, as_json: bool) -> int:
-    """Print what a stream says, until Ctrl-C."""
+    """Print what a stream says, until Ctrl-C. If nothing comes for 2 s, standard error says why that may be."""
     from lbr.bus import wire  # noqa: PLC0415
     from lbr.console import topics  # noqa: PLC0415
     from lbr.errors import BusError  # noqa: PLC0415
@@ -81,15 +88,20 @@ def echo(topic: str, robot: str | None, connect: str | None, once: bool, raw: bo
     with _bus(robot, connect) as (bus, name, source):
         key = topics.key_of(name, topic)
         feed = wire.Subscription(bus, key, depth=1000)
-        messages = wire.ask(bus, key, None, source=source, timeout_s=1.0) if once else []
-        until = time.monotonic() + WAIT_S
+        messages = _latest(bus, key, _known(bus, name, source), source) if once else []
+        started = time.monotonic()
+        heard = False
         while True:
             for message in messages:
+                heard = True
                 _print_message(message, as_json=as_json, raw=raw, named="*" in key)
                 if once:
                     return 0
-            if once and not time.monotonic() < until:
-                raise BusError(f"nothing came on {key} within {WAIT_S:g} s; 'lbr topic list' shows what there is")
+            if once and not time.monotonic() < started + WAIT_S:
+                raise BusError(topics.silence(_known(bus, name, source), key, WAIT_S))
+            if not (once or heard or time.monotonic() < started + SILENT_S):
+                heard = True
+                click.echo(f"lbr: {topics.silence(_known(bus, name, source), key, SILENT_S)}; waiting", err=True)
             time.sleep(POLL_S)
             messages = feed.take()
 
@@ -170,6 +182,20 @@ def _bus(robot: str | None, connect: str | None) -> "Iterator[tuple[Session, str
     found = target.find(robot, connect)
     with target.connected(found) as bus:
         yield bus, found.robot, target.source("lbr topic")
+
+
+def _known(bus: "Session", robot: str, source: str) -> "list[Topic]":
+    from lbr.console import topics  # noqa: PLC0415
+
+    return [*topics.catalogue(bus, robot, source), *topics.system_topics()]
+
+
+def _latest(bus: "Session", key: str, known: "list[Topic]", source: str) -> "list[Raw]":
+    """Ask a stream for its latest message; a command is never asked, because it would do what it is for."""
+    from lbr.bus import wire  # noqa: PLC0415
+
+    streams = {topic.name for topic in known if topic.role == "stream"}
+    return wire.ask(bus, key, None, source=source, timeout_s=1.0) if key.partition("/")[2] in streams else []
 
 
 def _print_message(message: "Raw", *, as_json: bool, raw: bool, named: bool) -> None:

@@ -4,7 +4,7 @@ import shutil
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import click
 
@@ -15,9 +15,10 @@ if TYPE_CHECKING:
 
     from lbr.bus.session import Session
 
-    S = TypeVar("S", bound=Struct)
+S = TypeVar("S", bound="Struct")
 
 FRAME_S = 0.2
+SILENT_S = 2.0
 WAIT_S = 5.0
 
 
@@ -26,7 +27,7 @@ WAIT_S = 5.0
 @click.option("--png", type=click.Path(path_type=Path), metavar="FILE", help="Save one picture instead.")
 @click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is no terminal.")
 def command(robot: str | None, connect: str | None, png: Path | None, once: bool) -> int:
-    """Watch a simulated robot from above, until Ctrl-C."""
+    """Watch a simulated robot from above, until Ctrl-C; it says when no news comes."""
     import sys  # noqa: PLC0415
 
     from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
@@ -65,41 +66,50 @@ def _wait(frame: Callable[[int, int], list[str]]) -> None:
         time.sleep(FRAME_S / 4)
 
 
-def _frames(bus: "Session", robot: str) -> Callable[[int, int], list[str]]:
+def _frames(bus: "Session", robot: str, clock: Callable[[], float] = time.monotonic) -> Callable[[int, int], list[str]]:
     """Return what draws the newest view, or nothing until all is known."""
     from lbr.messages.sensing import Ranges  # noqa: PLC0415
     from lbr.messages.simulation import WorldPose, WorldScene  # noqa: PLC0415
     from lbr.simulation import topdown  # noqa: PLC0415
 
-    scene = _latest(bus, f"{robot}/world/scene", WorldScene)
-    pose = _latest(bus, f"{robot}/world/pose", WorldPose)
-    ranges = _latest(bus, f"{robot}/ranges/readings", Ranges)
+    scene = _Latest(bus, f"{robot}/world/scene", WorldScene, clock)
+    pose = _Latest(bus, f"{robot}/world/pose", WorldPose, clock)
+    ranges = _Latest(bus, f"{robot}/ranges/readings", Ranges, clock)
 
     def frame(width: int, height: int) -> list[str]:
-        seen, where = scene(), pose()
-        return topdown.text(seen, where, ranges(), width, height) if seen and where else []
+        seen, where = scene.read(), pose.read()
+        if seen is None or where is None:
+            return []
+        age_s = pose.age_s
+        late = [] if age_s <= SILENT_S else [f"no news for {age_s:.0f} s; is the robot gone?"[:width]]
+        return [*late, *topdown.text(seen, where, ranges.read(), width, height - len(late))]
 
     return frame
 
 
-def _latest(bus: "Session", key: str, kind: "type[S]") -> "Callable[[], S | None]":
-    import msgspec  # noqa: PLC0415
+class _Latest(Generic[S]):
+    """The newest message of a stream, and how long ago it came."""
 
-    from lbr.bus import wire  # noqa: PLC0415
-    from lbr.console import target  # noqa: PLC0415
+    def __init__(self, bus: "Session", key: str, kind: type[S], clock: Callable[[], float]) -> None:
+        from lbr.bus import wire  # noqa: PLC0415
+        from lbr.bus.codec import Decoder  # noqa: PLC0415
+        from lbr.console import target  # noqa: PLC0415
 
-    feed = wire.Subscription(bus, key)
-    decoder = msgspec.json.Decoder(kind)
-    start = wire.ask(bus, key, None, source=target.source("lbr view"), timeout_s=1.0)
-    last = decoder.decode(start[0].payload) if start else None
+        self._clock = clock
+        self._feed = wire.Subscription(bus, key)
+        self._decoder = Decoder(kind)
+        self._seen = clock()
+        start = wire.ask(bus, key, None, source=target.source("lbr view"), timeout_s=1.0)
+        self._last: S | None = self._decoder.decode(start[0].payload) if start else None
 
-    def latest() -> "S | None":
-        nonlocal last
-        for raw in feed.take():
-            last = decoder.decode(raw.payload)
-        return last
+    @property
+    def age_s(self) -> float:
+        return self._clock() - self._seen
 
-    return latest
+    def read(self) -> S | None:
+        for raw in self._feed.take():
+            self._last, self._seen = self._decoder.decode(raw.payload), self._clock()
+        return self._last
 
 
 def _picture(bus: "Session", robot: str, png: Path) -> int:

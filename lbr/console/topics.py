@@ -1,8 +1,11 @@
 """What there is on a robot's bus: every stream and command with its type, as its owner describes it."""
 
+import time
+from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
+import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -12,7 +15,9 @@ from lbr.bus.session import Session
 from lbr.console.fields import Field, properties
 from lbr.console.printable import listed, shown
 from lbr.errors import InputError, MalformedError
-from lbr.messages.system import Status
+from lbr.messages.system import EstopRequest, Event, Status
+
+UNDESCRIBED = "(heard; no schema)"
 
 
 class Topic(Struct, frozen=True, kw_only=True):
@@ -43,6 +48,47 @@ def catalogue(bus: Session, robot: str, source: str) -> list[Topic]:
             json_schema=schema,
         )
     return _placed([found[name] for name in sorted(found)], bus, robot, source)
+
+
+def heard(bus: Session, robot: str, known: Iterable[Topic], seconds: float) -> list[Topic]:
+    """Listen for streams that nobody describes, such as those of programs of kind exec."""
+    arrivals = probe.Arrivals(bus, f"{robot}/**")
+    time.sleep(seconds)
+    taken = arrivals.take()
+    arrivals.close()
+    described = {topic.name for topic in known}
+    counts = Counter(arrival.key.removeprefix(f"{robot}/") for arrival in taken)
+    return [
+        Topic(name=name, role="stream", message=UNDESCRIBED, rate_hz=round(count / seconds, 1), json_schema={})
+        for name, count in sorted(counts.items())
+        if name not in described and not name.startswith("@")
+    ]
+
+
+def system_topics() -> list[Topic]:
+    """Return the robot's own topics, which no capability owns."""
+    return [
+        Topic(name=name, role=role, message=kind.__name__, rate_hz=rate_hz, json_schema=msgspec.json.schema(kind))
+        for name, role, kind, rate_hz in (
+            ("@event", "stream", Event, None),
+            ("@estop", "stream", EstopRequest, None),
+            ("@status", "stream", Status, 1.0),
+        )
+    ]
+
+
+def silence(topics: Iterable[Topic], key: str, seconds: float) -> str:
+    """Say why nothing may have come on a key."""
+    name = key.partition("/")[2]
+    known = {topic.name: topic for topic in topics}
+    nothing = f"nothing has come on {key} within {seconds:g} s"
+    if "*" in name:
+        return nothing
+    if name not in known:
+        return f"{nothing}, and there is no '{shown(name)}'; there are {listed(list(known), 'and')}"
+    if known[name].role == "command":
+        return f"{nothing}: it is a command, which says nothing by itself; 'lbr topic info {name}' shows what it takes"
+    return nothing
 
 
 def choose(topics: Iterable[Topic], name: str) -> Topic:
