@@ -1,13 +1,15 @@
-"""Drive the robot with nothing but Zenoh: python drive_with_plain_zenoh.py ENDPOINT [SECONDS] [ROBOT]
+"""Drive the robot with nothing but Zenoh: python drive_with_plain_zenoh.py [ENDPOINT] [SECONDS] [ROBOT]
 
 ENDPOINT is where the robot listens, such as tcp/192.168.1.7:7447, or an endpoint of the ready line of
-`lbr run --no-console`. It asks for a motion, keeps it alive by repeating it ten times a second with its lease, reads
+`lbr run --no-console`; without it, the robot that runs on this machine is meant. It asks for a motion, keeps it alive by repeating it ten times a second with its lease, reads
 the ranges meanwhile, and stops. Kill it at any moment: the lease lapses, and the robot stops by itself.
 """
 
 import json
+import os
 import sys
 import time
+from pathlib import Path
 
 import zenoh
 
@@ -20,13 +22,31 @@ def ask(session: zenoh.Session, key: str, message: dict) -> dict:
     sys.exit(f"nobody answers on {key}")
 
 
+def robot_here() -> tuple[str, str]:
+    """Return where the robot of this machine listens and its name: it says so in a file of its home while it runs."""
+    home = Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr")
+    for record in sorted((home / "run").glob("*.json")):
+        found = json.loads(record.read_text())
+        if Path(f"/proc/{found['pid']}").exists():
+            return found["endpoints"][0], found["robot"]
+    sys.exit(f"no robot runs here ({home / 'run'} names none); 'lbr run' starts one, or name its endpoint")
+
+
+def connected(endpoint: str) -> zenoh.Session:
+    """Open a session to a robot, or end with one sentence."""
+    config = zenoh.Config()
+    try:
+        config.insert_json5("mode", '"client"')
+        config.insert_json5("connect/endpoints", json.dumps([endpoint]))
+        config.insert_json5("scouting/multicast/enabled", "false")
+        return zenoh.open(config)
+    except zenoh.ZError:
+        sys.exit(f"no robot can be reached at '{endpoint}'; an endpoint looks like tcp/192.168.1.7:7447")
+
+
 def main(endpoint: str, seconds: float = 2.0, robot: str = "lbr") -> None:
     """Drive ahead slowly for some seconds."""
-    config = zenoh.Config()
-    config.insert_json5("mode", '"client"')
-    config.insert_json5("connect/endpoints", json.dumps([endpoint]))
-    config.insert_json5("scouting/multicast/enabled", "false")
-    with zenoh.open(config) as session:
+    with connected(endpoint) as session:
         answer = ask(session, f"{robot}/drive/command", {"power": 0.2, "angle_deg": 0})
         if not answer["accepted"]:
             sys.exit(f"refused: {answer['reason']}")
@@ -44,6 +64,6 @@ def main(endpoint: str, seconds: float = 2.0, robot: str = "lbr") -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit(__doc__)
-    main(sys.argv[1], *(float(text) for text in sys.argv[2:3]), *sys.argv[3:4])
+    given = sys.argv[1:]
+    place, name = (given[0], "lbr") if given else robot_here()
+    main(place, float(given[1]) if len(given) > 1 else 2.0, given[2] if len(given) > 2 else name)

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import queue
+import re
 import sys
 import threading
 import time
@@ -43,6 +44,7 @@ STYLE = Style.from_dict(
     }
 )
 _COLOURS = {"error": "\x1b[31m", "warning": "\x1b[33m"}
+_OWN_STOP = re.compile(r"(?P<who>[^:]+(?::[0-9]+)?): stopped by (?P=who)(?:: (?P<why>.+))?")
 _PLAIN = "\x1b[0m"
 
 
@@ -237,7 +239,9 @@ class Terminal:
 def describe(event: Event) -> str:
     """Return an event as one line."""
     level = f"{event.level}: " if event.level != "info" else ""
-    return one_line(f"{level}{event.subject}: {event.text}" if event.subject else f"{level}{event.text}")
+    own = _OWN_STOP.fullmatch(event.text)
+    text = f"{own['who']}: {own['why'] or 'stopped'}" if own else event.text
+    return one_line(f"{level}{event.subject}: {text}" if event.subject else f"{level}{text}")
 
 
 def _history(path: Path | None) -> History:

@@ -14,8 +14,8 @@ from vt import Vt
 
 from lbr.console.above import Screen as TerminalScreen
 from lbr.console.operator import BusOperator
-from lbr.console.terminal import Terminal
-from lbr.messages.system import ConsoleResult
+from lbr.console.terminal import Terminal, describe
+from lbr.messages.system import ConsoleResult, Event
 
 PASTE = "\x1b[200~{}\x1b[201~"
 STEPS = re.compile(r"\x1b\[([0-9]*)C")
@@ -290,3 +290,16 @@ def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
     screen.types("".join(f"{word}\r" for word in words))
     wait_for(lambda: len(said(robot)) == len(words))
     assert said(robot) == words
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("lbr send@vm:7: stopped by lbr send@vm:7: the 0.5 s are over", "drive: lbr send@vm:7: the 0.5 s are over"),
+        ("console: stopped by console", "drive: console: stopped"),
+        ("console: stopped by web@vm:7: a hand", "drive: console: stopped by web@vm:7: a hand"),
+        ("console: stopped by console@vm:7", "drive: console: stopped by console@vm:7"),
+    ],
+)
+def test_who_stops_an_own_motion_is_named_once(text, told):
+    assert describe(Event(kind="stopped", subject="drive", text=text)) == told
