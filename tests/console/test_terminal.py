@@ -282,7 +282,8 @@ def test_ctrl_c_clears_a_half_typed_line_and_stops(robot, screen):
     wait_for(lambda: robot.stopped)
     screen.types("\x03")
     assert screen.ends() == 0
-    assert screen.shown == ["Robot> /r/0.2/0", "moving under L1", "Stopped; leaving. The robot runs on."]
+    left = ["Robot> /r/0.2/0", "moving under L1", "Stopped; leaving. The robot runs on."]
+    wait_for(lambda: screen.shown == left)
 
 
 def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
