@@ -18,6 +18,7 @@ SILENCE_S = 1.0
 RESULT_WAIT_S = 0.5
 STOP_WAIT_S = 1.0
 MAX_WAITING = 4
+JOIN_S = 1.0
 
 _replies = Decoder(CommandReply)
 _results = Decoder(GoalResult)
@@ -81,6 +82,11 @@ class Holder:
         """Wait for the end; None if it still goes on."""
         self._ended.wait(timeout_s)
         return self.ending
+
+    def join(self) -> None:
+        """Wait until its thread has let go of the session; a session must not close under a thread that uses it."""
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join(JOIN_S)
 
     def _run(self) -> None:
         try:

@@ -155,6 +155,8 @@ class BusOperator:
     def close(self) -> None:
         """Release, and stop listening."""
         self.release()
+        if self._holder is not None:
+            self._holder.join()
         if self._latest is not None:
             self._latest.close()
 

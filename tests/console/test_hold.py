@@ -24,6 +24,7 @@ def hold(client, ended):
     yield start
     for holder in holders:
         holder.drop()
+        holder.join()
 
 
 def test_a_hold_is_renewed_ten_times_a_second_quoting_its_lease(robot, hold):
