@@ -12,6 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from lbr.bus.stamp import sent_s
 from lbr.capability.context import Device, Received
 from lbr.messages.system import Stamp
 
@@ -198,7 +199,7 @@ class FakeContext:
         self.phases.append(f"warn: {reason}")
 
     def give(self, message: Any, *, source: str = "drive", stamp: Stamp | None = None) -> None:
-        self.inbox.append(Received(message, stamp, self.clock(), source))
+        self.inbox.append(Received(message, stamp, sent_s(stamp, self.clock()), source))
 
     @property
     def state(self) -> Any:

@@ -1,9 +1,7 @@
 """The motor driver as a capability: setpoints in, power at the wheels, and the last word on whether they turn."""
 
-import time
 from dataclasses import replace
 
-from lbr.bus.stamp import boot_id
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Received
 from lbr.drivers.roboteq import EnableCommand, RoboteqSettings
@@ -136,12 +134,10 @@ class Roboteq(Capability[RoboteqSettings]):
         self._stepped = now
         self._tell_trip(before)
 
-    def _setpoint(self, received: Received) -> Setpoint:
-        message, stamp, born = received.message, received.stamp, received.arrived
-        if stamp is not None and stamp.boot and stamp.boot == boot_id():
-            # the same clock as ours, whatever moment the context's clock counts from
-            born = min(born, self.ctx.clock() - (time.monotonic_ns() - stamp.mono_ns) * 1e-9)
-        return Setpoint(message.left, message.right, message.lease, born)
+    @staticmethod
+    def _setpoint(received: Received) -> Setpoint:
+        message = received.message
+        return Setpoint(message.left, message.right, message.lease, received.arrived)
 
     def _inhibit(self, controller: Controller, now: float) -> Inhibit | None:
         if self.ctx.estop.engaged:

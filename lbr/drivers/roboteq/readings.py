@@ -3,19 +3,13 @@
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import get_args
 
+from lbr.drivers.roboteq import FaultName
 from lbr.drivers.roboteq.protocol import Value
 
-FAULT_BITS: tuple[str, ...] = (
-    "overheat",
-    "overvoltage",
-    "undervoltage",
-    "short_circuit",
-    "emergency_stop",
-    "sensor_or_setup",
-    "mosfet",
-    "default_configuration",
-)
+FAULT_BITS: tuple[str, ...] = get_args(FaultName)
+"""Names of the bits that `?FF` answers with, from the lowest."""
 
 
 @dataclass(frozen=True, slots=True)
