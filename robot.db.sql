@@ -19,7 +19,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0001');
+INSERT INTO alembic_version (version_num) VALUES ('0002');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -32,7 +32,9 @@ CREATE TABLE robot (
     last_shutdown TEXT,                         -- when it last shut down in order; written by lbr
     estop_engaged INTEGER NOT NULL DEFAULT 0    -- 1: the emergency stop is latched, and stays so over restarts
         CHECK (estop_engaged IN (0, 1)),
-    estop_reason  TEXT    NOT NULL DEFAULT ''   -- why it was latched
+    estop_reason  TEXT    NOT NULL DEFAULT '',  -- why it was latched
+    listen        TEXT    NOT NULL DEFAULT '[]' -- JSON list of Zenoh endpoints beyond this machine: tcp/0.0.0.0:7447
+        CHECK (json_valid(listen) AND json_type(listen) = 'array')
 ) STRICT;
 
 -- What runs: one process for each enabled row.
@@ -197,7 +199,8 @@ CREATE TABLE user_token (
     hash       TEXT NOT NULL              -- of the token
         CHECK (length(hash) >= 32),
     created_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
-    revoked_at TEXT                       -- NULL: valid
+    revoked_at TEXT,                      -- NULL: valid
+    expires_at TEXT                       -- NULL: never
 ) STRICT;
 
 -- Every change of the rows above that make the robot, kept by the triggers at the end of this file.
@@ -227,6 +230,28 @@ CREATE TABLE event (
     text    TEXT    NOT NULL DEFAULT '',  -- one sentence
     data    TEXT    NOT NULL DEFAULT '{}'  -- JSON object: figures that belong to it
         CHECK (json_valid(data) AND json_type(data) = 'object')
+) STRICT;
+
+-- The audit trail: who did what to the robot. Each row's hash covers the hash before it, so that `lbr db check` finds a
+-- row that was changed or taken out; the oldest go when there are very many. Written by lbr, and never changed.
+CREATE TABLE audit (
+    id       INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up without a gap
+    wall_ns  INTEGER NOT NULL  -- nanoseconds since 1970 by the wall clock
+        CHECK (wall_ns >= 0),
+    kind     TEXT    NOT NULL,  -- run, shutdown, holder, stopped, estop, login, rows_changed, python ...
+    subject  TEXT    NOT NULL,  -- the capability, or whom it is about
+    source   TEXT    NOT NULL,  -- who said so, as robot/capability
+    text     TEXT    NOT NULL,  -- one sentence
+    previous TEXT    NOT NULL,  -- the hash of the row before; empty for the very first
+    hash     TEXT    NOT NULL   -- BLAKE2b over all of this row but itself
+) STRICT;
+
+-- The row sets that ran, so that rows which change without an edit are noticed. Written by lbr.
+CREATE TABLE adopted (
+    revision INTEGER NOT NULL PRIMARY KEY,  -- the last change of rows that was in it; 0: none
+    hash     TEXT    NOT NULL,              -- BLAKE2b over the rows that make robots
+    wall_ns  INTEGER NOT NULL               -- when it was adopted first, nanoseconds since 1970
+        CHECK (wall_ns >= 0)
 ) STRICT;
 
 
@@ -333,24 +358,28 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(NEW.name), 'insert',
             NULL,
-            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner));
+            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner,
+            'listen', NEW.listen));
 END;
 
 CREATE TRIGGER robot_update AFTER UPDATE ON robot
-WHEN (OLD.name, OLD.model, OLD.description, OLD.owner)
-     IS NOT (NEW.name, NEW.model, NEW.description, NEW.owner)
+WHEN (OLD.name, OLD.model, OLD.description, OLD.owner, OLD.listen)
+     IS NOT (NEW.name, NEW.model, NEW.description, NEW.owner, NEW.listen)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(NEW.name), 'update',
-            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner),
-            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner));
+            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner,
+            'listen', OLD.listen),
+            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner,
+            'listen', NEW.listen));
 END;
 
 CREATE TRIGGER robot_delete AFTER DELETE ON robot
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(OLD.name), 'delete',
-            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner),
+            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner,
+            'listen', OLD.listen),
             NULL);
 END;
 
@@ -558,6 +587,24 @@ BEGIN
             json_object('robot', OLD.robot, 'device', OLD.device, 'name', OLD.name, 'value', OLD.value,
             'measured_at', OLD.measured_at),
             NULL);
+END;
+
+-- The audit trail takes rows at its end only, changes none, and gives up none but the oldest.
+CREATE TRIGGER audit_insert BEFORE INSERT ON audit
+WHEN NEW.previous IS NOT (SELECT hash FROM audit ORDER BY id DESC LIMIT 1) AND EXISTS (SELECT 1 FROM audit)
+BEGIN
+    SELECT RAISE(ABORT, 'the audit trail goes on where it ended: previous must be the hash of its last row');
+END;
+
+CREATE TRIGGER audit_update BEFORE UPDATE ON audit
+BEGIN
+    SELECT RAISE(ABORT, 'the audit trail is never changed');
+END;
+
+CREATE TRIGGER audit_delete BEFORE DELETE ON audit
+WHEN OLD.id > (SELECT max(id) FROM audit) - 20000
+BEGIN
+    SELECT RAISE(ABORT, 'the audit trail gives up only what is older than its newest 20000 rows');
 END;
 
 COMMIT;

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeVar, get_args
 
 from lbr.database import patterns
-from lbr.database.reader import RowReader
+from lbr.database.reader import RowReader, shown
 from lbr.database.rows import (
     CalibrationRow,
     CapabilityRow,
@@ -22,6 +22,7 @@ from lbr.database.tables import KEYS, RawRow
 from lbr.messages.system import Role
 
 _LANGUAGE = re.compile(r"[a-z]{2}[a-z0-9-]{0,18}")
+_ENDPOINT = re.compile(r"[a-z][a-z0-9-]*/[^\s/]\S{0,499}")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 
 R = TypeVar("R")
@@ -52,7 +53,16 @@ def robot(reader: RowReader, values: RawRow) -> RobotRow:
         last_shutdown=reader.text("last_shutdown", null=True),
         estop_engaged=values.get("estop_engaged") != 0,
         estop_reason=reader.text("estop_reason"),
+        listen=_listen(reader),
     )
+
+
+def _listen(reader: RowReader) -> tuple[str, ...]:
+    endpoints = reader.json_texts("listen")
+    for endpoint in endpoints:
+        if not _ENDPOINT.fullmatch(endpoint):
+            reader.wrong("listen", f"'{shown(endpoint)}' is not an endpoint such as tcp/0.0.0.0:7447")
+    return endpoints
 
 
 def capability(reader: RowReader, values: RawRow) -> CapabilityRow:

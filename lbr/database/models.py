@@ -29,6 +29,7 @@ class Robot(Model):
     last_shutdown: Mapped[str | None]
     estop_engaged: Mapped[int]
     estop_reason: Mapped[str]
+    listen: Mapped[str]
 
 
 class Capability(Model):
@@ -167,6 +168,7 @@ class UserToken(Model):
     hash: Mapped[str]
     created_at: Mapped[str]
     revoked_at: Mapped[str | None]
+    expires_at: Mapped[str | None]
 
 
 class Revision(Model):
@@ -193,6 +195,29 @@ class StoredEvent(Model):
     level: Mapped[str]
     text: Mapped[str]
     data: Mapped[str]
+
+
+class AuditEntry(Model):
+    """Who did what to the robot, chained by hashes."""
+
+    __tablename__ = "audit"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    wall_ns: Mapped[int]
+    kind: Mapped[str]
+    subject: Mapped[str]
+    source: Mapped[str]
+    text: Mapped[str]
+    previous: Mapped[str]
+    hash: Mapped[str]
+
+
+class Adopted(Model):
+    """The row sets that ran."""
+
+    __tablename__ = "adopted"
+    revision: Mapped[int] = mapped_column(primary_key=True)
+    hash: Mapped[str]
+    wall_ns: Mapped[int]
 
 
 CONFIGURATION: tuple[type[Model], ...] = (

@@ -23,7 +23,10 @@ class Problem(Struct, frozen=True):
 
 
 class RobotRow(Struct, frozen=True, kw_only=True):
-    """The robot itself; times are ISO 8601 in UTC, empty before the first. A latch that cannot be read is engaged."""
+    """The robot itself; times are ISO 8601 in UTC, empty before the first. A latch that cannot be read is engaged.
+
+    `listen` holds the Zenoh endpoints that others reach it at, beyond those for this machine.
+    """
 
     name: str
     model: str = ""
@@ -33,6 +36,7 @@ class RobotRow(Struct, frozen=True, kw_only=True):
     last_shutdown: str = ""
     estop_engaged: bool = True
     estop_reason: str = ""
+    listen: tuple[str, ...] = ()
 
 
 class CapabilityRow(Struct, frozen=True, kw_only=True):
@@ -129,6 +133,17 @@ class RevisionRow(Struct, frozen=True, kw_only=True):
     old: dict[str, Any] | None
     new: dict[str, Any] | None
     changed_at: str
+
+
+class TokenRow(Struct, frozen=True, kw_only=True):
+    """Somebody's rights: `hash` is of the token; times are ISO 8601 in UTC, None for never."""
+
+    name: str
+    role: Role
+    hash: str
+    created_at: str
+    revoked_at: str | None = None
+    expires_at: str | None = None
 
 
 class RobotRows(Struct, frozen=True, kw_only=True):

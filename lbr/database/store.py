@@ -14,7 +14,7 @@ from typing import Self
 from sqlalchemy import Connection, func, select, update
 from sqlalchemy.dialects.sqlite import insert
 
-from lbr.database import history
+from lbr.database import history, tokens
 from lbr.database.checks import check
 from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, pragma, run, sentences, transaction
 from lbr.database.files import check_file
@@ -22,10 +22,10 @@ from lbr.database.migrate import bring_up_to_date
 from lbr.database.models import Calibration, Revision, Robot
 from lbr.database.reader import shown
 from lbr.database.resources import robot_db_sql
-from lbr.database.rows import RevisionRow, RobotRows
+from lbr.database.rows import RevisionRow, RobotRows, TokenRow
 from lbr.database.tables import RawTables, read_tables
 from lbr.errors import InputError, RowError
-from lbr.messages.system import Event
+from lbr.messages.system import Event, Role
 
 APPLICATION_ID = 0x4C425231
 PATIENCE_S = 0.1
@@ -141,6 +141,22 @@ class Database:
         if rows:
             with self._writing(durable=True) as connection:
                 connection.execute(statement, rows)
+
+    def tokens(self) -> tuple[TokenRow, ...]:
+        """Return every token's row, revoked and expired ones too."""
+        with self._reading() as connection:
+            return tokens.tokens(connection)
+
+    def add_token(self, name: str, role: Role, hash: str, expires_at: str | None = None) -> None:  # noqa: A002
+        """Write a token's hash down, durably; InputError if the name is taken by a token that is not revoked."""
+        row = TokenRow(name=name, role=role, hash=hash, created_at=self._now(), expires_at=expires_at)
+        with self._writing(durable=True) as connection:
+            tokens.add(connection, row)
+
+    def revoke_token(self, name: str) -> None:
+        """Take a token's rights away, durably; InputError if there is none of this name that has any."""
+        with self._writing(durable=True) as connection:
+            tokens.revoke(connection, name, self._now())
 
     def close(self) -> None:
         """Let go of the file; cheap to repeat."""

@@ -99,6 +99,7 @@ BAD_ROWS = [
     ("robot", {"name": "Robby"}),
     ("robot", {"name": "r" * 41}),
     ("robot", {"name": "x", "estop_engaged": 2}),
+    ("robot", {"name": "x", "listen": "{}"}),
     ("capability", {"name": "a-b", "kind": "k"}),
     ("capability", {"name": "", "kind": "k"}),
     ("capability", {"name": "1st", "kind": "k"}),
@@ -165,6 +166,8 @@ BAD_ROWS = [
     ("event", {"wall_ns": 1, "kind": "k", "level": "debug"}),
     ("event", {"wall_ns": 1, "kind": "k", "data": "[]"}),
     ("event", {"wall_ns": "now", "kind": "k"}),
+    ("audit", {"wall_ns": -1, "kind": "k", "subject": "", "source": "", "text": "", "previous": "", "hash": "h"}),
+    ("adopted", {"revision": 1, "hash": "h", "wall_ns": -1}),
 ]
 GOOD_ROWS = [
     ("robot", {"name": "x"}),

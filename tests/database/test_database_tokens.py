@@ -1,0 +1,42 @@
+"""Tokens are hashes with a role, a name of their own and perhaps an end."""
+
+import pytest
+
+from lbr.database.store import Database
+from lbr.errors import InputError, RowError
+
+HASH = "h" * 64
+
+
+def test_a_token_is_told_to_other_programs_while_this_one_runs(database, path):
+    database.add_token("phone", "operate", HASH, "2027-01-01T00:00:00.000Z")
+    with Database.open(path) as other:
+        (token,) = other.tokens()
+    assert (token.name, token.role, token.hash, token.revoked_at) == ("phone", "operate", HASH, None)
+    assert token.expires_at == "2027-01-01T00:00:00.000Z"
+    assert token.created_at.endswith("Z")
+
+
+def test_a_name_is_taken_until_it_is_revoked(database):
+    database.add_token("phone", "operate", HASH)
+    with pytest.raises(InputError, match="there is a token 'phone' already"):
+        database.add_token("phone", "view", "i" * 64)
+    database.revoke_token("phone")
+    assert database.tokens()[0].revoked_at is not None
+    database.add_token("phone", "view", "i" * 64)
+    assert [(token.role, token.hash, token.revoked_at) for token in database.tokens()] == [("view", "i" * 64, None)]
+
+
+def test_only_a_valid_token_can_be_revoked(database):
+    database.add_token("phone", "operate", HASH)
+    database.revoke_token("phone")
+    for name in ("phone", "nobody"):
+        with pytest.raises(InputError, match=f"no token '{name}'"):
+            database.revoke_token(name)
+
+
+@pytest.mark.parametrize(("name", "role", "hash_"), [("", "view", HASH), ("n", "god", HASH), ("n", "view", "plain")])
+def test_what_is_no_token_is_refused(database, name, role, hash_):
+    with pytest.raises(RowError):
+        database.add_token(name, role, hash_)
+    assert database.tokens() == ()
