@@ -17,6 +17,7 @@ from msgspec.structs import replace
 
 from lbr import home
 from lbr.bus import keys, session, wire
+from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import store
 from lbr.errors import LbrError
@@ -28,6 +29,7 @@ from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
 from lbr.executive.journal import Journal
 from lbr.executive.mainthread import MainThread
+from lbr.executive.notify import Notifier
 from lbr.executive.overview import Overview
 from lbr.executive.plan import Plan, Site, Unit
 from lbr.executive.profile import Profile
@@ -70,6 +72,7 @@ class Executive:
         self._started_at = time.monotonic()
         self._token = secrets.token_urlsafe(24)
         self._main = MainThread()
+        self._notifier = Notifier.from_environment()
         self._stopping = ""
         self._code = 0
         self._status_due = 0.0
@@ -209,6 +212,7 @@ class Executive:
         self._supervisor.adopt(self.plan, plans.Change(start=tuple(self.plan.units)))
 
     def _close(self) -> None:
+        self._notifier.stopping(self._stopping or "shutdown")
         self._happened("shutdown", "executive", self._stopping or "shutdown", "info")
         leaving = self._leave_terminal()
         self._supervisor.shut_down(self._wait)
@@ -222,6 +226,7 @@ class Executive:
         with contextlib.suppress(LbrError):
             self._database.record_shutdown(self.plan.robot)
         self._emergency.close()
+        self._notifier.close()
 
     # -- the loop ---------------------------------------------------------------------------------------------------
 
@@ -238,12 +243,15 @@ class Executive:
                 self._external.prune({row.name for row in self.plan.rows.external_commands})
             if now >= self._status_due:
                 self._status_due = now + STATUS_S
-                self._status_out.put(self._status())
+                status = self._status()
+                self._status_out.put(status)
+                self._notifier.status(state_of(status)[1])
             if not self._ready and self._supervisor.settled():
                 self._became_ready(announce=announce)
             self._wait(max(0.0, min(due, rows_at - now, self._status_due - now, again - now)))
 
     def _wait(self, timeout_s: float) -> None:
+        self._notifier.beat()
         children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
         self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
 
@@ -273,6 +281,7 @@ class Executive:
         self._ready = True
         self._happened("ready", "executive", f"all up after {time.monotonic() - self._started_at:.1f} s", "info")
         self._status_out.put(self._status())
+        self._notifier.ready()
         if announce:
             said = {"ready": True, "robot": self.plan.robot, "pid": os.getpid(), "endpoints": list(self._endpoints)}
             print(json.dumps(said), flush=True)

@@ -1,0 +1,83 @@
+"""Tells the service manager how the robot is: ready, alive, stopping. Without one, nothing happens."""
+
+import contextlib
+import os
+import socket
+import time
+from collections.abc import Callable, MutableMapping
+
+from lbr.console.printable import one_line
+
+SOCKET_VARIABLE, PERIOD_VARIABLE, PID_VARIABLE = "NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"
+BEATS_PER_PERIOD = 4
+
+
+class Notifier:
+    """Sends the datagrams that systemd understands; a send never waits, and what was refused is sent again at a beat.
+
+    `beat` must be called from the main loop and from nowhere else, so that a loop that hangs is seen.
+    """
+
+    def __init__(self, address: str, beat_s: float, clock: Callable[[], float] = time.monotonic) -> None:
+        self.beat_s = beat_s
+        self._address = "\0" + address[1:] if address.startswith("@") else address
+        self._clock = clock
+        self._beat_at = 0.0
+        self._status = ""
+        self._waiting: dict[str, str] = {}
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) if address else None
+
+    @classmethod
+    def from_environment(cls, environment: MutableMapping[str, str] = os.environ) -> "Notifier":
+        """Take what the service manager has said out of the environment: no child may speak in this process's name."""
+        address = environment.pop(SOCKET_VARIABLE, "")
+        period, pid = environment.pop(PERIOD_VARIABLE, ""), environment.pop(PID_VARIABLE, "")
+        meant = pid in {"", str(os.getpid())} and period.isdecimal() and int(period) > 0
+        beat_s = int(period) / 1e6 / BEATS_PER_PERIOD if address and meant else float("inf")
+        return cls(address if address.startswith(("/", "@")) else "", beat_s)
+
+    def ready(self) -> None:
+        """Say that everything is up."""
+        self._say("ready", "READY=1")
+
+    def stopping(self, why: str) -> None:
+        """Say that the shutdown has begun."""
+        self._say("stopping", "STOPPING=1")
+        self.status(f"stopping: {why}")
+
+    def status(self, text: str) -> None:
+        """Say in one line how the robot is, if that has changed."""
+        if text != self._status:
+            self._status = text
+            self._say("status", f"STATUS={one_line(text)}")
+
+    def beat(self) -> None:
+        """Say that the main loop goes round; cheap to call at every turn."""
+        now = self._clock()
+        if now < self._beat_at:
+            return
+        self._beat_at = now + min(self.beat_s, 1.0)
+        self._flush()
+        if self.beat_s < float("inf"):
+            self._send("WATCHDOG=1")
+
+    def close(self) -> None:
+        """Let go of the socket."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+    def _say(self, about: str, text: str) -> None:
+        self._waiting[about] = text
+        self._flush()
+
+    def _flush(self) -> None:
+        self._waiting = {about: text for about, text in self._waiting.items() if not self._send(text)}
+
+    def _send(self, text: str) -> bool:
+        if self._socket is None:
+            return True
+        with contextlib.suppress(OSError):
+            self._socket.sendto(text.encode(), socket.MSG_DONTWAIT, self._address)
+            return True
+        return False
