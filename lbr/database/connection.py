@@ -54,7 +54,7 @@ def run(connection: Connection, statement: str, *values: str) -> Any:
 
 def damage(connection: Connection) -> str:
     """Return what is broken in the file, or nothing; rows against the schema are for the checks to name."""
-    found = connection.connection.cursor().execute("PRAGMA quick_check").fetchall()
+    found = connection.connection.cursor().execute("PRAGMA integrity_check").fetchall()
     return next((fault for (fault,) in found if fault != "ok" and not _ROW_FAULT.match(fault)), "")
 
 

@@ -11,9 +11,7 @@ from msgspec import Struct
 from lbr.database.reader import json_strictly, shown
 from lbr.database.resources import robot_db_sql
 from lbr.database.store import Database
-from lbr.database.tables import KEYS, TABLES, RawRow, RawTables
-
-_WRITTEN_BY_LBR = {("robot", column) for column in ("last_start", "last_shutdown", "estop_engaged", "estop_reason")}
+from lbr.database.tables import KEYS, TABLES, WRITTEN_BY_LBR, RawRow, RawTables
 
 
 class Difference(Struct, frozen=True, kw_only=True):
@@ -65,7 +63,7 @@ def _changed(table: str, before: RawRow, after: RawRow) -> dict[str, tuple[Any, 
     return {
         column: (old, after[column])
         for column, old in before.items()
-        if (table, column) not in _WRITTEN_BY_LBR and not _same(old, after[column])
+        if (table, column) not in WRITTEN_BY_LBR and not _same(old, after[column])
     }
 
 

@@ -64,6 +64,7 @@ def _upgrade(connection: Connection) -> None:
     config.attributes["connection"] = connection
     dangling = _dangling(connection)
     command.upgrade(config, HEAD)
+    connection.exec_driver_sql("DELETE FROM adopted")  # the same rows may look different now
     if _dangling(connection) > dangling:
         raise RowError(("the upgrade would leave rows that refer to none; nothing was changed: report this",))
 

@@ -146,10 +146,24 @@ class TokenRow(Struct, frozen=True, kw_only=True):
     expires_at: str | None = None
 
 
+class AuditRow(Struct, frozen=True, kw_only=True):
+    """One entry of the audit trail; number and hashes are given when it is written."""
+
+    wall_ns: int
+    kind: str
+    subject: str
+    source: str
+    text: str
+    id: int = 0
+    previous: str = ""
+    hash: str = ""
+
+
 class RobotRows(Struct, frozen=True, kw_only=True):
     """One robot's rows out of one transaction: the good ones, and what is wrong with the others.
 
-    Rows of which any column is bad are left out and named in `problems`. `revision` counts the changes of rows.
+    Rows of which any column is bad are left out and named in `problems`. `revision` counts the changes of rows,
+    `digest` is the hash of all rows that make robots.
     """
 
     robot: RobotRow
@@ -161,6 +175,7 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     phrases: tuple[PhraseRow, ...] = ()
     calibrations: tuple[CalibrationRow, ...] = ()
     revision: int = 0
+    digest: str = ""
     problems: tuple[Problem, ...] = ()
 
 

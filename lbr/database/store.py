@@ -4,25 +4,26 @@ import os
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from sqlalchemy import Connection, func, select, update
+from msgspec.structs import replace
+from sqlalchemy import Connection, select, update
 from sqlalchemy.dialects.sqlite import insert
 
-from lbr.database import history, tokens
+from lbr.database import adopted, audit, history, tokens
 from lbr.database.checks import check
 from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, pragma, run, sentences, transaction
 from lbr.database.files import check_file
 from lbr.database.migrate import bring_up_to_date
-from lbr.database.models import Calibration, Revision, Robot
+from lbr.database.models import Calibration, Robot
 from lbr.database.reader import shown
 from lbr.database.resources import robot_db_sql
-from lbr.database.rows import RevisionRow, RobotRows, TokenRow
+from lbr.database.rows import AuditRow, RevisionRow, RobotRows, TokenRow
 from lbr.database.tables import RawTables, read_tables
 from lbr.errors import InputError, RowError
 from lbr.messages.system import Event, Role
@@ -79,6 +80,7 @@ class Database:
     def data_version(self) -> int:
         """Return a number that changes when another connection has committed; our own writes leave it."""
         with self._lock, sentences(self.path):
+            pragma(self._connection, f"busy_timeout = {PATIENCE_S * 1000:.0f}")
             return int(pragma(self._connection, "data_version"))
 
     def robots(self) -> tuple[str, ...]:
@@ -86,25 +88,43 @@ class Database:
         with self._reading() as connection:
             return tuple(connection.scalars(select(Robot.name).order_by(Robot.name)))
 
-    def load(self, robot: str) -> RobotRows:
+    def load(self, robot: str, *, patience_s: float = BUSY_TIMEOUT_S) -> RobotRows:
         """Read a robot's rows in one transaction; bad rows become problems, only an unreadable file raises RowError."""
-        with self._reading() as connection:
+        with self._reading(patience_s) as connection:
             tables, problems = read_tables(connection)
-            revision = connection.scalar(select(func.max(Revision.id)))
-        return check(tables, robot, revision=revision or 0, problems=problems)
+            revision, digest = adopted.revision(connection), adopted.digest(tables)
+            problems += adopted.problems(connection, revision, digest)
+        return replace(check(tables, robot, revision=revision, problems=problems), digest=digest)
 
     def tables(self) -> RawTables:
         """Return the rows of all robots as they stand, unchecked."""
         with self._reading() as connection:
             return read_tables(connection)[0]
 
-    def append_events(self, events: Iterable[Event]) -> None:
-        """Write events down in one transaction; a `wall_ns` of 0 becomes now. The oldest go when there are many.
+    def append_events(self, events: Iterable[Event], trail: Sequence[AuditRow] = ()) -> None:
+        """Write events, and entries of the audit trail, in one transaction; a `wall_ns` of 0 becomes now.
 
-        Waits for other writers a tenth of a second only, because events can be written later.
+        The oldest go when there are many. With entries it is on the disk on return. Waits for other writers a tenth
+        of a second only, because all this can be written later.
         """
-        with self._writing(patience_s=PATIENCE_S) as connection:
+        with self._writing(durable=bool(trail), patience_s=PATIENCE_S) as connection:
             history.append_events(connection, events, self._wall_ns())
+            audit.append(connection, trail)
+
+    def audit(self, limit: int = 100) -> tuple[AuditRow, ...]:
+        """Return the newest entries of the audit trail, oldest first."""
+        with self._reading() as connection:
+            return audit.newest(connection, limit)
+
+    def audit_fault(self) -> str:
+        """Return what was changed in, or taken out of, the audit trail; nothing if it is whole."""
+        with self._reading() as connection:
+            return audit.fault(connection)
+
+    def adopt(self, rows: RobotRows) -> None:
+        """Write down that these rows run, so that a later change without an edit is noticed."""
+        with self._writing(patience_s=PATIENCE_S) as connection:
+            adopted.remember(connection, rows.revision, rows.digest, self._wall_ns())
 
     def events(self, limit: int = 100) -> tuple[Event, ...]:
         """Return the newest events, oldest first."""
@@ -184,9 +204,9 @@ class Database:
         self.backup = bring_up_to_date(connection, self.path)
 
     @contextmanager
-    def _reading(self) -> Iterator[Connection]:
+    def _reading(self, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
         with self._lock, sentences(self.path):
-            pragma(self._connection, f"busy_timeout = {BUSY_TIMEOUT_S * 1000:.0f}")
+            pragma(self._connection, f"busy_timeout = {patience_s * 1000:.0f}")
             with transaction(self._connection, "DEFERRED") as connection:
                 yield connection
 

@@ -13,6 +13,8 @@ RawTables = Mapping[str, Sequence[RawRow]]
 """Table name to rows, each column name to what SQLite holds."""
 
 TABLES: tuple[Table, ...] = tuple(Model.metadata.tables[model.__tablename__] for model in CONFIGURATION)
+WRITTEN_BY_LBR = {("robot", name) for name in ("last_start", "last_shutdown", "estop_engaged", "estop_reason")}
+"""Columns that lbr writes while a robot runs; their changes are no edits."""
 KEYS: dict[str, tuple[str, ...]] = {table.name: tuple(column.name for column in table.primary_key) for table in TABLES}
 
 _COLUMNS = text("SELECT t.name, c.name FROM sqlite_schema AS t, pragma_table_info(t.name) AS c WHERE t.type = 'table'")

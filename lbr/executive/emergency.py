@@ -18,6 +18,7 @@ REPEAT_LATER_S = 1.0
 REPEAT_FOR_S = 5.0
 ACKNOWLEDGE_LIMIT_S = 0.5
 ECHO_S = 2.0
+NOT_SAVED = "the emergency stop's latch is not on the disk"
 _requests = Decoder(EstopRequest)
 _acknowledgements = Decoder(EstopAcknowledgement)
 
@@ -35,6 +36,7 @@ class Emergency:
         seal: Callable[[str], str],
         persist: Callable[[bool, str], None],
         happened: Callable[[str, str, str, str], None],
+        trouble: Callable[[str, str], None],
         reset: Callable[[wire.Request], None],
         wake: Callable[[], None],
     ) -> None:
@@ -44,6 +46,7 @@ class Emergency:
         self._seal = seal
         self._persist = persist
         self._happened = happened
+        self._trouble = trouble
         self._reset = reset
         self._wake = wake
         self._stopped: set[str] = set()
@@ -52,7 +55,8 @@ class Emergency:
         self._repeat_until = 0.0
         self._own_echo_until = 0.0
         self._count = 0
-        self._unsaved = False
+        self._unsaved = state.engaged  # in the other place too, if only one knew
+        self._save_tried = True
         self._save_at = 0.0
         self._news: deque[tuple[str, str, str, str]] = deque(maxlen=100)
         self._session = session.open_client(endpoints)
@@ -76,7 +80,10 @@ class Emergency:
         )
 
     def press(self, reason: str, source: str) -> EstopState:
-        """Latch, and wait until every mover's device has acknowledged, at most half a second; from any thread."""
+        """Latch, and wait until every mover's device has acknowledged, at most half a second; from any thread.
+
+        Movers do not wait for the disk, but whoever pressed does, unless it fails.
+        """
         wire.put(
             self._session,
             keys.estop(self._robot),
@@ -85,7 +92,7 @@ class Emergency:
             urgent=True,
         )
         with self._changed:
-            self._changed.wait_for(lambda: self._engaged and not self.state().waiting, ACKNOWLEDGE_LIMIT_S)
+            self._changed.wait_for(self._latched, ACKNOWLEDGE_LIMIT_S)
         return self.state()
 
     def release(self, source: str) -> str:
@@ -143,13 +150,19 @@ class Emergency:
         """Leave the bus."""
         self._session.close()
 
+    def _latched(self) -> bool:
+        return self._engaged and self._save_tried and not self.state().waiting
+
     def _save(self, now: float) -> None:
-        self._unsaved = False
+        self._unsaved, why = False, ""
         try:
             self._persist(self._engaged, self._reason)
         except LbrError as err:
-            self._unsaved, self._save_at = True, now + 1.0
-            self._happened("estop", "executive", f"the emergency stop is not on the disk yet: {err}", "error")
+            self._unsaved, self._save_at, why = True, now + 1.0, str(err)
+        self._trouble(NOT_SAVED, why)
+        with self._changed:
+            self._save_tried = True
+            self._changed.notify_all()
 
     def _hear_presses(self) -> None:
         """Latch at once, on the bus's own thread; the executive's thread may be waiting for the disk."""
@@ -188,7 +201,7 @@ class Emergency:
         if not self._engaged:
             self._stopped.clear()
             self._engaged, self._reason, self._source = True, request.reason or "pressed", source
-            self._unsaved = True
+            self._unsaved, self._save_tried, self._save_at = True, False, 0.0
             self._news.append(("estop", "executive", f"emergency stop by {source}: {self._reason}", "error"))
 
     def _note(self, raw: wire.Raw) -> None:

@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 from msgspec.structs import replace
 
@@ -28,6 +29,7 @@ from lbr.executive.dispatch import DONE, FAILED, Dispatcher
 from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
 from lbr.executive.journal import Journal
+from lbr.executive.latch import Latch, LatchKeeper
 from lbr.executive.mainthread import MainThread
 from lbr.executive.notify import Notifier
 from lbr.executive.overview import Overview
@@ -35,8 +37,9 @@ from lbr.executive.plan import Plan, Site, Unit
 from lbr.executive.profile import Profile
 from lbr.executive.service import Service
 from lbr.executive.supervisor import Supervisor
+from lbr.executive.troubles import Troubles
 from lbr.executive.watch import RowWatch
-from lbr.messages.system import ConsoleResult, EstopState, Event, Status
+from lbr.messages.system import ConsoleResult, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
@@ -78,6 +81,7 @@ class Executive:
         self._status_due = 0.0
         self._ready = False
         self._problems: tuple[str, ...] = ()
+        self._troubles = Troubles(self._happened)
         self._recent: list[Event] = []
         socket = f"unixsock-stream/{home.socket_path(profile.robot)}"
         self._listen = (socket, *listen)
@@ -154,17 +158,21 @@ class Executive:
         return self._external.stop(name)
 
     def note(self, kind: str, text: str) -> None:
-        """Write down an event of the executive's own."""
-        self._main.call(lambda: self._happened(kind, "executive", text, "info"))
+        """Write down an event of the executive's own, before anything else."""
+        self._main.call(lambda: self._note(kind, text))
 
     # -- opening and closing --------------------------------------------------------------------------------------
 
     def _open(self, bus: session.Session) -> None:
         robot = self.plan.robot
         self._external = ExternalCommands(home.directory("logs"))
-        self._journal = Journal(bus, robot, self._database, self._main.wake)
+        self._journal = Journal(bus, robot, self._database, self._main.wake, self._troubles.tell)
         self._journal.listeners.append(self._remember)
         rows = self.plan.rows.robot
+        keeper = LatchKeeper(
+            Latch(home.directory("run") / f"{robot}.estop"), self._database, robot, self._journal.flush
+        )
+        estop = keeper.state(engaged=rows.estop_engaged, reason=rows.estop_reason)
         namespace = {
             "robot": self,
             "plan": lambda: self.plan,
@@ -178,11 +186,12 @@ class Executive:
         self._emergency = Emergency(
             robot,
             self._site.endpoints,
-            EstopState(engaged=rows.estop_engaged, reason=rows.estop_reason),
+            estop,
             movers=self._movers,
             seal=self._site.seal,
-            persist=lambda engaged, reason: self._database.set_estop(robot, engaged=engaged, reason=reason),
+            persist=keeper.persist,
             happened=self._happened,
+            trouble=self._troubles.tell,
             reset=self._service.answer_reset,
             wake=self._main.wake,
         )
@@ -202,9 +211,9 @@ class Executive:
             )
         )
         self._database.record_start(robot)
-        self._happened("run", "executive", f"robot '{robot}' with profile '{self._profile_name}'", "info")
-        if rows.estop_engaged:
-            text = f"the emergency stop is still latched ({rows.estop_reason or 'pressed'}); 'reset' releases it"
+        self._happened("run", "executive", f"robot '{robot}' with profile '{self._profile_name}'", data=self._adopted())
+        if estop.engaged:
+            text = f"the emergency stop is still latched ({estop.reason or 'pressed'}); 'reset' releases it"
             self._happened("estop", "executive", text, "warning")
         for endpoint in self._listen[1:]:
             text = f"the bus listens on {endpoint}, without any password: whoever reaches it can drive this robot"
@@ -274,7 +283,9 @@ class Executive:
         self.plan = plan
         steps = (("stop", change.stop), ("restart", change.restart), ("start", change.start))
         done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
-        self._happened("rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", "info")
+        self._happened(
+            "rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self._adopted()
+        )
         self._supervisor.adopt(plan, change)
 
     def _became_ready(self, *, announce: bool) -> None:
@@ -312,7 +323,7 @@ class Executive:
             uptime_s=round(time.monotonic() - self._started_at, 1),
             estop=self._emergency.state(),
             capabilities=self._overview.capabilities(time.monotonic()),
-            problems=self._problems,
+            problems=(*self._problems, *self._troubles.current),
             revision=self.plan.rows.revision,
         )
 
@@ -322,9 +333,22 @@ class Executive:
         }
         return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages)
 
-    def _happened(self, kind: str, subject: str, text: str, level: str = "info") -> None:
+    def _adopted(self) -> dict[str, Any]:
+        """Write down that the plan's rows run, and return which they are."""
+        rows = self.plan.rows
+        with contextlib.suppress(LbrError):
+            self._database.adopt(rows)
+        return {"revision": rows.revision, "rows": rows.digest}
+
+    def _note(self, kind: str, text: str) -> None:
+        self._happened(kind, "executive", text)
+        self._journal.flush()
+
+    def _happened(
+        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
+    ) -> None:
         self._status_due = 0.0
-        self._journal.happened(kind, subject, text, level)
+        self._journal.happened(kind, subject, text, level, data)
 
     def _remember(self, event: Event) -> None:
         self._recent = [*self._recent[-49:], event]

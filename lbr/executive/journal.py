@@ -3,70 +3,154 @@
 import time
 from collections import deque
 from collections.abc import Callable
+from typing import Any
+
+import msgspec
 
 from lbr.bus import keys, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
+from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.errors import LbrError, MalformedError
 from lbr.messages.system import Event
 
 WRITE_EVERY_S = 0.25
+AGAIN_AFTER_S = 1.0
 MOST_WAITING = 2000
 LARGEST_EVENT_BYTES = 16 * 1024
+OTHERS_PER_S = 20.0
+OTHERS_AT_ONCE = 200.0
+AUDITED = frozenset(
+    [
+        "run",
+        "shutdown",
+        "started",
+        "stopped",
+        "crashed",
+        "hung",
+        "ended",
+        "failed",
+        "fault",
+        "trip",
+        "holder",
+        "reached",
+        "interval",
+        "lapsed",
+        "superseded",
+        "estop",
+        "estop_reset",
+        "login",
+        "login_refused",
+        "logout",
+        "token",
+        "rows_changed",
+        "rows_refused",
+        "python",
+        "external",
+        "listening",
+    ]
+)
+"""The kinds of events that go into the audit trail, whoever tells of them."""
+
+NOT_WRITTEN = "events and the audit trail are not written down"
 _decoder = Decoder(Event)
 
 
 class Journal:
-    """Collects the executive's own events and everybody else's, and writes them down in batches."""
+    """Collects the executive's own events and everybody else's, and writes them down in batches.
 
-    def __init__(self, bus: Session, robot: str, database: Database, wake: Callable[[], None]) -> None:
+    What belongs into the audit trail is written at the next step, to the disk. `trouble` hears why nothing can be
+    written, and then an empty text.
+    """
+
+    def __init__(
+        self,
+        bus: Session,
+        robot: str,
+        database: Database,
+        wake: Callable[[], None],
+        trouble: Callable[[str, str], None] = lambda _what, _why: None,
+    ) -> None:
         self.listeners: list[Callable[[Event], None]] = []
+        self._robot = robot
         self._database = database
+        self._trouble = trouble
         self._waiting: deque[Event] = deque(maxlen=MOST_WAITING)
+        self._trail: deque[AuditRow] = deque()
+        self._lost = 0
+        self._failing = False
+        self._budget = OTHERS_AT_ONCE
+        self._budget_at = 0.0
         self._write_at = 0.0
         self._complain_at = 0.0
         self._publisher = wire.Publisher(bus, keys.event(robot), "executive")
         self._others = wire.Subscription(bus, keys.event(robot), depth=512, wake=wake)
 
-    def happened(self, kind: str, subject: str, text: str, level: str = "info") -> None:
+    def happened(
+        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
+    ) -> None:
         """Tell everybody; from the executive's own thread."""
-        event = Event(kind=kind, subject=subject, text=text, level=level, wall_ns=time.time_ns())  # type: ignore[arg-type]
+        now = time.time_ns()
+        event = Event(kind=kind, subject=subject, text=text, level=level, wall_ns=now, data=data or {})  # type: ignore[arg-type]
         self._publisher.put(event)
-        self._keep(event)
+        self._keep(event, "executive", allowed=True)
 
     def step(self, now: float) -> None:
         """Take in what others said and write it down when it is time."""
+        self._budget = min(OTHERS_AT_ONCE, self._budget + (now - self._budget_at) * OTHERS_PER_S)
+        self._budget_at = now
         for raw in self._others.take():
             found = stamp.read(raw.attachment)
-            if found is not None and found.source == "executive":
+            source = found.source[:80] if found else "a bus client"
+            if source == "executive":
                 continue
             try:
-                self._keep(_decoder.decode(raw.payload[: LARGEST_EVENT_BYTES + 1]))
+                self._keep(_decoder.decode(raw.payload[: LARGEST_EVENT_BYTES + 1]), source, allowed=self._budget >= 1)
             except MalformedError as err:
-                self._complain(
-                    f"an event from '{found.source[:80] if found else 'a bus client'}' is malformed: {err}", now
-                )
-        if self._waiting and now >= self._write_at:
-            self._write_at = now + WRITE_EVERY_S
-            self.flush()
+                self._complain(f"an event from '{source}' is malformed: {err}", now)
+        if (self._waiting or self._trail) and now >= self._write_at:
+            self._write_at = now + (WRITE_EVERY_S if self.flush() else AGAIN_AFTER_S)
 
-    def flush(self) -> None:
-        """Write down what waits; a database that cannot take it now gets it later."""
-        batch = list(self._waiting)
+    def flush(self) -> bool:
+        """Write down what waits, and say whether that is done; a database that cannot take it now gets it later."""
+        events, trail = list(self._waiting), list(self._trail)
+        if self._lost:
+            trail.append(self._entry("lost", "audit", "executive", f"{self._lost} entries, of too many at once"))
         try:
-            self._database.append_events(batch)
-        except LbrError:
-            return
-        for _ in batch:
-            self._waiting.popleft()
+            self._database.append_events(events, trail)
+        except LbrError as err:
+            self._failing = True
+            self._trouble(NOT_WRITTEN, str(err))
+            return False
+        self._waiting.clear()
+        self._trail.clear()
+        self._lost, self._failing = 0, False
+        self._trouble(NOT_WRITTEN, "")
+        return True
 
     def _complain(self, text: str, now: float) -> None:
         if now >= self._complain_at:
             self._complain_at = now + 1.0
             self.happened("refused", "event", text[:500], "warning")
 
-    def _keep(self, event: Event) -> None:
+    def _keep(self, event: Event, source: str, *, allowed: bool) -> None:
         self._waiting.append(event)
+        if event.kind in AUDITED:
+            self._audit(event, source, allowed=allowed)
         for listener in self.listeners:
             listener(event)
+
+    def _audit(self, event: Event, source: str, *, allowed: bool) -> None:
+        if source != "executive":
+            self._budget = max(0.0, self._budget - 1)
+        if not allowed or len(self._trail) >= MOST_WAITING:
+            self._lost += 1
+            return
+        figures = f" {msgspec.json.encode(event.data).decode()}" if event.data else ""
+        self._trail.append(self._entry(event.kind, event.subject, source, event.text + figures))
+        if not self._failing:
+            self._write_at = 0.0
+
+    def _entry(self, kind: str, subject: str, source: str, text: str) -> AuditRow:
+        return AuditRow(wall_ns=time.time_ns(), kind=kind, subject=subject, source=f"{self._robot}/{source}", text=text)

@@ -5,7 +5,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from lbr.capability import registry
-from lbr.database.store import Database
+from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
 from lbr.executive import plan as plans
 from lbr.executive.plan import Change, Plan, Site
@@ -51,7 +51,7 @@ class RowWatch:
             seen, files = self._database.data_version(), self._fingerprints(plan)
             if (seen, files) == (self._version, self._files):
                 return None
-            rows = self._database.load(self._profile.robot)
+            rows = self._database.load(self._profile.robot, patience_s=PATIENCE_S)
         except LbrError as err:
             self._version = UNKNOWN_VERSION
             return News(problems=(str(err),))

@@ -1,0 +1,43 @@
+"""The row sets that ran: rows that differ from one of the same revision have changed without an edit."""
+
+from hashlib import blake2b
+
+from sqlalchemy import Connection, delete, func, select
+from sqlalchemy.dialects.sqlite import insert
+
+from lbr.database.models import Adopted, Revision
+from lbr.database.rows import Problem
+from lbr.database.tables import WRITTEN_BY_LBR, RawTables
+
+KEPT = 100
+_CHANGED = (
+    "the rows are not those that ran before, and no edit tells of a change: the file is damaged, or was changed with"
+    " its triggers off; `lbr db restore` puts the last good copy in its place, any edit approves the rows as they are"
+)
+
+
+def digest(tables: RawTables) -> str:
+    """Return the hash of the rows that make robots, without what lbr itself writes into them."""
+    found = blake2b(digest_size=16)
+    for table, rows in sorted(tables.items()):
+        for row in rows:
+            kept = sorted((name, value) for name, value in row.items() if (table, name) not in WRITTEN_BY_LBR)
+            found.update(repr((table, kept)).encode(errors="surrogateescape"))
+    return found.hexdigest()
+
+
+def revision(connection: Connection) -> int:
+    """Return the number of the last change of rows; 0 for none."""
+    return connection.scalar(select(func.max(Revision.id))) or 0
+
+
+def remember(connection: Connection, number: int, digest: str, wall_ns: int) -> None:
+    """Write down that a row set runs."""
+    connection.execute(insert(Adopted).values(revision=number, hash=digest, wall_ns=wall_ns).on_conflict_do_nothing())
+    connection.execute(delete(Adopted).where(Adopted.revision <= number - KEPT))
+
+
+def problems(connection: Connection, number: int, digest: str) -> tuple[Problem, ...]:
+    """Return the problem with rows that are not what ran as this revision, if there is one."""
+    ran = connection.scalar(select(Adopted.hash).where(Adopted.revision == number))
+    return () if ran is None or ran == digest else (Problem("adopted", str(number), "hash", _CHANGED),)

@@ -1,0 +1,79 @@
+"""The audit trail: rows chained by their hashes, so that a change, a gap or a lost end is found."""
+
+from collections.abc import Iterable
+from hashlib import blake2b
+
+import msgspec
+from msgspec.structs import replace
+from sqlalchemy import Connection, delete, insert, select
+
+from lbr.database.history import storable
+from lbr.database.models import AuditEntry
+from lbr.database.rows import AuditRow
+
+KEPT = 20_000
+"""As the trigger `audit_delete` has it."""
+
+_SEQUENCE = "SELECT seq FROM sqlite_sequence WHERE name = 'audit'"
+
+
+def append(connection: Connection, entries: Iterable[AuditRow]) -> None:
+    """Write entries at the end of the trail, and let the oldest go beyond those kept."""
+    number = _highest(connection)
+    previous = connection.scalar(select(AuditEntry.hash).order_by(AuditEntry.id.desc()).limit(1)) or ""
+    rows = []
+    for entry in entries:
+        number += 1
+        row = chained(entry, number, previous)
+        previous = row.hash
+        rows.append(msgspec.structs.asdict(row))
+    if rows:
+        connection.execute(insert(AuditEntry), rows)
+        connection.execute(delete(AuditEntry).where(AuditEntry.id <= number - KEPT))
+
+
+def newest(connection: Connection, limit: int) -> tuple[AuditRow, ...]:
+    """Return the newest entries, oldest first."""
+    rows = connection.execute(select(AuditEntry.__table__).order_by(AuditEntry.id.desc()).limit(limit)).mappings().all()
+    return tuple(AuditRow(**row) for row in reversed(rows))
+
+
+def fault(connection: Connection) -> str:
+    """Return what is wrong with the trail, or nothing."""
+    last: AuditRow | None = None
+    count = 0
+    for values in connection.execute(select(AuditEntry.__table__).order_by(AuditEntry.id)).mappings():
+        row = AuditRow(**values)
+        if last is not None and (row.id, row.previous) != (last.id + 1, last.hash):
+            return f"after {last.id} rows are missing or were changed"
+        if row != chained(row, row.id, row.previous):
+            return f"row {row.id} was changed"
+        if last is None and (row.id == 1) != (row.previous == ""):
+            return f"row {row.id} is not where the trail begins"
+        last, count = row, count + 1
+    first = last.id - count + 1 if last is not None else 1
+    if (last.id if last is not None else 0) != _highest(connection):
+        return "its newest rows are missing"
+    return "" if first == 1 or count >= KEPT else f"the rows before {first} are missing"
+
+
+def chained(entry: AuditRow, number: int, previous: str) -> AuditRow:
+    """Return an entry as it stands in the trail: numbered, behind the hash `previous`, with its own."""
+    texts = [storable(part) for part in (entry.kind, entry.subject, entry.source, entry.text)]
+    content = msgspec.json.encode([number, entry.wall_ns, *texts, previous])
+    kind, subject, source, text = texts
+    return replace(
+        entry,
+        id=number,
+        kind=kind,
+        subject=subject,
+        source=source,
+        text=text,
+        previous=previous,
+        hash=blake2b(content, digest_size=32).hexdigest(),
+    )
+
+
+def _highest(connection: Connection) -> int:
+    """Return the highest number ever given out, also to rows that are gone."""
+    return int(connection.exec_driver_sql(_SEQUENCE).scalar() or 0)
