@@ -147,6 +147,10 @@ class Bench:
         units: list[dict[str, Any]] = self.robot.line("/report/health")["data"]["capabilities"]
         return next(unit for unit in units if unit["name"] == name)
 
+    def reached(self, limit_s: float = 6.0) -> None:
+        """Wait until the robot answers again."""
+        self.until(lambda: self.robot.ask("@status", timeout_s=0.2) is not None, limit_s, "an answer", every_s=0.02)
+
     def all_ready(self, limit_s: float = 6.0) -> None:
         """Wait until everything has been ready for a moment, not only on its way through."""
 

@@ -17,7 +17,7 @@ import msgspec
 
 from benchmarks.figures import Report, Result, Results, table
 from benchmarks.promises import PROMISES
-from benchmarks.scenarios import bounds, clients, crashes, edits, estop, kills, shutdown, starts, writers
+from benchmarks.scenarios import bounds, clients, crashes, edits, estop, freezes, kills, shutdown, starts, writers
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs" / "safety.md"
@@ -28,8 +28,14 @@ EDIT_SECONDS = 60
 Scenario = Callable[[Results, int], None]
 SCENARIOS: dict[str, tuple[Scenario, float]] = {
     "S1": (kills.kill_motor_driver, 1.0),
+    "S2": (freezes.repeated(freezes.motor_driver_frozen), 1.0),
     "S3": (kills.kill_drive, 1.0),
+    "S4": (freezes.repeated(freezes.drive_frozen), 1.0),
+    "S5": (freezes.repeated(freezes.links_broken), 1.0),
     "S6": (kills.kill_executive, 0.5),
+    "S7": (freezes.repeated(freezes.executive_frozen, freezes.client_frozen), 0.5),
+    "S11": (freezes.repeated(freezes.everything_frozen), 0.5),
+    "S12": (freezes.repeated(freezes.driver_and_guard_killed), 0.5),
     "S8": (clients.clients_gone, 0.3),
     "S13": (crashes.crashes, 0.1),
     "S18": (bounds.bounds, 1.0),

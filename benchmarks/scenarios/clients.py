@@ -17,14 +17,14 @@ AFTERMATH_S = 0.3
 
 def plain_client_killed(under_test: Bench) -> None:
     """Kill a client that imports nothing but zenoh and json."""
-    popen = _plain(under_test)
+    popen = plain_client(under_test)
     _gone(under_test, "S8", lambda: under_test.kill(popen.pid))
     popen.communicate()
 
 
 def plain_client_leaves(under_test: Bench) -> None:
     """A client closes its session without a stop: the lease lapses."""
-    popen = _plain(under_test)
+    popen = plain_client(under_test)
 
     def leave() -> int:
         at_ns = time.monotonic_ns()
@@ -116,7 +116,8 @@ def _angle(under_test: Bench) -> float:
     return under_test.dice.choice(ANGLES)
 
 
-def _plain(under_test: Bench) -> "subprocess.Popen[str]":
+def plain_client(under_test: Bench) -> "subprocess.Popen[str]":
+    """Start a client that imports nothing but zenoh and json, and drives until it is told to end."""
     robot = under_test.robot
     return subprocess.Popen(
         [sys.executable, plain.__file__, robot.endpoints[0], robot.name, str(_angle(under_test))],

@@ -1,5 +1,6 @@
 """Processes killed while the robot drives."""
 
+import signal
 import time
 
 import psutil
@@ -12,17 +13,20 @@ AFTERMATH_S = 0.25
 OTHERS = ("ranges", "world")
 
 
-def kill_process(under_test: Bench, name: str, figure: str, ready_figure: str = "") -> None:
-    """Kill one capability's process; the old lease goes on being renewed until well after the new one is ready."""
+def kill_process(
+    under_test: Bench, name: str, figure: str, ready_figure: str = "", *, number: int = signal.SIGKILL
+) -> None:
+    """Kill (or freeze) one capability's process; the old lease goes on being renewed until well after the new one is ready."""
     pid = under_test.pid(name)
     mover = under_test.drive()
-    fault_ns = under_test.kill(pid)
+    fault_ns = under_test.kill(pid, number)
     zero = under_test.stopped_after(figure, fault_ns)
     under_test.ready_again(name, pid, fault_ns, ready_figure)
     under_test.pass_time(AFTERMATH_S)
     mover.cease()
     under_test.stays_at_rest(zero)
-    under_test.begins_with_zero(fault_ns)
+    if name == "motors" or number == signal.SIGKILL:
+        under_test.begins_with_zero(fault_ns)
 
 
 def kill_motor_driver(results: Results, n: int) -> None:

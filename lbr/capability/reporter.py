@@ -13,6 +13,11 @@ COUNTS_S = 1.0
 HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
 
 
+def last_words(phase: str, reason: str) -> tuple[int, bytes]:
+    """Return the executive's pipe (-1: none), and what another process may write to it before it ends this one."""
+    return int(os.environ.get(HEARTBEAT_VARIABLE, "-1")), _encode(Report(phase=phase, reason=reason))
+
+
 class Reporter:
     """Writes reports to the pipe that the executive gave; one line each."""
 
@@ -27,7 +32,7 @@ class Reporter:
         """Report a change of phase or reason."""
         if (phase, reason) != self._said:
             self._said = (phase, reason)
-            self._write(msgspec.json.encode(Report(phase=phase, reason=reason[:500])))
+            self._write(_encode(Report(phase=phase, reason=reason[:500])))
 
     def beat(self, counts: dict[str, int]) -> None:
         """Say that the main loop goes round; rate-limited here, so call it freely."""
@@ -37,10 +42,14 @@ class Reporter:
         self._beat_at = now + BEAT_S
         if now >= self._counts_at:
             self._counts_at = now + COUNTS_S
-            self._write(msgspec.json.encode(Report(counts=counts)))
+            self._write(_encode(Report(counts=counts)))
         else:
-            self._write(b"")
+            self._write(b"\n")
 
     def _write(self, line: bytes) -> None:
         with contextlib.suppress(OSError):  # a full or closed pipe: the lifeline tells if the executive is gone
-            os.write(self._fd, line + b"\n")
+            os.write(self._fd, line)
+
+
+def _encode(report: Report) -> bytes:
+    return msgspec.json.encode(report) + b"\n"

@@ -70,6 +70,8 @@ def show(status: "Status") -> None:
     for one in status.capabilities:
         if one.reason:
             screen.print(Text(f"{one.name}: {one.reason}", style=PHASES.get(one.phase, "")))
+        if one.last_end and one.last_end != one.reason:
+            screen.print(Text(f"{one.name}: before that {one.last_end}"))
     for problem in status.problems:
         screen.print(Text(f"rows: {problem}", style="red"))
     if status.estop.waiting:

@@ -2,7 +2,8 @@
 
 import psutil
 
-from lbr.executive.supervisor import Slot, Supervisor
+from lbr.executive.slot import Slot
+from lbr.executive.supervisor import Supervisor
 from lbr.messages.system import CapabilityStatus
 
 
@@ -30,6 +31,7 @@ class Overview:
             restarts=slot.restarts,
             uptime_s=round(now - slot.started_at, 1) if slot.child is not None else None,
             reason=slot.reason,
+            last_end=slot.last_end,
             rates_hz=slot.rates,
             cpu_percent=cpu,
             memory_mb=memory,

@@ -4,15 +4,14 @@ Runs in one thread. The clock, the dice and the way to start a process are given
 """
 
 import random
+import signal
 import time
 from collections.abc import Callable
-from typing import Protocol
 
-from lbr.capability.config import Report
 from lbr.errors import LbrError
 from lbr.executive.plan import Change, Plan, Unit
 from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide
-from lbr.messages.system import CapabilityPhase
+from lbr.executive.slot import Slot, Started
 
 HANG_S = 1.2
 HANG_STARTING_S = 10.0
@@ -22,49 +21,6 @@ NO_PROGRAM = 127
 DEGRADED_PATIENCE_S = 1.5
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
-
-
-class Started(Protocol):
-    """What the supervisor needs of a process."""
-
-    pid: int
-
-    def reports(self) -> list[Report]:
-        """Return what it has said since the last call."""
-
-    def terminate(self) -> None:
-        """Ask it to end."""
-
-    def kill(self) -> None:
-        """End it."""
-
-    def returncode(self) -> int | None:
-        """Return how it ended, or None."""
-
-    def close(self) -> None:
-        """Let go of it after its end."""
-
-
-class Slot:
-    """One capability: its process, its phase, its past."""
-
-    def __init__(self, unit: Unit) -> None:
-        self.unit = unit
-        self.phase: CapabilityPhase = "waiting"
-        self.reason = ""
-        self.child: Started | None = None
-        self.restarts = 0
-        self.deaths: tuple[float, ...] = ()
-        self.started_at = 0.0
-        self.beat_at = 0.0
-        self.said: tuple[str, str] | None = None
-        self.due_at: float | None = 0.0
-        self.kill_at: float | None = None
-        self.hung = False
-        self.wanted = True
-        self.counts: dict[str, int] = {}
-        self.rates: dict[str, float] = {}
-        self.counted_at = 0.0
 
 
 class Supervisor:
@@ -172,7 +128,8 @@ class Supervisor:
         return all(self.slots[need].phase in RUNNING for need in slot.unit.needs if need in self.slots)
 
     def _launch(self, slot: Slot, now: float) -> None:
-        slot.due_at, slot.hung, slot.started_at, slot.beat_at, slot.reason = None, False, now, now, ""
+        slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
+        slot.reason = slot.last_words = ""
         try:
             slot.child = self._start(slot.unit)
         except (OSError, ValueError, LbrError) as err:
@@ -192,8 +149,9 @@ class Supervisor:
                 self._count(slot, report.counts, now)
             if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
                 slot.said = (report.phase, report.reason)
-            elif report.phase == "failed":
-                slot.reason = report.reason
+            elif report.phase in {"failed", "hung"}:
+                slot.last_words = report.reason
+                slot.hung = report.phase == "hung"
         if slot.said is not None and self._present(slot.unit.name):
             self._phase(slot, *slot.said)
             slot.said = None
@@ -223,7 +181,7 @@ class Supervisor:
             limit = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}.get(slot.phase, HANG_S)
             if now - slot.beat_at > limit:
                 slot.hung = True
-                slot.reason = f"no heartbeat for {now - slot.beat_at:.1f} s"
+                slot.last_words = f"no heartbeat for {now - slot.beat_at:.1f} s"
                 child.kill()
 
     def _ended(self, slot: Slot, child: Started, code: int, now: float) -> None:
@@ -234,7 +192,7 @@ class Supervisor:
             self._tell("stopped", slot, "stopped", "info")
             return
         end = End.HUNG if slot.hung else End.CLEAN if code == 0 else End.CRASHED
-        why = slot.reason if slot.reason and end is not End.CLEAN else _code(code)
+        why = slot.last_words if slot.last_words and end is not End.CLEAN else _code(code)
         why += "" if end is End.CLEAN else f"; its log: logs/{slot.unit.config.robot}-{slot.unit.name}.log"
         if now - slot.started_at > HEALTHY_S:
             slot.deaths = ()
@@ -244,14 +202,14 @@ class Supervisor:
         decision = decide(slot.unit.restart, end, slot.deaths, now, self._dice.uniform(-1, 1))
         slot.deaths = (*(death for death in slot.deaths if now - death < WINDOW_S), now)
         slot.rates, slot.counts = {}, {}
-        slot.reason = f"{end.value}: {why}"
+        slot.reason = slot.last_end = f"{end.value}: {why}"
         if decision.what == "restart":
             slot.restarts += 1
             slot.phase, slot.due_at = "waiting", now + decision.delay_s
             self._tell(end.value, slot, f"{slot.reason}; restart in {decision.delay_s:.1f} s", "error")
         else:
             slot.phase, slot.due_at = decision.what, None
-            slot.reason = f"{slot.reason}; {decision.reason}"
+            slot.reason = slot.last_end = f"{slot.reason}; {decision.reason}"
             level = "info" if decision.what == "stopped" else "error"
             self._tell(decision.what if end is End.CLEAN else end.value, slot, slot.reason, level)
         self._tell_dependants(slot)
@@ -287,4 +245,11 @@ class Supervisor:
 def _code(code: int) -> str:
     if code == NO_PROGRAM:
         return "there is no such program, or it may not be executed"
-    return f"killed by signal {-code}" if code < 0 else f"exit code {code}"
+    return f"killed by {_signal(-code)}" if code < 0 else f"exit code {code}"
+
+
+def _signal(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

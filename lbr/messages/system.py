@@ -85,7 +85,10 @@ class ConsoleResult(Struct, frozen=True, kw_only=True):
 
 
 class CapabilityStatus(Struct, frozen=True, kw_only=True):
-    """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count."""
+    """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count.
+
+    `reason` is about its state now, `last_end` says how its process last ended unasked.
+    """
 
     name: str
     kind: str
@@ -97,6 +100,7 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
     rates_hz: dict[str, float]
     cpu_percent: float | None = None
     memory_mb: float | None = None
+    last_end: str = ""
 
 
 class Status(Struct, frozen=True, kw_only=True):

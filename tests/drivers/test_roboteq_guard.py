@@ -4,12 +4,15 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from tty import setraw
 
 import pytest
 from peers import FakeContext, until
 
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
+from lbr.drivers.roboteq.guard import PROGRAM
+from lbr.drivers.roboteq.protocol import STOP
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
 
@@ -77,12 +80,78 @@ def test_the_guard_outlives_the_signals_that_end_its_driver(driver, peer):
     until(lambda: peer.motor == (0, 0), 0.5)
 
 
+def test_a_frozen_driver_is_killed_and_the_motors_zeroed_before_the_watchdog(driver, peer):
+    process, _guard = driver
+    frozen = time.monotonic()
+    process.send_signal(signal.SIGSTOP)
+    until(lambda: peer.motor == (0, 0), 1.0)
+    assert time.monotonic() - frozen < 0.19
+    assert process.wait(1.0) == -signal.SIGKILL
+
+
+def test_a_driver_that_stands_still_at_rest_is_left_alone(peer):
+    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    motors = Roboteq(ctx)
+    motors.open()
+    motors.step()
+    time.sleep(0.3)
+    motors.step()
+    assert motors._guard.standing
+    motors.close()
+
+
+def test_the_guard_says_why_before_it_kills():
+    tty, line = os.openpty()
+    setraw(line)
+    beats, alive = os.pipe()
+    said, words = os.pipe()
+    victim = subprocess.Popen(["/bin/sleep", "60"])
+    driver = os.pidfd_open(victim.pid)
+    program = [sys.executable, "-I", "-S", str(PROGRAM), str(line), str(beats), str(driver), "60", STOP.hex()]
+    guard = subprocess.Popen([*program, str(words), b"why".hex()], pass_fds=(line, beats, driver, words))
+    os.write(alive, b"m")
+    assert victim.wait(2.0) == -signal.SIGKILL
+    assert os.read(said, 16) == b"why"
+    assert os.read(tty, 7) == STOP
+    guard.wait(2.0)
+    for fd in (tty, line, beats, alive, said, words, driver):
+        os.close(fd)
+
+
+def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
+    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    clock = Clock()
+    ctx.clock = clock
+    motors = Roboteq(ctx)
+    motors.open()
+    os.kill(motors._guard.pid, signal.SIGSTOP)
+    until(lambda: Path(f"/proc/{motors._guard.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "T")
+    guard = motors._guard
+    for _ in range(5):
+        clock.ahead_s += 0.5
+        guard.beat(turning=False)
+    assert not guard.standing
+    with pytest.raises(DeviceError, match="hangs; opening anew"):
+        motors.step()
+    motors.close()
+    motors.open()
+    assert motors._guard.standing
+    motors.close()
+
+
+class Clock:
+    ahead_s = 0.0
+
+    def __call__(self) -> float:
+        return time.monotonic() + self.ahead_s
+
+
 def test_without_its_guard_the_driver_stops_and_opens_anew(peer):
     ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     os.kill(motors._guard.pid, signal.SIGKILL)
-    with pytest.raises(DeviceError, match="guard process died"):
+    with pytest.raises(DeviceError, match="guard process died or hangs"):
         until(motors.step)
     motors.close()
     motors.open()

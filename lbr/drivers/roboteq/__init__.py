@@ -50,6 +50,9 @@ class RoboteqSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     watchdog_ms: Annotated[int, Meta(ge=50, le=250, description="the controller's own watchdog, `^RWD`")] = 200
     reply_timeout_s: Annotated[float, Meta(ge=0.005, le=0.1, description="an answer later than this is lost")] = 0.03
     guard: bool = True
+    guard_silence_ms: Annotated[
+        int, Meta(ge=60, le=250, description="while a motor may turn, a driver silent for longer is killed")
+    ] = 120
     echo: bool = True
     mixing_mode: Annotated[int, Meta(ge=0, le=9, description="what `~MXMD` must answer; 0 is separate")] | None = 0
     firmware: Pattern = "(?i)roboteq"

@@ -51,10 +51,10 @@ class Roboteq(Capability[RoboteqSettings]):
         if self.ctx.device is None:
             raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
         line = open_line(self.ctx.device, settings.baud)
-        self._controller = Controller(line, settings, self.ctx.clock)
+        self._controller = Controller(line, settings, self.ctx.clock, self._beat)
         self._controller.open()
         if settings.guard:
-            self._guard = _guard_of(line)
+            self._guard = self._guarded(line)
         self._held_since = None
         self._stepped = None
         self._faults = ()
@@ -66,7 +66,8 @@ class Roboteq(Capability[RoboteqSettings]):
         controller = self._controller
         assert controller is not None
         if self._guard is not None and not self._guard.standing:
-            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died; opening anew")
+            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; opening anew")
+        self._beat()
         self._heed_estop(controller)
         self._decide(controller)
         self._act(controller)
@@ -104,6 +105,17 @@ class Roboteq(Capability[RoboteqSettings]):
             elif guard is not None:
                 guard.speak()
             self._disarm("the line was closed")
+
+    def _guarded(self, line: SerialLine) -> Guard:
+        try:
+            return Guard(line.fileno(), self.ctx.settings.guard_silence_ms, self.ctx.clock)
+        except OSError as err:
+            said = f"device '{line.device}': its guard process does not start: {err}; free some memory"
+            raise DeviceError(said) from err
+
+    def _beat(self) -> None:
+        if self._guard is not None and self._controller is not None:
+            self._guard.beat(turning=self._controller.turning)
 
     def _heed_estop(self, controller: Controller) -> None:
         estop = self.ctx.estop
@@ -249,13 +261,6 @@ class Roboteq(Capability[RoboteqSettings]):
             **self._controller.telemetry.measured(),
         )
         self.ctx.publish("state", message)
-
-
-def _guard_of(line: SerialLine) -> Guard:
-    try:
-        return Guard(line.fileno())
-    except OSError as err:
-        raise DeviceError(f"device '{line.device}': its guard process does not start: {err}; free some memory") from err
 
 
 def _at_rest(state: Arming, *, estop: bool) -> MotorsState:

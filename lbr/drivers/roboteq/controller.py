@@ -25,20 +25,31 @@ ROTATION: tuple[bytes, ...] = (
 
 
 class Controller:
-    """One Roboteq on an open line. Whatever is wrong with it is a DeviceError that says what to do."""
+    """One Roboteq on an open line. Whatever is wrong with it is a DeviceError that says what to do.
 
-    def __init__(self, line: Line, settings: RoboteqSettings, clock: Callable[[], float]) -> None:
+    `turning` from before a power is written until zero was acknowledged; `beat` is called before everything written.
+    """
+
+    def __init__(
+        self,
+        line: Line,
+        settings: RoboteqSettings,
+        clock: Callable[[], float],
+        beat: Callable[[], None] = lambda: None,
+    ) -> None:
         self.firmware = ""
         self.model = ""
         self.applied = (0.0, 0.0)
         self.asked = (0.0, 0.0)
         self.resting = False
+        self.turning = False
         self.refused = 0
         self.lost = 0
         self.telemetry = Telemetry(settings, clock)
         self._line = line
         self._settings = settings
         self._clock = clock
+        self._beat = beat
         self._exchange = Exchange(line, clock)
         self._lost_in_a_row = 0
         self._refused_in_a_row = 0
@@ -182,6 +193,8 @@ class Controller:
         if command[:1] == b"!":
             self._fed = self._clock()
             self.resting = False
+            self.turning = self.turning or (command.startswith(b"!M ") and command != wire.STOP)
+        self._beat()
         self._exchange.send(command, self._settings.reply_timeout_s if timeout_s is None else timeout_s)
 
     def _settle(self, budget_s: float) -> bool:
@@ -229,6 +242,7 @@ class Controller:
         if outcome.command.startswith(b"!M "):
             self.applied = self._powers(outcome.command)
             self.resting = outcome.command == wire.STOP
+            self.turning = self.turning and not self.resting
 
     def _complain(self) -> None:
         if self._lost_in_a_row >= LOST_IN_A_ROW:

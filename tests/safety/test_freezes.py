@@ -1,0 +1,29 @@
+"""Whatever stands still instead of dying, or takes its guard along: the motors stand and stay so."""
+
+from collections.abc import Callable
+
+import pytest
+
+from benchmarks.bench import Bench
+from benchmarks.figures import Results
+from benchmarks.scenarios import freezes
+from tests.safety.limits import holds
+
+pytestmark = pytest.mark.timeout(30)
+
+
+@pytest.mark.parametrize("way", freezes.WAYS, ids=lambda way: way.__name__)
+def test_the_motors_stand_and_nothing_moves_when_it_is_over(held: Callable[[Callable[[Bench], None]], Results], way):
+    assert held(way).by_figure
+
+
+def test_a_driver_that_its_guard_ended_says_so_everywhere_in_the_same_words():
+    def scenario(results: Results) -> None:
+        with freezes.bench(results) as under_test:
+            freezes.motor_driver_frozen(under_test)
+            said = under_test.unit("motors")["last_end"]
+            assert said.startswith("hung: the motor driver stood still for 120 ms")
+            events = under_test.robot.events()
+            assert any(event["kind"] == "hung" and event["text"].startswith(said) for event in events)
+
+    holds(scenario)
