@@ -17,6 +17,7 @@ COMMANDS = {
     "status": ("status", "Show what runs."),
     "stop": ("stop", "Shut a robot down and wait until it is gone."),
     "doctor": ("doctor", "Look for what is wrong with this machine, and say what to type."),
+    "service": ("service", "Run a robot as a service, from the start of the machine on."),
     "topic": ("topic", "List, describe, print, measure and publish streams."),
     "graph": ("graph", "Show who feeds whom."),
     "view": ("view", "Watch a simulated robot from above."),

@@ -10,32 +10,22 @@ import tempfile
 from collections.abc import Callable, Iterator
 from importlib import metadata
 from pathlib import Path
-from typing import Literal
-
-from msgspec import Struct
 
 from lbr import home
+from lbr.commands import service_checks
+from lbr.commands.finding import Finding
 from lbr.errors import LbrError
 
-Level = Literal["good", "hint", "bad"]
 EXTRAS = {"sim": ("mujoco", "PIL")}
 SERIAL_GROUPS = ("dialout", "uucp", "tty")
 FREE_MB = 500
-
-
-class Finding(Struct, frozen=True, kw_only=True):
-    """How it stands with one thing: `bad` keeps a robot from running, a `hint` may; `do` is what to type."""
-
-    about: str
-    level: Level
-    text: str
-    do: str = ""
 
 
 def examine() -> Iterator[Finding]:
     """Yield every finding; a check that fails itself is a finding too."""
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
         _python, _packages, _extras, _home, _disk, _database, _bus, _serial, _governor, _clock, _running,
+        service_checks.services,
     )  # fmt: skip
     for check in checks:
         try:

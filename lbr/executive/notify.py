@@ -10,6 +10,7 @@ from lbr.console.printable import one_line
 
 SOCKET_VARIABLE, PERIOD_VARIABLE, PID_VARIABLE = "NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"
 BEATS_PER_PERIOD = 4
+MORE_TIME = "EXTEND_TIMEOUT_USEC=10000000"
 
 
 class Notifier:
@@ -23,6 +24,7 @@ class Notifier:
         self._address = "\0" + address[1:] if address.startswith("@") else address
         self._clock = clock
         self._beat_at = 0.0
+        self._starting = True
         self._status = ""
         self._waiting: dict[str, str] = {}
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) if address else None
@@ -38,10 +40,12 @@ class Notifier:
 
     def ready(self) -> None:
         """Say that everything is up."""
+        self._starting = False
         self._say("ready", "READY=1")
 
     def stopping(self, why: str) -> None:
         """Say that the shutdown has begun."""
+        self._starting = False
         self._say("stopping", "STOPPING=1")
         self.status(f"stopping: {why}")
 
@@ -52,12 +56,14 @@ class Notifier:
             self._say("status", f"STATUS={one_line(text)}")
 
     def beat(self) -> None:
-        """Say that the main loop goes round; cheap to call at every turn."""
+        """Say that the main loop goes round, and ask for more time to start; cheap to call at every turn."""
         now = self._clock()
         if now < self._beat_at:
             return
         self._beat_at = now + min(self.beat_s, 1.0)
         self._flush()
+        if self._starting:
+            self._send(MORE_TIME)
         if self.beat_s < float("inf"):
             self._send("WATCHDOG=1")
 

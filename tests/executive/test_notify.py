@@ -97,11 +97,21 @@ def test_a_robot_says_when_it_is_ready_beats_while_its_main_loop_goes_round_and_
     assert any(one.startswith("STATUS=stopping") for one in manager.said)
 
 
+def test_a_start_that_takes_long_is_given_time_for_as_long_as_the_loop_goes_round(notifier, manager, clock):
+    notifier.beat()
+    assert "EXTEND_TIMEOUT_USEC=10000000" in manager.listen(0.0)
+    notifier.ready()
+    clock.now += 1.0
+    notifier.beat()
+    assert manager.listen(0.0) == ["READY=1", "WATCHDOG=1"]
+
+
 def test_beats_are_four_to_a_period_however_often_the_loop_goes_round(notifier, manager, clock):
+    notifier.ready()
     for _ in range(100):
         notifier.beat()
         clock.now += 0.02
-    assert manager.listen(0.0) == ["WATCHDOG=1"] * 4
+    assert manager.listen(0.0) == ["READY=1", *["WATCHDOG=1"] * 4]
 
 
 def test_a_status_is_one_line_and_said_once(notifier, manager):

@@ -1,0 +1,16 @@
+"""What a check of `lbr doctor` has found."""
+
+from typing import Literal
+
+from msgspec import Struct
+
+Level = Literal["good", "hint", "bad"]
+
+
+class Finding(Struct, frozen=True, kw_only=True):
+    """How it stands with one thing: `bad` keeps a robot from running, a `hint` may; `do` is what to type."""
+
+    about: str
+    level: Level
+    text: str
+    do: str = ""

@@ -1,0 +1,81 @@
+"""Puts the service's files in place and takes them away, and never touches one that somebody has edited unasked."""
+
+import tempfile
+from pathlib import Path
+from typing import Literal
+
+from msgspec import Struct
+
+from lbr.commands.unitfiles import DROP_IN, RULES, SYSUSERS, UNIT, is_pristine
+
+State = Literal["absent", "current", "outdated", "edited"]
+MODE = 0o644
+KEPT = ".edited"
+
+
+class Step(Struct, frozen=True):
+    """What was done, or would be, with one file."""
+
+    path: Path
+    done: str
+
+
+def state(path: Path, text: str) -> State:
+    """Say how a file stands to what it should be."""
+    if not path.exists():
+        return "absent"
+    found = path.read_text(errors="replace")
+    if found == text:
+        return "current"
+    return "outdated" if is_pristine(found) else "edited"
+
+
+def installed(root: Path) -> list[Path]:
+    """Return the files that are there, whoever wrote them."""
+    fixed = (root / name for name in (UNIT, RULES, SYSUSERS))
+    return [*(path for path in fixed if path.exists()), *sorted(root.glob(DROP_IN.format("*")))]
+
+
+def install(root: Path, files: dict[str, str], *, overwrite: bool, dry_run: bool) -> list[Step]:
+    """Write what is not as it should be; an edited file only if told so, and a copy of it is kept."""
+    steps = []
+    for name, text in files.items():
+        path = root / name
+        found = state(path, text)
+        if found == "current":
+            steps.append(Step(path, "is as it should be"))
+        elif found == "edited" and not overwrite:
+            steps.append(Step(path, "was edited and stays as it is; --overwrite replaces it"))
+        else:
+            kept = f"; the edited one is kept as {path.name}{KEPT}" if found == "edited" else ""
+            done = "written" if found == "absent" else "replaced"
+            steps.append(Step(path, f"{'would be ' if dry_run else ''}{done}{kept}"))
+            if not dry_run:
+                _write(path, text, keep=bool(kept))
+    return steps
+
+
+def remove(root: Path, *, overwrite: bool, dry_run: bool) -> list[Step]:
+    """Take away what is there; an edited file only if told so."""
+    steps = []
+    for path in installed(root):
+        if not overwrite and not is_pristine(path.read_text(errors="replace")):
+            steps.append(Step(path, "was edited and stays; --overwrite removes it"))
+            continue
+        steps.append(Step(path, "would be removed" if dry_run else "removed"))
+        if not dry_run:
+            path.unlink()
+            if path.parent.name.endswith(".service.d") and not any(path.parent.iterdir()):
+                path.parent.rmdir()
+    return steps
+
+
+def _write(path: Path, text: str, *, keep: bool) -> None:
+    path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=".lbr-", delete=False) as file:
+        file.write(text)
+    new = Path(file.name)
+    new.chmod(MODE)
+    if keep:
+        path.replace(path.with_name(path.name + KEPT))
+    new.replace(path)

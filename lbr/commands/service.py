@@ -1,0 +1,158 @@
+"""`lbr service`."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from lbr.commands.placing import Step
+
+BOOTED = Path("/run/systemd/system")
+MACHINE = Path("/")
+TELL_S = 30.0
+
+profile_argument = click.argument("profile", default="lbr")
+user_option = click.option(
+    "--user", metavar="NAME", help="Run as this user, who exists; 'lbr', made anew, if left out."
+)
+root_option = click.option(
+    "--root", type=click.Path(path_type=Path, file_okay=False), default=MACHINE, metavar="DIR",
+    help="Not this machine, but the system in this directory, such as an image.",
+)  # fmt: skip
+dry_run_option = click.option("--dry-run", is_flag=True, help="Only say what would be done.")
+overwrite_option = click.option("--overwrite", is_flag=True, help="Files that somebody has edited, too.")
+
+
+@click.group("service")
+def command() -> None:
+    """Run a robot as a service of systemd, from the start of the machine on."""
+
+
+@command.command("show")
+@profile_argument
+@user_option
+@root_option
+def show(profile: str, user: str | None, root: Path) -> int:
+    """Print the files that 'install' writes: unit, user, device rules."""
+    for name, text in _files(profile, user, root).items():
+        click.echo(f"# ---- {root / name}\n{text}")
+    return 0
+
+
+@command.command("install")
+@profile_argument
+@user_option
+@root_option
+@dry_run_option
+@overwrite_option
+def install(profile: str, user: str | None, root: Path, dry_run: bool, overwrite: bool) -> int:
+    """Make the robot with launch profile PROFILE (default lbr) a service; starts nothing. May be repeated."""
+    from lbr.commands import placing  # noqa: PLC0415 - kept out of `lbr --help`
+
+    files = _files(profile, user, root)
+    code = _report(lambda: placing.install(root, files, overwrite=overwrite, dry_run=dry_run))
+    if code == 0:
+        _tell(root, (("systemd-sysusers",), *_RELOAD), dry_run=dry_run)
+        _say_next(profile, user, root)
+    return code
+
+
+@command.command("remove")
+@root_option
+@dry_run_option
+@overwrite_option
+def remove(root: Path, dry_run: bool, overwrite: bool) -> int:
+    """Stop and forget the services, and take their files away. The robot's rows and logs stay."""
+    from lbr.commands import placing  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.commands.unitfiles import UNIT  # noqa: PLC0415
+
+    if (root / UNIT).exists() and os.access((root / UNIT).parent, os.W_OK):
+        _tell(root, (("systemctl", "stop", "lbr@*.service"),), dry_run=dry_run)
+    code = _report(
+        lambda: [*_disable(root, dry_run=dry_run), *placing.remove(root, overwrite=overwrite, dry_run=dry_run)]
+    )
+    if code == 0:
+        _tell(root, _RELOAD, dry_run=dry_run)
+        click.echo("rows, logs and the user stay; for these too: sudo rm -r /var/lib/lbr; sudo userdel lbr")
+    return code
+
+
+_RELOAD = (
+    ("systemctl", "daemon-reload"),
+    ("udevadm", "control", "--reload"),
+    ("udevadm", "trigger", "--subsystem-match=tty", "--subsystem-match=usb"),
+)
+
+
+def _files(profile: str, user: str | None, root: Path) -> dict[str, str]:
+    from lbr.commands import unitfiles  # noqa: PLC0415 - kept out of `lbr --help`
+
+    return unitfiles.files(profile, _user(user, root), unitfiles.this_site(root))
+
+
+def _user(user: str | None, root: Path) -> str:
+    """Return who it should run as: as told, or as before."""
+    from lbr.commands.unitfiles import DEFAULT_USER, UNIT, user_of  # noqa: PLC0415
+
+    unit = root / UNIT
+    return user or (user_of(unit.read_text(errors="replace")) if unit.exists() else DEFAULT_USER)
+
+
+def _report(do: "Callable[[], Iterable[Step]]") -> int:
+    try:
+        steps = list(do())
+    except PermissionError:
+        from lbr.commands.unitfiles import this_site  # noqa: PLC0415
+
+        click.echo(f"lbr: this needs root. Type:\n  sudo {' '.join((*this_site().program, *sys.argv[1:]))}", err=True)
+        return 1
+    except OSError as err:
+        click.echo(f"lbr: {err.filename}: {err.strerror}", err=True)
+        return 1
+    for step in steps:
+        click.echo(f"{step.path}: {step.done}")
+    return 1 if any("--overwrite" in step.done for step in steps) else 0
+
+
+def _disable(root: Path, *, dry_run: bool) -> "list[Step]":
+    """Take away the links that start the services with the machine."""
+    from lbr.commands.placing import Step  # noqa: PLC0415
+
+    links = sorted((root / "etc/systemd/system").glob("*.wants/lbr@*.service"))
+    for link in () if dry_run else links:
+        link.unlink()
+    return [Step(link, "would be removed" if dry_run else "removed") for link in links]
+
+
+def _tell(root: Path, commands: "Iterable[tuple[str, ...]]", *, dry_run: bool) -> None:
+    """Run what makes the running system take notice; what is missing or fails is said, and is no error."""
+    if root != MACHINE or not BOOTED.exists():
+        return
+    for words in commands:
+        if dry_run:
+            click.echo(f"would run: {' '.join(words)}")
+        elif shutil.which(words[0]) is None:
+            click.echo(f"not run, {words[0]} is not installed: {' '.join(words)}", err=True)
+        elif subprocess.run(words, stdin=subprocess.DEVNULL, timeout=TELL_S, check=False).returncode:
+            click.echo(f"failed: {' '.join(words)}", err=True)
+
+
+def _say_next(profile: str, user: str | None, root: Path) -> None:
+    from lbr.commands import unitfiles  # noqa: PLC0415
+
+    name = unitfiles.instance_of(profile)[0]
+    who = _user(user, root)
+    if root == MACHINE:
+        closed = unitfiles.unreadable(who)
+        if closed:
+            click.echo(f"user '{who}' may not enter {closed}, where lbr is; install it elsewhere, such as in /opt/lbr")
+        click.echo(f"to start it now and with the machine: sudo systemctl enable --now lbr@{name}")
+    else:
+        click.echo(f"to start it with that system: systemctl --root={root} enable lbr@{name}")

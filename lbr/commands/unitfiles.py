@@ -1,0 +1,168 @@
+"""The files that make a robot a service: unit, user and device rules, from the templates beside this module."""
+
+import grp
+import hashlib
+import pwd
+import re
+import sys
+from importlib import metadata, resources
+from pathlib import Path
+
+from msgspec import Struct
+
+from lbr.errors import InputError
+from lbr.executive import profile as profiles
+
+DEFAULT_PROFILE, DEFAULT_USER = "lbr", "lbr"
+UNIT = "etc/systemd/system/lbr@.service"
+RULES = "etc/udev/rules.d/70-lbr.rules"
+SYSUSERS = "etc/sysusers.d/lbr.conf"
+DROP_IN = "etc/systemd/system/lbr@{}.service.d/10-lbr-profile.conf"
+GROUPS = ("dialout", "uucp", "video", "audio", "i2c", "input", "gpio", "spi")
+SERIAL_GROUPS = ("dialout", "uucp")
+HIDDEN = tuple(map(Path, ("/home", "/root", "/run/user", "/tmp", "/var/tmp")))  # noqa: S108 - the unit hides them
+_NAME = re.compile(r"[a-z_][a-z0-9_-]{0,31}")
+_INSTANCE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+_PLAIN_PATH = re.compile(r"/[\w/.+,-]*", re.ASCII)
+_HEAD = re.compile(r"# Written by 'lbr service install', version (\S+); sha256 of the lines below: ([0-9a-f]{64})\n")
+
+
+class Site(Struct, frozen=True, kw_only=True):
+    """A machine as far as the files depend on it: the program, what of it is in hidden places, and the groups."""
+
+    program: tuple[str, ...]
+    inside_hidden: tuple[Path, ...] = ()
+    groups: tuple[str, ...] = ()
+
+
+def this_site(root: Path = Path("/")) -> Site:
+    """Return what the files depend on: the program that runs now, and the groups of the machine at `root`."""
+    command = Path(sys.prefix) / "bin" / "lbr"
+    program = (str(command),) if command.exists() else (sys.executable, "-m", "lbr.cli")
+    return Site(
+        program=program,
+        inside_hidden=tuple(place for place in program_places() if _is_hidden(place)),
+        groups=tuple(name for name in GROUPS if name in _groups(root)),
+    )
+
+
+def program_places() -> tuple[Path, ...]:
+    """Return the directories that the service must be able to read."""
+    package = Path(__file__).resolve().parent.parent
+    found: list[Path] = []
+    for place in sorted({Path(sys.prefix), Path(sys.base_prefix).resolve(), package.parent}):
+        if not any(place.is_relative_to(known) for known in found):
+            found.append(place)
+    return tuple(found)
+
+
+def files(profile: str, user: str, site: Site) -> dict[str, str]:
+    """Return text by path, relative to the root of the machine; raise InputError for what no unit can say."""
+    _check_user(user)
+    for place in (*site.program[:1], *map(str, site.inside_hidden)):
+        if not _PLAIN_PATH.fullmatch(place):
+            raise InputError(f"{place}: install lbr at a path of letters, digits and . _ + , - only, such as /opt/lbr")
+    unit = _filled(
+        "lbr@.service",
+        PROGRAM=" ".join(site.program),
+        USER=user,
+        GROUPS=" ".join(site.groups),
+        PROTECT_HOME=_protect_home(site.inside_hidden),
+    )
+    serial = next((name for name in SERIAL_GROUPS if name in site.groups), "root")
+    i2c = 'SUBSYSTEM=="i2c-dev", GROUP="i2c", MODE="0660"\n' if "i2c" in site.groups else ""
+    found = {UNIT: unit, RULES: _filled("lbr.rules", SERIAL_GROUP=serial, I2C=f"\n# i2c buses\n{i2c}" if i2c else "")}
+    if user == DEFAULT_USER:
+        found[SYSUSERS] = _sysusers(site.groups)
+    instance, own = instance_of(profile)
+    if own is not None:
+        words = f"{' '.join(site.program)} run {own} --no-console"
+        found[DROP_IN.format(instance)] = f"[Service]\nExecStart=\nExecStart={words}\n"
+    return {name: stamped(text) for name, text in found.items()}
+
+
+def instance_of(profile: str) -> tuple[str, Path | None]:
+    """Return the unit's instance for a profile, and the profile's file if it is one of your own."""
+    profiles.load(profile)
+    if profile in profiles.shipped():
+        return profile, None
+    path = Path(profile).absolute()
+    if not _INSTANCE.fullmatch(path.stem) or path.stem in profiles.shipped():
+        raise InputError(f"{path}: a name of letters, digits, '.', '_' and '-' that no shipped profile has is allowed")
+    if _is_hidden(path) or not _PLAIN_PATH.fullmatch(str(path)):
+        raise InputError(f"{path}: a service cannot read it there; move it, such as to /etc/lbr/{path.name}")
+    return path.stem, path
+
+
+def stamped(text: str) -> str:
+    """Put a head on a file that tells whether it was edited since."""
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    version = metadata.version("lbr")
+    return f"# Written by 'lbr service install', version {version}; sha256 of the lines below: {digest}\n{text}"
+
+
+def is_pristine(text: str) -> bool:
+    """Say whether a file is as it was written."""
+    head = _HEAD.match(text)
+    return head is not None and hashlib.sha256(text[head.end() :].encode()).hexdigest() == head[2]
+
+
+def user_of(unit: str) -> str:
+    """Return the user that a unit's text names."""
+    found = re.search(r"^User=(\S+)$", unit, re.MULTILINE)
+    return found[1] if found else DEFAULT_USER
+
+
+def unreadable(user: str) -> str:
+    """Return the first directory of the program that the user may not enter, or nothing."""
+    try:
+        known = pwd.getpwnam(user)
+        uid, gids = known.pw_uid, {known.pw_gid, *(one.gr_gid for one in grp.getgrall() if user in one.gr_mem)}
+    except KeyError:
+        uid, gids = -1, set()
+    for place in program_places():
+        ways = (place,) if _is_hidden(place) else (*reversed(place.parents), place)
+        for way in ways:
+            found = way.stat()
+            shift = 6 if found.st_uid == uid else 3 if found.st_gid in gids else 0
+            if not found.st_mode >> shift & 1:
+                return str(way)
+    return ""
+
+
+def _check_user(user: str) -> None:
+    if not _NAME.fullmatch(user):
+        raise InputError(f"user {user!r}: small letters, digits, '_' and '-' are allowed")
+    if user == "root":
+        raise InputError("a robot does not run as root; name another user, or leave --user out")
+
+
+def _protect_home(inside: tuple[Path, ...]) -> str:
+    if not inside:
+        return "ProtectHome=yes"
+    return f"ProtectHome=tmpfs\nBindReadOnlyPaths={' '.join(map(str, inside))}"
+
+
+def _sysusers(groups: tuple[str, ...]) -> str:
+    lines = [f'u {DEFAULT_USER} - "lbr robot" /var/lib/lbr', *(f"m {DEFAULT_USER} {name}" for name in groups)]
+    return "\n".join(lines) + "\n"
+
+
+def _filled(template: str, **words: str) -> str:
+    text = (resources.files("lbr.commands") / "templates" / template).read_text()
+    for name, value in words.items():
+        text = text.replace(f"@{name}@", value)
+    return text
+
+
+def _is_hidden(path: Path) -> bool:
+    return any(path.is_relative_to(place) for place in HIDDEN)
+
+
+def _groups(root: Path) -> set[str]:
+    if root == Path("/"):
+        return {group.gr_name for group in grp.getgrall()}
+    table = root / "etc/group"
+    if not table.exists():
+        return {*GROUPS[:1], "video", "audio"}
+    return {line.split(":")[0] for line in table.read_text().splitlines()}
