@@ -1,6 +1,7 @@
 """Commands as a capability sees them: decoded, attributed, and answered exactly once."""
 
 from collections.abc import Callable
+from math import nan
 from typing import Any
 
 from msgspec import Struct
@@ -26,6 +27,9 @@ class BusCall:
         self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
         self.role: Role = "operate"
         self.arrived = stamp.sent_s(found, request.arrived)
+        self.remote = False
+        self.sender_s = found.mono_ns / 1e9 if found is not None and found.boot else nan
+        self.answerable = request.answerable
         self._request = request
         self._owner = owner
         self._refused = refused

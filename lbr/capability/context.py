@@ -26,13 +26,20 @@ class Received:
 
 
 class Call(Protocol):
-    """A command waiting for its answer; a `put` is one too. `arrived`: when it was sent, or else came, on our clock."""
+    """A command waiting for its answer; a `put` is one too, that is not `answerable`.
+
+    `arrived`: when it was sent, or else came, on our clock. `remote`: from another machine, where it was sent at
+    `sender_s` by that machine's monotonic clock (NaN: unknown).
+    """
 
     name: str
     message: Any
     source: str
     role: Role
     arrived: float
+    remote: bool
+    sender_s: float
+    answerable: bool
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
         """Answer, once. A refusal is an event too, unless it is `quiet` and somebody waits for the answer."""

@@ -130,8 +130,8 @@ class BusOperator:
         return self._latest.telemetry() if self._latest else Telemetry()
 
     def events(self) -> list[Event]:
-        """Return the events since the last call, without those that repeat how our own motions ended."""
-        found = self._latest.events() if self._latest else []
+        """Return the events since the last call, without those for the record and those of how our own motions ended."""
+        found = [one for one in self._latest.events() if one.kind != "holder"] if self._latest else []
         return [one for one in found if one.subject != "drive" or not one.text.startswith(f"{self._source}: ")]
 
     def held(self) -> Holder | None:

@@ -1,19 +1,18 @@
 """The chain a drive command passes before it moves anything; the first link that objects refuses it."""
 
 from collections.abc import Callable
-from math import inf, isfinite
+from math import isfinite
 from typing import Literal, get_args
 
 from lbr.messages.drive import DriveCommand, Sensor
+from lbr.operations.drive.freshness import TWICE, dated, insists, not_fresh
 from lbr.operations.drive.goals import not_plausible
 from lbr.operations.drive.mixing import mix
 from lbr.operations.drive.rules import Limit, limit
-from lbr.operations.drive.state import Command, State, motors_trouble, why_dead
+from lbr.operations.drive.state import Command, Hold, State, motors_trouble, offered, why_dead
 
-Intent = Literal["stop", "new", "renewal", "change"]
+Intent = Literal["stop", "new", "confirmation", "renewal", "change"]
 Link = Callable[[State, Command, float], str]
-INSISTING_S = 0.25
-LATE_S = 0.5
 
 
 def intent(state: State, command: DriveCommand) -> Intent:
@@ -21,7 +20,7 @@ def intent(state: State, command: DriveCommand) -> Intent:
     if command.power == 0.0 and not command.lease:
         return "stop"
     if state.hold is None or command.lease != state.hold.lease:
-        return "new"
+        return "new" if offered(state, command.lease) is None else "confirmation"
     return "renewal" if what(command) == what(state.hold.command) else "change"
 
 
@@ -32,7 +31,7 @@ def what(command: DriveCommand) -> tuple[float | str, ...]:
 
 def to_be_checked(state: State, event: Command, now: float) -> bool:
     """Say whether the user's checks are to be asked: for new and changed motion that nothing else refuses."""
-    moves = event.command.power > 0.0 and intent(state, event.command) in {"new", "change"}
+    moves = event.command.power > 0.0 and not _as_checked(state, event.command)
     return moves and not refusal(state, event, now, checked=False)
 
 
@@ -40,11 +39,6 @@ def refusal(state: State, event: Command, now: float, *, checked: bool = True) -
     """Return why a command is refused, or nothing; `checked` false leaves out the user's own checks."""
     links = CHAIN if checked else CHAIN[:-1]
     return next((why for link in links if (why := link(state, event, now))), "")
-
-
-def insists(state: State, source: str, now: float) -> bool:
-    """Say whether a source has been sending motion through an emergency stop until just now."""
-    return now - state.insisting.get(source, -inf) < INSISTING_S
 
 
 def limited_by_rules(state: State, command: DriveCommand, now: float) -> Limit:
@@ -67,12 +61,15 @@ def notes(state: State, command: DriveCommand, now: float) -> str:
     return ", ".join(found)
 
 
+def _as_checked(state: State, command: DriveCommand) -> bool:
+    """Say whether a command goes on with, or confirms, exactly what the checks have seen."""
+    wanted, offer = intent(state, command), offered(state, command.lease)
+    return wanted == "renewal" or (offer is not None and what(offer.command) == what(command))
+
+
 def _form(state: State, event: Command, now: float) -> str:
     """Numbers are finite and within their bounds, as decoding saw to, and the command has not lain about."""
-    del state
     command = event.command
-    if not now - event.received <= LATE_S:
-        return f"this command came {now - event.received:.1f} s after it was sent; send it again"
     bounds = {
         "power": (command.power, 0.0, 1.0),
         "angle_deg": (command.angle_deg, -360.0, 360.0),
@@ -87,7 +84,7 @@ def _form(state: State, event: Command, now: float) -> str:
         return "ttl_s 0 is no life; leave it out or give up to 1"
     if command.sensor not in get_args(Sensor):
         return f"sensor '{command.sensor}' is none of {', '.join(get_args(Sensor))}"
-    return ""
+    return not_fresh(state, event, now)
 
 
 def _rights(state: State, event: Command, now: float) -> str:
@@ -98,15 +95,31 @@ def _rights(state: State, event: Command, now: float) -> str:
 
 def _holder(state: State, event: Command, now: float) -> str:
     """One holder: a quoted lease must be the live one; without a lease nobody may hold the base, or it is taken over."""
-    lease, hold = event.command.lease, state.hold
-    if lease:
-        alive = hold is not None and lease == hold.lease and now < hold.expires  # this way round, NaN means dead
-        return "" if alive else f"lease is dead: {why_dead(state, lease)}"
-    if hold is not None and not event.command.take_over:
-        return f"held by {hold.source}"
-    if not (state.estop or event.received > state.stopped):
+    command, hold = event.command, state.hold
+    if hold is not None and command.lease == hold.lease:
+        alive = now < hold.expires  # this way round, NaN means dead
+        return _order(state, event, hold) if alive else f"lease is dead: {why_dead(state, command.lease)}"
+    offer = offered(state, command.lease)
+    if command.lease and not (offer is not None and now < offer.expires):
+        return f"lease is dead: {why_dead(state, command.lease)}"
+    if hold is not None and not (command.take_over or (offer is not None and offer.command.take_over)):
+        return _held(hold, event)
+    if not (state.estop or dated(state, event) > state.stopped):
         return "a stop came after this command"
-    return ""
+    return "" if dated(state, event) > state.begun else TWICE
+
+
+def _held(hold: Hold, event: Command) -> str:
+    own = ", as you do: quote the lease to go on" if hold.source == event.source else ""
+    return f"held by {hold.source}{own}"
+
+
+def _order(state: State, event: Command, hold: Hold) -> str:
+    """What quotes a lease counts once, and not after something newer; standing still counts whenever it comes."""
+    if event.command.power == 0.0:
+        return ""
+    newest = max(hold.said, hold.renewed) if what(event.command) == what(hold.command) else hold.said
+    return "" if dated(state, event) > newest else TWICE
 
 
 def _state(state: State, event: Command, now: float) -> str:
@@ -117,9 +130,8 @@ def _state(state: State, event: Command, now: float) -> str:
         return f"emergency stop: {state.estop_reason or 'no reason given'}; 'reset' releases it"
     if trouble := motors_trouble(state, now):
         return trouble
-    if insists(state, event.source, now):
-        return "commands went on through the emergency stop: send power 0, or pause, before driving again"
-    return ""
+    how = insists(state, event.source, now)
+    return f"commands went on {how}: send power 0, or pause, before driving again" if how else ""
 
 
 def _limits(state: State, event: Command, now: float) -> str:

@@ -156,7 +156,7 @@ class Drive(Capability[DriveSettings]):
                 case Result(message=result):
                     self.ctx.publish("result", result)
                 case Happened():
-                    self.ctx.event(output.kind, output.text, level=output.level)
+                    self.ctx.event(output.kind, output.text, level=output.level, data=dict(output.data))
                 case Reply(message=reply, late=late):
                     if call is not None:
                         call.reply(reply, quiet=late)
@@ -182,6 +182,9 @@ def _event(call: Call, answers: dict[str, Any] | None = None) -> Command:
         new_lease=secrets.token_hex(8),
         new_goal=f"goal-{secrets.token_hex(4)}",
         received=call.arrived,
+        remote=call.remote,
+        sender_s=call.sender_s,
+        answerable=call.answerable,
         checks=verdicts,
     )
 

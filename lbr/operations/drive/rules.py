@@ -163,6 +163,8 @@ def _believed(view: View | None, rule: Rule, now: float) -> tuple[float, str]:
 
 
 def _see(view: View | None, sensor: Sensor, ranges: Ranges, now: float, odometer: Odometer) -> View:
+    if view is not None and now < view.seen:
+        return view  # it was overtaken by a newer one
     raw_m, trouble = measured_m(ranges, sensor)
     travel_m = odometer.along_m if sensor in ALONG else odometer.turned_m
     if view is None or isnan(raw_m):

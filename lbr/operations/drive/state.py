@@ -17,11 +17,18 @@ from lbr.operations.drive.settings import DriveSettings
 Ending = Literal["reached", "interval", "stopped", "lapsed", "superseded", "fault"]
 Level = Literal["info", "warning", "error"]
 DEAD_LEASES_KEPT = 32
+TELLINGS = 20
+"""Changes of holder told at once; more come back at `TELLINGS_PER_S`."""
+TELLINGS_PER_S = 5.0
 NOT_KNOWN = "it is not known here; ask for a new one without quoting a lease"
 
 
 class Command(Struct, frozen=True, kw_only=True):
-    """A drive command that came in at `received`, with fresh ids in case it is accepted, and what the checks said."""
+    """A drive command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
+
+    `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
+    the reply. `checks`: what the user's own checks said.
+    """
 
     command: DriveCommand
     source: str
@@ -29,6 +36,9 @@ class Command(Struct, frozen=True, kw_only=True):
     new_lease: str
     new_goal: str
     received: float
+    remote: bool = False
+    sender_s: float = nan
+    answerable: bool = True
     checks: Mapping[str, CheckVerdict | None] = {}
 
 
@@ -93,6 +103,7 @@ class Happened(Struct, frozen=True, kw_only=True):
     kind: str
     text: str
     level: Level = "info"
+    data: Mapping[str, str] = {}
 
 
 class Result(Struct, frozen=True, kw_only=True):
@@ -119,7 +130,11 @@ class Goal(Struct, frozen=True, kw_only=True):
 
 
 class Hold(Struct, frozen=True, kw_only=True):
-    """Who has the base: a live lease, the command it was given for, and the bounds of that command."""
+    """Who has the base: a live lease, the command it was given for, and the bounds of that command.
+
+    `said` is when that command was sent, `renewed` when the newest that quoted the lease was (NaN: none yet). `offset_s`
+    is the least that a remote sender's clock was seen to be behind ours.
+    """
 
     lease: str
     source: str
@@ -128,14 +143,38 @@ class Hold(Struct, frozen=True, kw_only=True):
     ttl_s: float
     expires: float
     changed: float
+    said: float
+    renewed: float = nan
+    offset_s: float = inf
     goal: Goal | None = None
 
 
+class Insisting(Struct, frozen=True, kw_only=True):
+    """A source that goes on sending motion when it should not; `how` completes "commands went on …"."""
+
+    until: float
+    how: str
+
+
+class Tally(Struct, frozen=True, kw_only=True):
+    """How many changes of holder may be told now, and how many were not."""
+
+    left: float = TELLINGS
+    at: float = -inf
+    untold: int = 0
+
+
 class State(Struct, frozen=True, kw_only=True):
-    """Everything the kernel remembers. `left` and `right` are the setpoint now; `reason` says why it stands."""
+    """Everything the kernel remembers. `left` and `right` are the setpoint now; `reason` says why it stands.
+
+    `clock` is the time of the last event; `offers` are leases that remote senders have yet to quote; whatever was sent
+    at or before `stopped` or `begun` begins nothing any more.
+    """
 
     settings: DriveSettings
+    clock: float = -inf
     hold: Hold | None = None
+    offers: tuple[Hold, ...] = ()
     left: float = 0.0
     right: float = 0.0
     ticked: float = nan
@@ -144,6 +183,7 @@ class State(Struct, frozen=True, kw_only=True):
     motors: MotorsState | None = None
     motors_at: float = nan
     motors_gone: str = "the motor driver was not heard yet"
+    motors_lost: float = -inf
     views: Mapping[Sensor, View] = {}
     odometer: Odometer = Odometer()
     limited: Limit = FREE
@@ -152,8 +192,15 @@ class State(Struct, frozen=True, kw_only=True):
     told_at: float = nan
     dead: tuple[tuple[str, str], ...] = ()
     stopped: float = -inf
-    insisting: Mapping[str, float] = {}
+    begun: float = -inf
+    insisting: Mapping[str, Insisting] = {}
+    tally: Tally = Tally()
     reason: str = "nobody drives"
+
+
+def offered(state: State, lease: str) -> Hold | None:
+    """Return the offer that a command quotes, if it still stands at the time of the last event."""
+    return next((offer for offer in state.offers if offer.lease == lease), None)
 
 
 def why_dead(state: State, lease: str) -> str:
@@ -162,9 +209,8 @@ def why_dead(state: State, lease: str) -> str:
 
 
 def bury(state: State, lease: str, why: str) -> State:
-    """Return the state with nobody holding the base, and this lease dead for ever."""
-    dead = (*state.dead, (lease, why))[-DEAD_LEASES_KEPT:]
-    return replace(state, hold=None, dead=dead, reason=why)
+    """Return the state with this lease dead for ever."""
+    return replace(state, dead=(*state.dead, (lease, why))[-DEAD_LEASES_KEPT:])
 
 
 def motors_trouble(state: State, now: float) -> str:

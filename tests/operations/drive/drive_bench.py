@@ -1,5 +1,7 @@
 """A drive kernel to talk to in tests: time is a variable, whatever it says is kept."""
 
+from math import nan
+
 from lbr.messages.drive import CommandReply, DriveCommand, GoalResult
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.sensing import Ranges
@@ -79,7 +81,15 @@ class Bench:
             self.noise_m = -self.noise_m
             self.event(RangesSeen(ranges=_shifted(self.around, self.noise_m), arrived=self.now))
 
-    def drive(self, power, angle_deg=0.0, *, source="console", role="operate", checks=None, received=None, **more):
+    def drive(self, power, angle_deg=0.0, *, source="console", role="operate", checks=None, sent=None, **more):
+        """Send a command now or, on the same clock, at `sent`."""
+        return self._command(power, angle_deg, source, more, role=role, checks=checks or {}, received=sent)
+
+    def drive_from_afar(self, power, angle_deg=0.0, *, source="page", sender_s=nan, answerable=True, **more):
+        """Send a command from another machine, whose clock says `sender_s`."""
+        return self._command(power, angle_deg, source, more, remote=True, sender_s=sender_s, answerable=answerable)
+
+    def _command(self, power, angle_deg, source, more, *, role="operate", received=None, **marks):
         self._ids += 1
         self.event(
             Command(
@@ -89,7 +99,7 @@ class Bench:
                 new_lease=f"lease{self._ids}",
                 new_goal=f"goal{self._ids}",
                 received=self.now if received is None else received,
-                checks=checks or {},
+                **marks,
             )
         )
         return self.replies[-1]

@@ -1,6 +1,7 @@
 """A robot around one drive capability, for tests: what it hears is set by hand, what it says is kept."""
 
 from dataclasses import dataclass, field
+from math import nan
 from typing import Any
 
 from drive_bench import motors, ranges
@@ -28,6 +29,9 @@ class FakeCall:
     source: str = "console"
     role: str = "operate"
     answer: Any = None
+    remote: bool = False
+    sender_s: float = nan
+    answerable: bool = True
 
     def reply(self, answer, *, quiet=False):
         assert self.answer is None, "answered twice"
@@ -57,6 +61,7 @@ class FakeContext:
         self.now = 50.0
         self.published: list[tuple[str, Any]] = []
         self.events: list[tuple[str, str]] = []
+        self.data: list[dict[str, Any] | None] = []
         self.asked: list[FakeAsked] = []
         self.checks: dict[str, Any] | None = {}
         self.drivers_alive = True
@@ -88,6 +93,7 @@ class FakeContext:
 
     def event(self, kind, text, *, level="info", data=None):
         self.events.append((kind, text))
+        self.data.append(data)
 
     def hear(self, *, armed=True, **metres):
         self._latest["motors"] = Received(

@@ -157,10 +157,9 @@ def test_a_driver_that_is_back_can_be_driven_again(robot):
 
 def test_new_and_changed_motion_is_shown_to_the_checks_but_no_renewal(robot):
     call = robot.send(robot.ctx.command(0.5))
-    for _ in range(3):
-        robot.send(robot.ctx.command(0.5, lease=call.answer.lease))
-    robot.send(robot.ctx.command(0.3, lease=call.answer.lease))
-    robot.send(robot.ctx.command(0.0, lease=call.answer.lease))
+    for power in (0.5, 0.5, 0.5, 0.3, 0.0):
+        robot.ctx.now += 0.01
+        robot.send(robot.ctx.command(power, lease=call.answer.lease))
     assert [asked.message.command.power for asked in robot.ctx.asked] == [0.5, 0.3]
     assert robot.ctx.asked[0].message.source == "console"
 
