@@ -55,6 +55,7 @@ class Emergency:
         self._repeat_until = 0.0
         self._own_echo_until = 0.0
         self._count = 0
+        self._releasing = 0
         self._unsaved = state.engaged  # in the other place too, if only one knew
         self._save_tried = True
         self._save_at = 0.0
@@ -102,8 +103,13 @@ class Emergency:
         """
         with self._changed:
             presses = self._count
-        why_not = next((text for name in self._movers() if (text := self._release(name))), "")
+            self._releasing += 1  # a repetition now would latch again what has just been released
+        try:
+            why_not = next((text for name in self._movers() if (text := self._release(name))), "")
+        except LbrError as err:
+            why_not = f"{err}; it stays latched"
         with self._changed:
+            self._releasing -= 1
             if not why_not and presses != self._count:
                 why_not = "the emergency stop was pressed again meanwhile; it stays latched"
             if why_not:
@@ -137,14 +143,17 @@ class Emergency:
             self._happened(*self._news.popleft())
         if self._unsaved and now >= self._save_at:
             self._save(now)
-        if self._engaged and self.state().waiting:
-            if now >= self._repeat_at:
-                self._repeat_at = now + (REPEAT_S if now < self._repeat_until else REPEAT_LATER_S)
+        with self._changed:
+            return self._repeat(now) if self._engaged and self.state().waiting else now + 1.0
+
+    def _repeat(self, now: float) -> float:
+        if now >= self._repeat_at:
+            self._repeat_at = now + (REPEAT_S if now < self._repeat_until else REPEAT_LATER_S)
+            if not self._releasing:
                 self._own_echo_until = now + ECHO_S
                 request = EstopRequest(engaged=True, reason=self._reason)
                 wire.put(self._session, keys.estop(self._robot), request, source="executive", urgent=True)
-            return self._repeat_at
-        return now + 1.0
+        return self._repeat_at
 
     def close(self) -> None:
         """Leave the bus."""
