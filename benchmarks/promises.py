@@ -33,6 +33,13 @@ PROMISES: dict[str, Promise] = {
     "S18 range": Promise(what="range crossed (frame at the driver), to motor zero", target=120, hard=150),
     "E1 console": Promise(what="estop as a console line, to motor zero", target=20, statistic="p99", hard=250),
     "E1 put": Promise(what="estop as a plain put, to motor zero", target=20, statistic="p99", hard=250),
+    "E1 H": Promise(
+        what="estop as a console line under 4 busy loops, to motor zero", target=50, statistic="p99", hard=250
+    ),
+    "B1 I": Promise(what="interval of motor commands", target=22, statistic="p99"),
+    "B1 H": Promise(what="interval of motor commands under 4 busy loops", target=35, statistic="p99"),
+    "B2 I": Promise(what="stops that nobody asked for, in 10 s", unit="", target=0),
+    "B2 H": Promise(what="stops that nobody asked for, in 10 s under 4 busy loops", unit="", target=0),
     "F7": Promise(what="foreign, forged and replayed setpoints, second run, second opener"),
     "F7 second run": Promise(what="second run refused after", target=500, hard=1000),
     "P4 stop": Promise(what="shutdown (5 ways), to motor zero", target=100, hard=STOP_HARD_MS),

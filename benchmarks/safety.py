@@ -17,7 +17,7 @@ import msgspec
 
 from benchmarks.figures import Report, Result, Results, table
 from benchmarks.promises import PROMISES
-from benchmarks.scenarios import bounds, clients, crashes, edits, estop, freezes, kills, shutdown, starts, writers
+from benchmarks.scenarios import bounds, clients, crashes, edits, estop, freezes, kills, load, shutdown, starts, writers
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs" / "safety.md"
@@ -40,6 +40,7 @@ SCENARIOS: dict[str, tuple[Scenario, float]] = {
     "S13": (crashes.crashes, 0.1),
     "S18": (bounds.bounds, 1.0),
     "E1": (estop.estop, 1.5),
+    "B1": (load.loaded, 0.1),
     "F7": (writers.one_writer, 0.1),
     "P1": (kills.kill_others, 0.2),
     "P4": (shutdown.shutdowns, 0.15),

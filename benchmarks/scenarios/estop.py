@@ -13,13 +13,13 @@ PAUSE_S = 0.3
 
 def by_console(under_test: Bench) -> None:
     """The word `estop` as a console line."""
-    _press(under_test, "E1 console", lambda: under_test.robot.line("estop"))
+    press(under_test, "E1 console", lambda: under_test.robot.line("estop"))
 
 
 def by_put(under_test: Bench) -> None:
     """A plain put by any client."""
     robot = under_test.robot
-    _press(under_test, "E1 put", lambda: robot.bus.put(f"{robot.name}/@estop", '{"engaged": true, "reason": "bench"}'))
+    press(under_test, "E1 put", lambda: robot.bus.put(f"{robot.name}/@estop", '{"engaged": true, "reason": "bench"}'))
 
 
 def estop(results: Results, n: int) -> None:
@@ -30,10 +30,11 @@ def estop(results: Results, n: int) -> None:
             by_put(under_test)
 
 
-def _press(under_test: Bench, figure: str, press: Callable[[], Any]) -> None:
+def press(under_test: Bench, figure: str, how: Callable[[], Any]) -> None:
+    """Press while the robot drives, then reset it under a sender that insists."""
     mover = under_test.drive()
     at_ns = time.monotonic_ns()
-    press()
+    how()
     zero = under_test.stopped_after(figure, at_ns)
     under_test.until(lambda: _acknowledged(under_test), 3.0, "the emergency stop acknowledged")
     reset = under_test.robot.ask("@estop/reset", {}, timeout_s=3.0)
