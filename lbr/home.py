@@ -17,14 +17,20 @@ SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a su
 
 
 class Running(Struct, frozen=True, kw_only=True):
-    """A robot that runs on this machine, and how to reach it; `token` proves a caller who may read this home."""
+    """A robot that runs on this machine, and how to reach it.
+
+    `endpoints` let anybody in to look and operate; at `core`, `password` lets in whoever may read this home, with all
+    rights. `lan` is where other machines come in.
+    """
 
     robot: str
     pid: int
     endpoints: tuple[str, ...]
     profile: str
     database: str
-    token: str
+    core: str
+    password: str
+    lan: tuple[str, ...] = ()
 
 
 def home() -> Path:
@@ -42,15 +48,16 @@ def default_database() -> Path:
     return home() / "robot.db"
 
 
-def socket_path(robot: str) -> Path:
-    """Return the robot's socket: in the home, or in a private temporary directory where the home's path is too long."""
-    path = directory("run") / f"{robot}.sock"
+def socket_path(robot: str, part: str = "") -> Path:
+    """Return a robot's socket: in the home, or in a private temporary directory where the home's path is too long."""
+    path = directory("run") / f"{robot}{part}.sock"
     if len(str(path)) <= SOCKET_PATH_LIMIT:
         return path
-    short = Path(tempfile.gettempdir()) / f"lbr-{os.getuid()}-{blake2b(str(path).encode(), digest_size=6).hexdigest()}"
+    mark = blake2b(str(path.parent).encode(), digest_size=6).hexdigest()
+    short = Path(tempfile.gettempdir()) / f"lbr-{os.getuid()}-{mark}"
     if _made(short).stat().st_uid != os.getuid():
         raise InputError(f"{short} belongs to somebody else; set TMPDIR or LBR_HOME to a place of your own")
-    return short / f"{robot}.sock"
+    return short / f"{robot}{part}.sock"
 
 
 def running() -> list[Running]:

@@ -6,9 +6,9 @@ def port(robot: str, capability: str, name: str) -> str:
     return f"{robot}/{capability}/{name}"
 
 
-def console(robot: str) -> str:
-    """Return the key that takes console lines."""
-    return f"{robot}/@console"
+def console(robot: str, role: str = "operate") -> str:
+    """Return the key that takes console lines of a role; who may write there has its rights."""
+    return f"{robot}/@console" if role == "operate" else f"{robot}/@console/{role}"
 
 
 def estop(robot: str) -> str:

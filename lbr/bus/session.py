@@ -1,5 +1,6 @@
 """Zenoh sessions: one router in the executive, clients everywhere else; no scouting, nothing beyond what is named."""
 
+import base64
 import json
 import os
 import re
@@ -11,7 +12,10 @@ LEAF_RUNTIME = "(rx: (handover: app), acc: (handover: app), tx: (handover: app),
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 
 import zenoh  # noqa: E402 - the runtime reads its environment when the library loads
+from msgspec import Struct  # noqa: E402
 
+from lbr.bus import access  # noqa: E402
+from lbr.bus.access import Credentials, Limits, Rights  # noqa: E402
 from lbr.errors import BusError  # noqa: E402
 
 Session = zenoh.Session
@@ -20,16 +24,101 @@ LINK_LEASE_MS = 400
 MAX_MESSAGE_BYTES = 1 << 20
 
 
-def _common() -> dict[str, Any]:
+class Tls(Struct, frozen=True, kw_only=True):
+    """Files of a router that listens on TLS: its private key and its certificate, both PEM."""
+
+    private_key: str
+    certificate: str
+
+
+class Router(Struct, frozen=True, kw_only=True):
+    """A router to open: where it listens, whom it knows, what they may do, and the router it hangs on.
+
+    Without `users` it asks nobody for a password. `links` are the rights of routers it connects to, by their `id`.
+    """
+
+    listen: tuple[str, ...]
+    robot: str = ""
+    users: dict[str, str] = {}
+    rights: dict[str, Rights] = {}
+    links: dict[str, Rights] = {}
+    connect: tuple[str, ...] = ()
+    credentials: Credentials | None = None
+    id: str = ""
+    tls: Tls | None = None
+    limits: Limits | None = None
+
+
+def open_router(router: Router) -> Session:
+    """Open a router; raise BusError if an endpoint is taken, or the router it hangs on does not answer."""
+    with access.Dictionary(router.users) as dictionary:
+        password = {"dictionary_file": dictionary.path} if router.users else {}
+        settings = _common(router.credentials, password) | {
+            "mode": "router",
+            "listen": {"endpoints": list(router.listen), "exit_on_failure": True},
+        }
+        if router.id:
+            settings["id"] = router.id
+        if router.connect:
+            settings["connect"] = _connect(router.connect, 2.0)
+        if router.rights or router.links:
+            settings["access_control"] = access.control(router.robot, router.rights, router.links)
+        if router.limits is not None:
+            settings |= access.limits(router.limits)
+        if router.tls is not None:
+            settings["transport"]["link"]["tls"] = {
+                "listen_private_key": router.tls.private_key,
+                "listen_certificate": router.tls.certificate,
+            }
+        return _open(settings, f"cannot listen on {', '.join(router.listen)}")
+
+
+def client_settings(
+    connect: Sequence[str], credentials: Credentials | None = None, *, certificate: str = "", timeout_s: float = 2.0
+) -> dict[str, Any]:
+    """Return the configuration of a session to the router at one of `connect`, in Zenoh's own words.
+
+    `certificate` is the PEM of the only one that the router may show; its host name is then not looked at.
+    """
+    settings = _common(credentials) | {"mode": "client", "connect": _connect(connect, timeout_s)}
+    if certificate:
+        settings["transport"]["link"]["tls"] = {
+            "root_ca_certificate_base64": base64.b64encode(certificate.encode()).decode(),
+            "verify_name_on_connect": False,
+        }
+    return settings
+
+
+def open_client(
+    connect: Sequence[str], credentials: Credentials | None = None, *, certificate: str = "", timeout_s: float = 2.0
+) -> Session:
+    """Open a session to the router at one of `connect`; raise BusError if none lets it in within `timeout_s`."""
+    settings = client_settings(connect, credentials, certificate=certificate, timeout_s=timeout_s)
+    return _open(settings, f"cannot reach a robot at {', '.join(connect)}")
+
+
+def _common(credentials: Credentials | None = None, password: dict[str, str] | None = None) -> dict[str, Any]:
+    proof = {"user": credentials.user, "password": credentials.password} if credentials is not None else {}
+    auth = {**proof, **(password or {})}
     return {
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}, "delay": 0},
         "transport": {
             "link": {"tx": {"lease": LINK_LEASE_MS, "keep_alive": 4}, "rx": {"max_message_size": MAX_MESSAGE_BYTES}},
             "shared_memory": {"enabled": False},
+            **({"auth": {"usrpwd": auth}} if auth else {}),
         },
         "timestamping": {"enabled": False},
         "adminspace": {"enabled": False},
         "queries_default_timeout": 2000,
+    }
+
+
+def _connect(endpoints: Sequence[str], timeout_s: float) -> dict[str, Any]:
+    return {
+        "endpoints": list(endpoints),
+        "timeout_ms": int(timeout_s * 1000),
+        "exit_on_failure": True,
+        "retry": {"period_init_ms": 50, "period_max_ms": 300, "period_increase_factor": 2},
     }
 
 
@@ -43,26 +132,6 @@ def _open(settings: dict[str, Any], what: str) -> Session:
 def _plain(err: Exception) -> str:
     """Leave out where in the library's source an error was raised."""
     return re.sub(r" at /\S+", "", str(err)).rstrip(". !")
-
-
-def open_router(listen: Sequence[str]) -> Session:
-    """Open the router that everybody meets at, listening on `listen`; raise BusError if an endpoint is taken."""
-    settings = _common() | {"mode": "router", "listen": {"endpoints": list(listen), "exit_on_failure": True}}
-    return _open(settings, f"cannot listen on {', '.join(listen)}")
-
-
-def open_client(connect: Sequence[str], *, timeout_s: float = 2.0) -> Session:
-    """Open a session to the router at one of `connect`; raise BusError if none answers within `timeout_s`."""
-    settings = _common() | {
-        "mode": "client",
-        "connect": {
-            "endpoints": list(connect),
-            "timeout_ms": int(timeout_s * 1000),
-            "exit_on_failure": True,
-            "retry": {"period_init_ms": 50, "period_max_ms": 300, "period_increase_factor": 2},
-        },
-    }
-    return _open(settings, f"cannot reach a robot at {', '.join(connect)}")
 
 
 def leaf_environment() -> dict[str, str]:

@@ -32,7 +32,7 @@ def _seal(key: bytes, payload: bytes, seq: int, mono_ns: int, boot: str) -> byte
 
 
 def make(
-    source: str, seq: int, payload: bytes = b"", key: bytes = b"", *, token: str = "", sent_s: float | None = None
+    source: str, seq: int, payload: bytes = b"", key: bytes = b"", *, via: str = "", sent_s: float | None = None
 ) -> bytes:
     """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it.
 
@@ -40,9 +40,7 @@ def make(
     """
     mono_ns = time.monotonic_ns() if sent_s is None else int(sent_s * 1e9)
     seal = _seal(key, payload, seq, mono_ns, boot_id()).decode() if key else ""
-    stamp = Stamp(
-        source=source, seq=seq, mono_ns=mono_ns, wall_ns=time.time_ns(), boot=boot_id(), seal=seal, token=token
-    )
+    stamp = Stamp(source=source, seq=seq, mono_ns=mono_ns, wall_ns=time.time_ns(), boot=boot_id(), seal=seal, via=via)
     return _encoder.encode(stamp)
 
 

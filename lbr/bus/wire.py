@@ -208,7 +208,6 @@ class Question:
         *,
         timeout_s: float,
         source: str,
-        token: str = "",
         wake: Callable[[], None] = lambda: None,
     ) -> None:
         self.key = key
@@ -221,7 +220,7 @@ class Question:
                 zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
                 payload=payload,
                 encoding=JSON,
-                attachment=stamps.make(source, 0, token=token),
+                attachment=stamps.make(source, 0),
                 timeout=timeout_s,
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 priority=zenoh.Priority.REAL_TIME,
@@ -247,7 +246,7 @@ def ask(
     *,
     source: str,
     timeout_s: float = 2.0,
-    token: str = "",
+    via: str = "",
     seal: bytes = b"",
     sent_s: float | None = None,
 ) -> list[Raw]:
@@ -261,7 +260,7 @@ def ask(
             key,
             payload=payload,
             encoding=JSON,
-            attachment=stamps.make(source, 0, payload, seal, token=token, sent_s=sent_s),
+            attachment=stamps.make(source, 0, payload, seal, via=via, sent_s=sent_s),
             timeout=timeout_s,
             consolidation=zenoh.ConsolidationMode.NONE,
         )

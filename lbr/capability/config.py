@@ -4,7 +4,8 @@ from typing import Any
 
 from msgspec import Raw, Struct
 
-from lbr.messages.system import EstopState
+from lbr.bus.access import Credentials
+from lbr.messages.system import EstopState, Role
 
 
 class InputWire(Struct, frozen=True, kw_only=True):
@@ -33,6 +34,32 @@ class DeviceConfig(Struct, frozen=True, kw_only=True):
     settings: dict[str, Any] = {}
 
 
+class LanUser(Struct, frozen=True, kw_only=True):
+    """Somebody who may come in from another machine; `hash` is of the secret, and must fit it."""
+
+    name: str
+    role: Role
+    secret: str
+    hash: str
+
+
+class LanConfig(Struct, frozen=True, kw_only=True):
+    """What only the door to other machines needs to know.
+
+    `link` is how its router proves itself to the core. `streams` may be read by all, `stops` be used by all, and
+    `commands` maps every other command to the role it needs. `private_key` and `certificate` are files.
+    """
+
+    listen: tuple[str, ...]
+    link: Credentials
+    users: tuple[LanUser, ...]
+    streams: tuple[str, ...]
+    stops: tuple[str, ...]
+    commands: dict[str, Role]
+    private_key: str
+    certificate: str
+
+
 class ProcessConfig(Struct, frozen=True, kw_only=True):
     """Everything a process needs to know; it reads nothing else.
 
@@ -46,6 +73,7 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     settings: Raw
     endpoints: tuple[str, ...]
     home: str
+    credentials: Credentials | None = None
     device: str = ""
     devices: tuple[DeviceConfig, ...] = ()
     wiring: dict[str, tuple[InputWire, ...]] = {}
@@ -54,6 +82,7 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     calibration: dict[str, float] = {}
     estop: EstopState = EstopState(engaged=False, reason="")
     release_key: str = ""
+    lan: LanConfig | None = None
 
 
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -8,6 +8,9 @@ from typing import Any, Literal
 import msgspec
 from msgspec import Struct
 
+from lbr.messages.system import Role
+
+STOP = "stop"
 Family = Literal["driver", "operation", "app", "simulation", "program"]
 
 
@@ -22,6 +25,7 @@ class Kind:
     `entry` names the class that runs (`module:Class`), imported only in its own process, or is that class.
     `inputs` are streams it reads and `setpoints` streams sent to its own key, which only the wired source may write.
     `outputs` are streams it publishes, `commands` what it answers, `requests` what it asks of others' commands.
+    `roles` are the commands that need another role than `operate`; anybody may stop.
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
     `device` is the type of the device row that the setting `device` must name; empty if it owns none.
     """
@@ -37,6 +41,7 @@ class Kind:
     commands: Mapping[str, type[Struct]] = field(default_factory=dict)
     replies: Mapping[str, type[Struct]] = field(default_factory=dict)
     requests: Mapping[str, type[Struct]] = field(default_factory=dict)
+    roles: Mapping[str, Role] = field(default_factory=dict)
     moves: bool = False
     device: str = ""
 
@@ -46,6 +51,10 @@ class Kind:
             for name, message in ports.items():
                 if not (isinstance(message, type) and issubclass(message, Struct)):
                     raise TypeError(f"kind '{self.name}': port '{name}' must carry a msgspec Struct, not {message!r}")
+
+    def role(self, command: str) -> Role:
+        """Return the role that a command needs of whoever asks from another machine."""
+        return self.roles.get(command, "view" if command == STOP else "operate")
 
     def parse(self, settings: str | bytes) -> Any:
         """Return the settings of a row, checked; raise msgspec.ValidationError naming the field."""

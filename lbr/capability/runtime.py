@@ -107,7 +107,7 @@ class ProcessContext:
         self._wake = wake
         self._complained: dict[str, float] = {}
         self._dropped: dict[str, int] = {}
-        self._bus = session.open_client(config.endpoints)
+        self._bus = session.open_client(config.endpoints, config.credentials)
         self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
         self._outputs = {
             name: [wire.Publisher(self._bus, o.key, config.name, seal=bytes.fromhex(o.seal)) for o in wires]

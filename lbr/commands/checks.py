@@ -149,7 +149,7 @@ def _bus() -> Iterator[Finding]:
 
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
         endpoint = f"unixsock-stream/{place}/doctor.sock"
-        with session.open_router([endpoint]), session.open_client([endpoint]):
+        with session.open_router(session.Router(listen=(endpoint,))), session.open_client([endpoint]):
             yield Finding(about="bus", level="good", text="a router and a client of it open")
 
 

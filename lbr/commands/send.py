@@ -44,7 +44,7 @@ def command(words: tuple[str, ...], robot: str | None, connect: str | None, hold
 
     found = target.find(robot, connect)
     with target.connected(found) as bus:
-        said = operator.BusOperator(bus, found.robot, target.source("lbr send"), token=found.token, listen=False)
+        said = operator.BusOperator(bus, found.robot, target.source("lbr send"), role=found.role, listen=False)
         try:
             with interruptible():
                 result, code, ending = lines.say_once(said, line, hold_s=hold_s, announce=announce)

@@ -7,7 +7,7 @@ import sys
 import termios
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 from lbr import home
 from lbr.bus import session
@@ -35,12 +35,12 @@ class _Open:
 _open = _Open()
 
 
-def run_local(robot: str, endpoints: Sequence[str], submit: Callable[[str], ConsoleResult]) -> int:
+def run_local(robot: str, connect: Callable[[], session.Session], submit: Callable[[str], ConsoleResult]) -> int:
     """Run the robot's own console in this thread, until it is left; `submit` says a line directly."""
     _open.over.clear()
     atexit.register(leave)  # a thread must not be inside the bus library when the interpreter ends
     try:
-        with session.open_client(endpoints) as bus, session.open_client(endpoints) as streams:
+        with connect() as bus, connect() as streams:
             operator = BusOperator(bus, robot, LOCAL_SOURCE, submit=submit, streams=streams)
             return _run(operator, local=True)
     finally:
@@ -58,7 +58,7 @@ def leave() -> None:
 def run_remote(found: target.Target, *, hold_s: float | None = None) -> int:
     """Run a console on a robot, until it is left; the robot runs on."""
     with target.connected(found) as bus, target.connected(found) as streams:
-        operator = BusOperator(bus, found.robot, target.source("console"), token=found.token, streams=streams)
+        operator = BusOperator(bus, found.robot, target.source("console"), role=found.role, streams=streams)
         return _run(operator, local=False, hold_s=hold_s)
 
 

@@ -16,7 +16,7 @@ from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
 from lbr.messages.motors import MotorsState
 from lbr.messages.sensing import Ranges
-from lbr.messages.system import ConsoleResult, Event, Status
+from lbr.messages.system import ConsoleResult, Event, Role, Status
 
 LINE_TIMEOUT_S = 600.0
 SETTLE_S = 0.6
@@ -83,7 +83,7 @@ class BusOperator:
         robot: str,
         source: str,
         *,
-        token: str = "",
+        role: Role = "operate",
         submit: Callable[[str], ConsoleResult] | None = None,
         streams: Session | None = None,
         listen: bool = True,
@@ -94,7 +94,7 @@ class BusOperator:
         self.on_end = on_end
         self._session = session
         self._source = source
-        self._token = token
+        self._role = role
         self._submit = submit or self._ask
         self._lock = threading.Lock()
         self._said = 0
@@ -185,11 +185,10 @@ class BusOperator:
         answered = threading.Event()
         question = wire.Question(
             self._session,
-            keys.console(self.robot),
+            keys.console(self.robot, self._role),
             line.encode(),
             timeout_s=LINE_TIMEOUT_S,
             source=self._source,
-            token=self._token,
             wake=answered.set,
         )
         while not (question.done or question.replies):

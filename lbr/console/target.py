@@ -9,19 +9,24 @@ from msgspec import Struct
 
 from lbr import home
 from lbr.bus import probe, session, wire
+from lbr.bus.access import TOOLS, Credentials
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console.printable import listed, shown
 from lbr.errors import BusError, InputError, MalformedError
-from lbr.messages.system import Status
+from lbr.messages.system import Role, Status
 
 
 class Target(Struct, frozen=True, kw_only=True):
-    """A robot to talk to; `running` is its record if it runs on this machine."""
+    """A robot to talk to, and how to get in; `running` is its record if it runs on this machine.
+
+    `role` is the one whose console lines it takes from us.
+    """
 
     robot: str
     endpoints: tuple[str, ...]
-    token: str = ""
+    credentials: Credentials | None = None
+    role: Role = "operate"
     running: home.Running | None = None
 
 
@@ -38,7 +43,7 @@ def find(robot: str | None, connect: str | None) -> Target:
     wanted = [one for one in here if robot in {None, one.robot}]
     if len(wanted) == 1:
         one = wanted[0]
-        return Target(robot=one.robot, endpoints=one.endpoints, token=one.token, running=one)
+        return _here(one)
     names = listed([one.robot for one in here], "and")
     if robot:
         there = f"{names} run here" if here else "none runs here"
@@ -51,7 +56,7 @@ def find(robot: str | None, connect: str | None) -> Target:
 @contextmanager
 def connected(target: Target) -> Iterator[Session]:
     """Open a session to a robot for the time of a `with`."""
-    bus = session.open_client(target.endpoints[:1] if target.running else target.endpoints)
+    bus = session.open_client(target.endpoints, target.credentials)
     try:
         yield bus
     finally:
@@ -61,7 +66,7 @@ def connected(target: Target) -> Iterator[Session]:
 def _behind(connect: str, robot: str | None, here: list[home.Running]) -> Target:
     local = [one for one in here if connect in one.endpoints]
     if local and robot in {None, local[0].robot}:
-        return Target(robot=local[0].robot, endpoints=(connect,), token=local[0].token, running=local[0])
+        return _here(local[0])
     if robot:
         return Target(robot=robot, endpoints=(connect,))
     with session.open_client([connect]) as bus:
@@ -72,6 +77,14 @@ def _behind(connect: str, robot: str | None, here: list[home.Running]) -> Target
     if not names:
         raise BusError(f"something listens at {shown(connect)}, but no robot answers there")
     raise InputError(f"several robots are behind {shown(connect)}: {listed(names, 'and')}; say which with --robot NAME")
+
+
+def _here(running: home.Running) -> Target:
+    """Return a robot of this home; whoever can read its record has all rights."""
+    credentials = Credentials(user=TOOLS, password=running.password)
+    return Target(
+        robot=running.robot, endpoints=(running.core,), credentials=credentials, role="admin", running=running
+    )
 
 
 def _robot_of(answer: wire.Raw) -> str:

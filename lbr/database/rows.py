@@ -174,6 +174,7 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     external_commands: tuple[ExternalCommandRow, ...] = ()
     phrases: tuple[PhraseRow, ...] = ()
     calibrations: tuple[CalibrationRow, ...] = ()
+    tokens: tuple[TokenRow, ...] = ()
     revision: int = 0
     digest: str = ""
     problems: tuple[Problem, ...] = ()

@@ -92,9 +92,10 @@ class Database:
         """Read a robot's rows in one transaction; bad rows become problems, only an unreadable file raises RowError."""
         with self._reading(patience_s) as connection:
             tables, problems = read_tables(connection)
+            known = tokens.tokens(connection)
             revision, digest = adopted.revision(connection), adopted.digest(tables)
             problems += adopted.problems(connection, revision, digest)
-        return replace(check(tables, robot, revision=revision, problems=problems), digest=digest)
+        return replace(check(tables, robot, revision=revision, problems=problems), digest=digest, tokens=known)
 
     def tables(self) -> RawTables:
         """Return the rows of all robots as they stand, unchecked."""
@@ -195,10 +196,16 @@ class Database:
         connection = self._connection
         tables = run(connection, "SELECT count(*) FROM sqlite_schema WHERE name IN ('robot', 'alembic_version')")
         if pragma(connection, "application_id") != APPLICATION_ID or tables != 2:
-            raise RowError((f"database {self.path} is not a robot's: `lbr db init` builds one, or name another",))
+            raise RowError(
+                (f"database {self.path} is not a robot's: name another; `lbr db restore` puts a copy in its place",)
+            )
         fault = damage(connection)
         if fault:
-            raise RowError((f"database {self.path} is damaged ({shown(fault)}): put a backup in its place",))
+            raise RowError(
+                (
+                    f"database {self.path} is damaged ({shown(fault)}): `lbr db restore` puts the last good copy in its place",
+                )
+            )
         pragma(connection, "journal_mode = WAL")
         pragma(connection, "foreign_keys = ON")
         self.backup = bring_up_to_date(connection, self.path)

@@ -12,9 +12,10 @@ from typing import IO
 
 import msgspec
 
+from lbr import home
 from lbr.bus.codec import Decoder
 from lbr.bus.keys import alive
-from lbr.bus.session import leaf_environment
+from lbr.bus.session import client_settings, leaf_environment
 from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
@@ -139,7 +140,7 @@ def _start_program(program: ProgramSettings, config: ProcessConfig, log: IO[byte
         stdin=subprocess.DEVNULL,
         stdout=log,
         stderr=log,
-        env=_environment(config) | program_environment(program, config),
+        env=_environment(config) | program_environment(program, config) | {"LBR_CONFIG": str(_way_in(config))},
         start_new_session=True,
     )
 
@@ -148,12 +149,19 @@ def _environment(config: ProcessConfig) -> dict[str, str]:
     return leaf_environment() | {"LBR_HOME": config.home}
 
 
+def _way_in(config: ProcessConfig) -> Path:
+    """Write down, in Zenoh's own words, how a program gets to the bus as itself; for its owner's eyes only."""
+    path = home.directory("run") / f"{config.robot}-{config.name}.json5"
+    with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "w") as file:
+        json.dump(client_settings(config.endpoints, config.credentials), file)
+    return path
+
+
 def program_environment(program: ProgramSettings, config: ProcessConfig) -> dict[str, str]:
     """Return what a program of kind `exec` learns about its wiring."""
     return program.env | {
         "LBR_ROBOT": config.robot,
         "LBR_NAME": config.name,
-        "LBR_CONNECT": config.endpoints[0],
         "LBR_ALIVE": alive(config.robot, config.name),
         "LBR_INPUTS": json.dumps({port: [wire.key for wire in wires] for port, wires in config.wiring.items()}),
         "LBR_OUTPUTS": json.dumps({port: wires[0].key for port, wires in config.outputs.items()}),

@@ -28,12 +28,13 @@ DEAD_LEASE = "lease is dead"
 
 
 class _Speaker(NamedTuple):
-    """Who says a line, with which rights, whether at the robot's own terminal, and when."""
+    """Who says a line, with which rights, whether at the robot's own terminal, when, and through which door."""
 
     source: str
     role: Role
     local: bool
     sent_s: float
+    via: str = ""
 
 
 class Robot(Protocol):
@@ -89,14 +90,22 @@ class Dispatcher:
         }
 
     def execute(
-        self, line: str | bytes, *, source: str, role: Role, local: bool = False, sent_s: float | None = None
+        self,
+        line: str | bytes,
+        *,
+        source: str,
+        role: Role,
+        local: bool = False,
+        sent_s: float | None = None,
+        via: str = "",
     ) -> ConsoleResult:
         """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock."""
         try:
             parsed = self._robot.vocabulary.parse(line)
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")
-            return self._run(parsed, _Speaker(source, role, local, time.monotonic() if sent_s is None else sent_s))
+            said_s = time.monotonic() if sent_s is None else sent_s
+            return self._run(parsed, _Speaker(source, role, local, said_s, via))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err))
         except LbrError as err:
@@ -169,7 +178,7 @@ class Dispatcher:
 
     def _query(self, call: VerbCall, payload: dict[str, Any], by: _Speaker) -> dict[str, Any] | None:
         key = keys.port(self._robot.plan.robot, call.capability, call.command)
-        answers = wire.ask(self._bus, key, payload, source=by.source, timeout_s=2.0, sent_s=by.sent_s)
+        answers = wire.ask(self._bus, key, payload, source=by.source, timeout_s=2.0, sent_s=by.sent_s, via=by.via)
         if not answers:
             return None
         decoded = codec.decode(answers[0].payload)

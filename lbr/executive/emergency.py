@@ -6,7 +6,7 @@ Movers hear the stop directly, on sessions of their own: what is put on `@estop`
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
@@ -29,7 +29,7 @@ class Emergency:
     def __init__(
         self,
         robot: str,
-        endpoints: Sequence[str],
+        connect: Callable[[], session.Session],
         state: EstopState,
         *,
         movers: Callable[[], Iterable[str]],
@@ -60,7 +60,7 @@ class Emergency:
         self._save_tried = True
         self._save_at = 0.0
         self._news: deque[tuple[str, str, str, str]] = deque(maxlen=100)
-        self._session = session.open_client(endpoints)
+        self._session = connect()
         self._presses = wire.Subscription(self._session, keys.estop(robot), depth=64, wake=self._hear_presses)
         acknowledgements = keys.estop_acknowledgement(robot, "*")
         self._said = wire.Subscription(self._session, acknowledgements, depth=64, wake=self._hear_acknowledgements)

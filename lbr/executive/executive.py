@@ -11,6 +11,7 @@ import signal
 import sys
 import threading
 import time
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +19,21 @@ from msgspec.structs import replace
 
 from lbr import home
 from lbr.bus import keys, session, wire
+from lbr.bus.access import TOOLS
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
-from lbr.database import store
+from lbr.database import copies, store
 from lbr.errors import LbrError
 from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
 from lbr.executive.child import Child, open_log
+from lbr.executive.credentials import token_key
 from lbr.executive.dispatch import DONE, FAILED, Dispatcher
+from lbr.executive.doors import EXECUTIVE, Doors, core_endpoint, local_endpoint
 from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
 from lbr.executive.journal import Journal
+from lbr.executive.keeper import Keeper
 from lbr.executive.latch import Latch, LatchKeeper
 from lbr.executive.mainthread import MainThread
 from lbr.executive.notify import Notifier
@@ -44,7 +49,6 @@ from lbr.messages.system import ConsoleResult, Event, Status
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
 APP_NICENESS = 10
-ANY_HOST = ("0.0.0.0", "[::]")  # noqa: S104 - recognised to be replaced by loopback for local clients
 
 
 def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...] = (), *, console: bool = True) -> int:
@@ -54,9 +58,10 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
     try:
         path = database or home.default_database()
         if database is None and not path.exists():
+            copies.refuse_if_lost(path)
             store.create(path)
         with store.Database.open(path) as opened:
-            executive = Executive(profile, profile_name, opened, lock, (*profile.listen, *listen))
+            executive = Executive(profile, profile_name, opened, lock, listen)
             return executive.run(console=console)
     finally:
         lock.release()
@@ -73,7 +78,6 @@ class Executive:
         self._database = database
         self._lock = lock
         self._started_at = time.monotonic()
-        self._token = secrets.token_urlsafe(24)
         self._main = MainThread()
         self._notifier = Notifier.from_environment()
         self._stopping = ""
@@ -82,11 +86,15 @@ class Executive:
         self._ready = False
         self._problems: tuple[str, ...] = ()
         self._troubles = Troubles(self._happened)
+        self._keeper = Keeper(database.path, self._troubles.tell)
         self._recent: list[Event] = []
-        socket = f"unixsock-stream/{home.socket_path(profile.robot)}"
-        self._listen = (socket, *listen)
-        self._endpoints = (socket, *(_reachable(endpoint) for endpoint in listen))
-        self._site = Site(home=str(home.home()), endpoints=(socket,), secret=secrets.token_bytes(32))
+        self._site = Site(
+            home=str(home.home()),
+            endpoints=(core_endpoint(profile.robot),),
+            secret=secrets.token_bytes(32),
+            listen=listen,
+            token_key=token_key(),
+        )
         self._supervisor = Supervisor(self._start, self._happened, lambda name: name in self._presence.names)
         self._overview = Overview(self._supervisor)
         self._watch = RowWatch(database, profile, self._site)
@@ -98,7 +106,7 @@ class Executive:
         signal.set_wakeup_fd(self._main.wake_fd, warn_on_full_buffer=False)
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             signal.signal(number, lambda n, _frame: self._stop(f"signal {signal.Signals(n).name}"))
-        with session.open_router(self._listen), session.open_client(self._site.endpoints) as bus:
+        with closing(Doors(self.plan, self._site)) as self._doors, self._bus_again() as bus:
             self._open(bus)
             try:
                 if console:
@@ -182,10 +190,10 @@ class Executive:
             "wire": wire,
         }
         self.dispatcher = Dispatcher(self, bus, namespace)
-        self._service = Service(bus, robot, self.dispatcher, token=self._token, reset=self.estop_reset)
+        self._service = Service(bus, robot, self.dispatcher, reset=self.estop_reset)
         self._emergency = Emergency(
             robot,
-            self._site.endpoints,
+            self._bus_again,
             estop,
             movers=self._movers,
             seal=self._site.seal,
@@ -204,10 +212,12 @@ class Executive:
             home.Running(
                 robot=robot,
                 pid=os.getpid(),
-                endpoints=self._endpoints,
+                endpoints=(local_endpoint(robot),),
+                core=core_endpoint(robot),
+                password=self._site.credentials(TOOLS).password,
+                lan=self._lan(),
                 profile=self._profile_name,
                 database=str(self._database.path),
-                token=self._token,
             )
         )
         self._database.record_start(robot)
@@ -215,9 +225,6 @@ class Executive:
         if estop.engaged:
             text = f"the emergency stop is still latched ({estop.reason or 'pressed'}); 'reset' releases it"
             self._happened("estop", "executive", text, "warning")
-        for endpoint in self._listen[1:]:
-            text = f"the bus listens on {endpoint}, without any password: whoever reaches it can drive this robot"
-            self._happened("listening", "executive", text, "warning")
         self._supervisor.adopt(self.plan, plans.Change(start=tuple(self.plan.units)))
 
     def _close(self) -> None:
@@ -246,6 +253,7 @@ class Executive:
             due = self._supervisor.step()
             again = self._emergency.step(now)
             self._journal.step(now)
+            self._keeper.step(now, self.plan.rows.digest)
             if now >= rows_at:
                 rows_at = now + LOOK_AT_ROWS_S
                 self._look_at_rows()
@@ -269,12 +277,17 @@ class Executive:
         if news is None:
             return
         if news.plan is None:
+            self._keeper.not_well()
             if news.problems != self._problems:
                 self._problems = news.problems
-                text = "the edit is not applied, the robot goes on as it was: " + "; ".join(news.problems)
+                what = "the rows cannot be read" if news.unreadable else "the edit is not applied"
+                text = f"{what}, the robot goes on as it was: " + "; ".join(news.problems)
                 self._happened("rows_refused", "executive", text, "error")
             return
-        self._problems = ()
+        self._keeper.touched(time.monotonic())
+        if self._problems:
+            self._problems = ()
+            self._happened("rows_good", "executive", "the rows are good again")
         if news.edited or news.change != plans.Change():
             self._adopt(news.plan, news.change, news.edited or "a capability's file")
 
@@ -290,24 +303,36 @@ class Executive:
 
     def _became_ready(self, *, announce: bool) -> None:
         self._ready = True
+        self._keeper.touched(time.monotonic())
         self._happened("ready", "executive", f"all up after {time.monotonic() - self._started_at:.1f} s", "info")
         self._status_out.put(self._status())
         self._notifier.ready()
         if announce:
-            said = {"ready": True, "robot": self.plan.robot, "pid": os.getpid(), "endpoints": list(self._endpoints)}
+            said = {
+                "ready": True,
+                "robot": self.plan.robot,
+                "pid": os.getpid(),
+                "endpoints": [local_endpoint(self.plan.robot)],
+                "lan": list(self._lan()),
+            }
             print(json.dumps(said), flush=True)
 
     # -- small parts ------------------------------------------------------------------------------------------------
 
     def _start(self, unit: Unit) -> Child:
         self._emergency.forget(unit.name)
-        config = replace(unit.config, estop=self._emergency.state())
+        where = self._doors.place(self.plan, unit)
+        config = replace(unit.config, estop=self._emergency.state(), endpoints=(where,))
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
             child = Child(unit, config, log)
         if unit.family in {"app", "program"}:
             with contextlib.suppress(OSError):
                 os.setpriority(os.PRIO_PROCESS, child.pid, APP_NICENESS)
         return child
+
+    def _lan(self) -> tuple[str, ...]:
+        configs = (unit.config.lan for unit in self.plan.units.values())
+        return tuple(endpoint for lan in configs if lan is not None for endpoint in lan.listen)
 
     def _movers(self) -> list[str]:
         return [
@@ -366,6 +391,9 @@ class Executive:
         leaving.start()
         return leaving
 
+    def _bus_again(self) -> session.Session:
+        return session.open_client(self._site.endpoints, self._site.credentials(EXECUTIVE))
+
     def _start_terminal(self) -> None:
         from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console
 
@@ -375,16 +403,10 @@ class Executive:
         def talk() -> None:
             why = "console closed"
             try:
-                self._code = run_local(self.plan.robot, self._site.endpoints, submit)
+                self._code = run_local(self.plan.robot, self._bus_again, submit)
             except LbrError as err:
                 why = str(err)
             finally:
                 self._stop(why)
 
         threading.Thread(target=talk, name="terminal", daemon=True).start()
-
-
-def _reachable(endpoint: str) -> str:
-    for host in ANY_HOST:
-        endpoint = endpoint.replace(f"/{host}:", "/127.0.0.1:")
-    return endpoint

@@ -10,16 +10,19 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.bus import keys
+from lbr.bus.access import Credentials
 from lbr.capability import registry
-from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
+from lbr.capability.config import DeviceConfig, InputWire, LanConfig, LanUser, OutputWire, ProcessConfig
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.capability.registry import KindError
 from lbr.database.rows import CapabilityRow, ChannelRow, Problem, RobotRows
+from lbr.executive.credentials import token_secret
 from lbr.executive.profile import Profile
 from lbr.executive.wiring import check_channels, check_verbs
 
 EXECUTIVE = "executive"
+LAN = "lan"
 
 
 class Unit(Struct, frozen=True, kw_only=True):
@@ -44,6 +47,14 @@ class Plan(Struct, frozen=True, kw_only=True):
     kinds: dict[str, Kind]
     rows: RobotRows
 
+    def commands(self, name: str) -> tuple[str, ...]:
+        """Return what a unit can be asked for."""
+        return _commands(self.units[name], self.kinds[name])
+
+    def streams(self) -> tuple[str, ...]:
+        """Return the keys of all streams that units publish under their own names."""
+        return _streams(self.robot, self.units.values())
+
 
 class Change(Struct, frozen=True, kw_only=True):
     """What an edit of the rows does to the processes."""
@@ -54,19 +65,29 @@ class Change(Struct, frozen=True, kw_only=True):
 
 
 class Site(Struct, frozen=True, kw_only=True):
-    """What a plan needs to know of this run: where things are, and the secret its seals come from."""
+    """What a plan needs to know of this run: where things are, and the secret its seals and passwords come from.
+
+    `listen` are endpoints for other machines that were asked for at the command line.
+    """
 
     home: str
     endpoints: tuple[str, ...]
     secret: bytes
+    listen: tuple[str, ...] = ()
+    token_key: bytes = b""
 
     def seal(self, key: str) -> str:
         """Return the key that seals a setpoint, the same for every plan of this run."""
         return blake2b(key.encode(), key=self.secret, digest_size=32).hexdigest()
 
+    def credentials(self, user: str) -> Credentials:
+        """Return how a process proves itself on the bus, the same for every plan of this run."""
+        return Credentials(user=user, password=self.seal(f"password of {user}"))
+
 
 def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tuple[Problem, ...]]:
     """Return the plan, or None and everything that is wrong with the rows."""
+    rows = _listening(rows, (*profile.listen, *site.listen))
     problems = list(rows.problems)
     kinds: dict[str, Kind] = {}
     settings: dict[str, Any] = {}
@@ -91,7 +112,18 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     units = {
         name: _unit(by_name[name], kinds, settings[name], rows, channels, profile, site, set(order)) for name in order
     }
+    units = {name: _with_lan(unit, units, kinds, rows, site) for name, unit in units.items()}
     return Plan(robot=rows.robot.name, units=units, kinds=kinds, rows=rows), ()
+
+
+def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:
+    """Return the rows with a door to other machines that listens as this run was told to."""
+    if not listen:
+        return rows
+    settings = msgspec.json.encode({"listen": listen}).decode()
+    door = CapabilityRow(name=LAN, kind=LAN, settings=settings)
+    others = tuple(row for row in rows.capabilities if row.name != LAN)
+    return replace(rows, capabilities=(*others, door))
 
 
 def difference(old: Plan, new: Plan) -> Change:
@@ -210,6 +242,7 @@ def _unit(
         kind=row.kind,
         settings=_compact(row.settings),
         endpoints=site.endpoints,
+        credentials=site.credentials(row.name),
         home=site.home,
         device=device,
         devices=devices,
@@ -230,6 +263,43 @@ def _unit(
         fingerprint=registry.fingerprint(row.kind, Path(site.home)),
         program=settings if isinstance(settings, ProgramSettings) else None,
     )
+
+
+def _with_lan(unit: Unit, units: Mapping[str, Unit], kinds: Mapping[str, Kind], rows: RobotRows, site: Site) -> Unit:
+    if unit.kind != LAN:
+        return unit
+    robot = rows.robot.name
+    others = [other for other in units.values() if other.name != unit.name]
+    commands = {
+        keys.port(robot, other.name, command): kinds[other.name].role(command)
+        for other in others
+        for command in _commands(other, kinds[other.name])
+    }
+    folder = Path(site.home) / "credentials"
+    config = LanConfig(
+        listen=tuple(kinds[unit.name].parse(bytes(unit.config.settings)).listen),
+        link=site.credentials(f"@{unit.name}"),
+        users=tuple(
+            LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
+            for t in rows.tokens
+            if t.revoked_at is None
+        ),
+        streams=_streams(robot, others),
+        stops=tuple(key for key, role in commands.items() if role == "view"),
+        commands={key: role for key, role in commands.items() if role != "view"},
+        private_key=str(folder / "bus.key"),
+        certificate=str(folder / "bus.crt"),
+    )
+    return replace(unit, config=replace(unit.config, lan=config))
+
+
+def _commands(unit: Unit, kind: Kind) -> tuple[str, ...]:
+    return tuple(unit.program.commands if unit.program is not None else kind.commands)
+
+
+def _streams(robot: str, units: Iterable[Unit]) -> tuple[str, ...]:
+    keyed = ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
+    return tuple(sorted({key for unit, key in keyed if key.startswith(f"{robot}/{unit.name}/")}))
 
 
 def _compact(settings: str) -> msgspec.Raw:

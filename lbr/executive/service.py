@@ -2,14 +2,15 @@
 
 import contextlib
 import json
-import secrets
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import get_args
 
 from lbr.bus import keys, stamp, wire
 from lbr.bus.session import Session
+from lbr.capability.calls import UNSTAMPED
 from lbr.executive.dispatch import DONE, Dispatcher
-from lbr.messages.system import ConsoleResult, Role
+from lbr.messages.system import ConsoleResult, Role, Stamp
 
 MAX_LINE_BYTES = 1 << 16
 MOST_UNDER_WAY = 64
@@ -25,22 +26,22 @@ class Service:
         robot: str,
         dispatcher: Dispatcher,
         *,
-        token: str,
         reset: Callable[[str], ConsoleResult],
     ) -> None:
         self._dispatcher = dispatcher
-        self._token = token.encode()
         self._reset = reset
         self._under_way = 0
         self._talk = ThreadPoolExecutor(max_workers=16, thread_name_prefix="line")
         self._stops = ThreadPoolExecutor(max_workers=4, thread_name_prefix="stop")
         self._bus = bus
-        self._key = keys.console(robot)
-        self._lines: wire.Served | None = None
+        self._robot = robot
+        self._lines: dict[Role, wire.Served] = {}
 
     def start(self) -> None:
-        """Begin to take lines."""
-        self._lines = wire.Served(self._bus, self._key, self._take, puts=False, source="executive")
+        """Begin to take lines: on a key for each role, because the bus lets in who has it."""
+        for role in get_args(Role):
+            key = keys.console(self._robot, role)
+            self._lines[role] = wire.Served(self._bus, key, self._take, puts=False, source="executive")
 
     def answer_reset(self, request: wire.Request) -> None:
         """Release the emergency stop for somebody on the bus."""
@@ -48,43 +49,46 @@ class Service:
 
     def close(self) -> None:
         """Take no more lines; those under way end by themselves."""
-        if self._lines is not None:
-            self._lines.close()
+        for lines in self._lines.values():
+            lines.close()
         self._talk.shutdown(wait=False, cancel_futures=True)
         self._stops.shutdown(wait=False, cancel_futures=True)
 
     def _take(self) -> None:
-        for request in self._lines.take() if self._lines is not None else ():
-            line = _line(request.payload)
-            if _is_stop(line):
-                self._stops.submit(self._answer, request, line)
-            elif self._under_way >= MOST_UNDER_WAY:
-                request.reply(ConsoleResult(code=1, text="too many lines at once; say it again"), "executive")
-            else:
-                self._under_way += 1
-                self._talk.submit(self._answer, request, line).add_done_callback(self._done)
+        for role, lines in list(self._lines.items()):
+            for request in lines.take():
+                self._sort(request, role)
+
+    def _sort(self, request: wire.Request, role: Role) -> None:
+        line = _line(request.payload)
+        if _is_stop(line):
+            self._stops.submit(self._answer, request, line, role)
+        elif self._under_way >= MOST_UNDER_WAY:
+            request.reply(ConsoleResult(code=1, text="too many lines at once; say it again"), "executive")
+        else:
+            self._under_way += 1
+            self._talk.submit(self._answer, request, line, role).add_done_callback(self._done)
 
     def _done(self, _future: object) -> None:
         self._under_way -= 1
 
-    def _answer(self, request: wire.Request, line: str | bytes) -> None:
+    def _answer(self, request: wire.Request, line: str | bytes, role: Role) -> None:
         if len(request.payload) > MAX_LINE_BYTES:
             text = f"a line has at most 4096 characters, not {len(request.payload)}"
             request.reply(ConsoleResult(code=2, text=text), "executive")
             return
         found = stamp.read(request.attachment)
-        source, role = self._caller(found.source if found else "", found.token if found else "")
-        sent_s = stamp.sent_s(found, request.arrived)
-        request.reply(self._dispatcher.execute(line, source=source, role=role, sent_s=sent_s), "executive")
+        sent_s, via = stamp.sent_s(found, request.arrived), found.via if found else ""
+        result = self._dispatcher.execute(line, source=_caller(found), role=role, sent_s=sent_s, via=via)
+        request.reply(result, "executive")
 
     def _answer_reset(self, request: wire.Request) -> None:
-        found = stamp.read(request.attachment)
-        result = self._reset(self._caller(found.source if found else "", "")[0])
+        result = self._reset(_caller(stamp.read(request.attachment)))
         request.reply({"accepted": result.code == DONE, "reason": result.text}, "executive")
 
-    def _caller(self, source: str, token: str) -> tuple[str, Role]:
-        local = secrets.compare_digest(token.encode(errors="replace"), self._token)
-        return source[:80] or "a bus client", "admin" if local else "operate"
+
+def _caller(found: Stamp | None) -> str:
+    return found.source[:80] if found is not None and found.source else UNSTAMPED
 
 
 def _is_stop(line: str | bytes) -> bool:

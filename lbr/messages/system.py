@@ -13,7 +13,7 @@ class Stamp(Struct, frozen=True, kw_only=True):
     """Who published, the how-many-eth since it started, and when by its monotonic and its wall clock.
 
     `boot` tells whether two monotonic times can be compared: same boot, same clock. `seal` proves the writer of a
-    setpoint; `token` the rights of whoever asks.
+    setpoint. `via` names the door through which it came from another machine.
     """
 
     source: str
@@ -22,7 +22,7 @@ class Stamp(Struct, frozen=True, kw_only=True):
     wall_ns: Count
     boot: str = ""
     seal: str = ""
-    token: str = ""
+    via: str = ""
 
 
 class Event(Struct, frozen=True, kw_only=True):

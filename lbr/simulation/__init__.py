@@ -13,5 +13,6 @@ KIND = Kind(
     settings=WorldSettings,
     outputs={"pose": WorldPose, "scene": WorldScene},
     commands={"picture": PictureRequest, "fault": FaultRequest},
+    roles={"picture": "admin", "fault": "admin"},
     replies={"picture": PictureReply, "fault": FaultReply},
 )

@@ -80,7 +80,7 @@ class Stage:
         (home / "capabilities").mkdir(mode=0o700)
         (home / "capabilities" / "probe.py").write_text(textwrap.dedent(PROBE))
         endpoint = f"unixsock-stream/{home}/bus.sock"
-        self.router = session.open_router([endpoint])
+        self.router = session.open_router(session.Router(listen=(endpoint,)))
         self.bus = session.open_client([endpoint])
         self.endpoint = endpoint
         self.said = []

@@ -18,7 +18,7 @@ class FakeRobot:
 
     def __init__(self, endpoint: str) -> None:
         self.endpoint = endpoint
-        self.bus = session.open_router([endpoint])
+        self.bus = session.open_router(session.Router(listen=(endpoint,)))
         self.lines: dict[str, ConsoleResult] = {}
         self.said: list[tuple[str, str, str]] = []
         self.renewed: list[tuple[float, dict]] = []

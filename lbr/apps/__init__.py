@@ -1,0 +1,1 @@
+"""Apps: what uses the robot without owning a device or the motion."""

@@ -1,0 +1,147 @@
+"""Who may do what on a router: the users it knows, what each may send into it, and what it is given.
+
+Zenoh enforces this and refuses nothing aloud: what is not allowed is dropped where it comes in.
+"""
+
+import os
+from collections.abc import Mapping
+from typing import Any, Self
+
+from msgspec import Struct
+
+TOOLS = "@tools"
+"""The user that `lbr`'s own commands are on the machine where the robot runs."""
+
+
+class Credentials(Struct, frozen=True, kw_only=True):
+    """A user of a router and the password that proves it."""
+
+    user: str
+    password: str
+
+
+class Rights(Struct, frozen=True, kw_only=True):
+    """What a user may do, each as key expressions; nothing else passes.
+
+    `put` to publish, `ask` to query, `serve` to answer queries, `hear` to subscribe and be given, `alive` to show
+    presence and `watch` to see it. `never_put` takes back part of `put`. `trusted` may do all in the key space.
+    """
+
+    put: tuple[str, ...] = ()
+    never_put: tuple[str, ...] = ()
+    ask: tuple[str, ...] = ()
+    serve: tuple[str, ...] = ()
+    hear: tuple[str, ...] = ()
+    alive: tuple[str, ...] = ()
+    watch: tuple[str, ...] = ()
+    trusted: bool = False
+
+
+class Limits(Struct, frozen=True, kw_only=True):
+    """What a router takes from a link of `protocols`: the size of a message, and how many a second on one key."""
+
+    protocols: tuple[str, ...]
+    bytes: int
+    puts_hz: float
+    keys: tuple[str, ...]
+
+
+_IN: dict[str, tuple[str, ...]] = {
+    "put": ("put", "delete"),
+    "ask": ("query",),
+    "serve": ("declare_queryable", "reply"),
+    "hear": ("declare_subscriber",),
+    "alive": ("liveliness_token",),
+    "watch": ("liveliness_query", "declare_liveliness_subscriber"),
+}
+_EVERYTHING = tuple(message for messages in _IN.values() for message in messages)
+_GIVEN = ("put", "delete", "reply", "liveliness_token")
+_ANNOUNCED = tuple(message for message in _EVERYTHING if message not in _GIVEN)
+
+
+def everything(robot: str) -> tuple[str, ...]:
+    """Return the whole key space; `**` passes by the chunks that begin with `@`."""
+    system = ("console", "estop", "status", "event", "alive", "schema")
+    return (f"{robot}/**", *(f"{robot}/@{name}/**" for name in system))
+
+
+def control(robot: str, users: Mapping[str, Rights], links: Mapping[str, Rights] | None = None) -> dict[str, Any]:
+    """Return Zenoh's access control: deny by default, `users` by name and `links` by the session id of a router."""
+    rules: list[dict[str, Any]] = []
+    subjects: list[dict[str, Any]] = []
+    policies: list[dict[str, Any]] = []
+    named = [(f"user {name}", {"usernames": [name]}, rights) for name, rights in users.items()]
+    named += [(f"link {zid}", {"zids": [zid]}, rights) for zid, rights in (links or {}).items()]
+    for label, subject, rights in named:
+        own = list(_rules(label, rights, everything(robot)))
+        rules += own
+        subjects.append({"id": label, **subject})
+        policies.append({"rules": [rule["id"] for rule in own], "subjects": [label]})
+    return {
+        "enabled": True,
+        "default_permission": "deny",
+        "rules": rules,
+        "subjects": subjects,
+        "policies": policies,
+    }
+
+
+def _rules(label: str, rights: Rights, all_keys: tuple[str, ...]) -> list[dict[str, Any]]:
+    if rights.trusted:
+        return [_rule(f"{label}: all", ("ingress", "egress"), _EVERYTHING, all_keys)]
+    found = [
+        _rule(f"{label}: {what}", ("ingress",), messages, allowed)
+        for what, messages in _IN.items()
+        if (allowed := getattr(rights, what))
+    ]
+    if rights.never_put:
+        found.append(_rule(f"{label}: never", ("ingress",), _IN["put"], rights.never_put, permission="deny"))
+    given = tuple(dict.fromkeys((*rights.hear, *rights.ask, *rights.watch)))
+    if given:
+        found.append(_rule(f"{label}: given", ("egress",), _GIVEN, given))
+    return [*found, _rule(f"{label}: told", ("egress",), _ANNOUNCED, all_keys)]
+
+
+def _rule(
+    name: str, flows: tuple[str, ...], messages: tuple[str, ...], key_exprs: tuple[str, ...], permission: str = "allow"
+) -> dict[str, Any]:
+    return {
+        "id": name,
+        "permission": permission,
+        "flows": list(flows),
+        "messages": list(messages),
+        "key_exprs": list(key_exprs),
+    }
+
+
+def limits(found: Limits) -> dict[str, Any]:
+    """Return Zenoh's filters for what comes in over a kind of link."""
+    common = {"link_protocols": list(found.protocols), "flows": ["ingress"]}
+    rules = [{"key_expr": key, "freq": found.puts_hz} for key in found.keys]
+    return {
+        "low_pass_filter": [
+            {
+                "id": "size",
+                **common,
+                "messages": ["put", "delete", "query", "reply"],
+                "key_exprs": list(found.keys),
+                "size_limit": found.bytes,
+            }
+        ],
+        "downsampling": [{"id": "rate", **common, "messages": ["put", "delete"], "rules": rules}],
+    }
+
+
+class Dictionary:
+    """Zenoh's file of users and passwords, in memory and gone once the router has read it."""
+
+    def __init__(self, users: Mapping[str, str]) -> None:
+        self._fd = os.memfd_create("users", os.MFD_CLOEXEC)
+        os.write(self._fd, "".join(f"{name}:{password}\n" for name, password in users.items()).encode())
+        self.path = f"/proc/self/fd/{self._fd}"
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        os.close(self._fd)

@@ -1,0 +1,77 @@
+"""From the plan to the bus's access control: who may put, ask and answer what. Pure."""
+
+from collections.abc import Iterable
+
+from lbr.bus import keys
+from lbr.bus.access import Rights
+from lbr.executive.plan import Plan, Unit
+
+
+def of_unit(plan: Plan, unit: Unit) -> dict[str, Rights]:
+    """Return the users that a process needs on the bus, and what each may do: what its rows wire, and no more."""
+    users = {unit.name: _of_process(plan, unit)}
+    if unit.config.lan is not None:
+        users[unit.config.lan.link.user] = _of_lan(plan, unit)
+    return users
+
+
+def of_local(plan: Plan) -> Rights:
+    """Return what whoever may reach the robot's socket may do, without any password: look, and operate.
+
+    Setpoints may be put, and are refused aloud by who takes them: they lack the seal. Streams may not.
+    """
+    robot = plan.robot
+    return Rights(
+        put=(f"{robot}/*/*", keys.estop(robot)),
+        never_put=tuple(plan.streams()),
+        ask=(
+            f"{robot}/**",
+            keys.console(robot, "view"),
+            keys.console(robot),
+            keys.estop(robot),
+            keys.estop_reset(robot),
+            *_looked_at(robot),
+        ),
+        hear=(f"{robot}/**", keys.estop(robot), keys.estop_acknowledgement(robot, "*"), *_looked_at(robot)),
+        watch=(keys.alive(robot, "*"),),
+    )
+
+
+def _of_process(plan: Plan, unit: Unit) -> Rights:
+    config, robot, name = unit.config, plan.robot, unit.name
+    outputs = tuple(wire.key for wires in config.outputs.values() for wire in wires)
+    inputs = tuple(wire.key for wires in config.wiring.values() for wire in wires)
+    commands = tuple(keys.port(robot, name, command) for command in plan.commands(name))
+    requests = tuple(key for asked in config.requests.values() for key in asked.values())
+    relayed = _relayed(config.lan.commands, robot) if config.lan is not None else ()
+    acknowledgement = (keys.estop_acknowledgement(robot, name),) if unit.moves else ()
+    release = (keys.estop_release(robot, name),) if unit.moves else ()
+    return Rights(
+        put=(*outputs, *relayed, *acknowledgement, keys.event(robot), keys.estop(robot)),
+        ask=(*requests, *inputs, *relayed),
+        serve=(*outputs, *commands, *release, keys.event(robot), keys.schema(robot, name, "*")),
+        hear=(*inputs, *commands, *release, keys.estop(robot)),
+        alive=(keys.alive(robot, name),),
+        watch=(keys.alive(robot, "*"),),
+    )
+
+
+def _of_lan(plan: Plan, unit: Unit) -> Rights:
+    """Return what may come in from other machines without passing the relay: looking, and stopping."""
+    assert unit.config.lan is not None
+    robot, stops = plan.robot, unit.config.lan.stops
+    return Rights(
+        put=(*stops, keys.estop(robot)),
+        ask=(*stops, *unit.config.lan.streams, keys.estop(robot), *_looked_at(robot)),
+        hear=(*unit.config.lan.streams, f"{robot}/**", keys.estop(robot), *_looked_at(robot)),
+        watch=(keys.alive(robot, "*"),),
+    )
+
+
+def _relayed(commands: Iterable[str], robot: str) -> tuple[str, ...]:
+    consoles = tuple(keys.console(robot, role) for role in ("view", "operate", "admin"))
+    return (*commands, *consoles, keys.estop_reset(robot))
+
+
+def _looked_at(robot: str) -> Iterable[str]:
+    return keys.status(robot), keys.event(robot), keys.schema(robot, "*", "*")
