@@ -1,5 +1,6 @@
-"""`lbr db`: init, check and diff."""
+"""`lbr db`: init, check, diff, audit and restore."""
 
+import time
 from pathlib import Path
 
 import click
@@ -15,7 +16,7 @@ def _file(function: click.decorators.FC) -> click.decorators.FC:
 
 @click.group("db")
 def command() -> None:
-    """Create, check and compare the robot's rows. Edit them with any SQLite client; a running robot follows."""
+    """Create, check, compare and restore the robot's rows. Edit them with any SQLite client; a running robot follows."""
 
 
 @command.command("init")
@@ -39,7 +40,7 @@ def init(database: Path | None, sql: Path | None) -> int:
 @click.option("--robot", metavar="NAME", help="Check one robot alone.")
 @json_option
 def check(database: Path | None, robot: str | None, as_json: bool) -> int:
-    """Check the rows of every robot, as a start would: rows, kinds, settings, wiring and verbs. Exit code 2 if bad."""
+    """Check the rows of every robot, as a start would, and the audit trail. Exit code 2 if anything is bad."""
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import opened  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
@@ -51,6 +52,8 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
         problems = {name: _problems(rows.load(name)) for name in names if robot in {None, name}}
         if not problems:
             raise InputError(f"{rows.path} has no robot row")
+        if fault := rows.audit_fault():
+            problems["audit"] = [f"the audit trail is not whole: {fault}"]
     if as_json:
         print_json([{"robot": name, "problems": found} for name, found in problems.items()])
     for name, found in problems.items():
@@ -80,6 +83,63 @@ def diff(database: Path | None, as_json: bool) -> int:
     if not found:
         click.echo("the rows are as shipped")
     return 0
+
+
+@command.command("audit")
+@_file
+@click.option("-n", "count", type=click.IntRange(1), default=50, show_default=True, help="How many of the newest.")
+@json_option
+def audit(database: Path | None, count: int, as_json: bool) -> int:
+    """Show who did what to the robot: the newest entries of the audit trail. Exit code 2 if it was tampered with."""
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        entries, fault = rows.audit(count), rows.audit_fault()
+    if as_json:
+        print_json(entries)
+    for entry in () if as_json else entries:
+        click.echo(f"{_local(entry.wall_ns)} {entry.source} {entry.kind} {entry.subject}: {entry.text}")
+    if fault:
+        click.echo(f"the audit trail is not whole: {fault}", err=True)
+    return 2 if fault else 0
+
+
+@command.command("restore")
+@click.argument(
+    "source", required=False, metavar="[FROM]", type=click.Path(path_type=Path, exists=True, dir_okay=False)
+)
+@_file
+@click.option("--list", "only_list", is_flag=True, help="Only show the copies that are kept.")
+@json_option
+def restore(source: Path | None, database: Path | None, only_list: bool, as_json: bool) -> int:
+    """Put the last good copy, or the backup FROM, in the place of the database; what was there is kept beside it.
+
+    A running robot copies its rows whenever they have run well for some seconds. Shut it down first.
+    """
+    from lbr import home  # noqa: PLC0415
+    from lbr.database import copies  # noqa: PLC0415
+
+    path = database or home.default_database()
+    if only_list:
+        found = copies.kept(path)
+        if as_json:
+            print_json(found)
+        for copy in () if as_json else found:
+            click.echo(f"{copy.path}: {copy.kept_at}, {copy.fault or f'revision {copy.revision}'}")
+        if not found and not as_json:
+            click.echo(f"no copy of {path} is kept")
+        return 0
+    chosen, aside = copies.restore(path, source)
+    if as_json:
+        print_json({"database": str(path), "from": str(chosen), "before": str(aside) if aside else None})
+    else:
+        click.echo(f"restored {path} from {chosen}" + (f"; what was there before is {aside}" if aside else ""))
+    return 0
+
+
+def _local(wall_ns: int) -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(wall_ns / 1e9))
 
 
 def _problems(rows: object) -> list[str]:

@@ -21,17 +21,21 @@ _SENTENCES = {
     sqlite3.SQLITE_LOCKED: "is locked by another program: close its transaction",
     sqlite3.SQLITE_READONLY: "is read-only: make the file and its folder writable for you",
     sqlite3.SQLITE_IOERR: "cannot be read or written: check the disk",
-    sqlite3.SQLITE_CORRUPT: "is damaged: put a backup in its place",
+    sqlite3.SQLITE_CORRUPT: "is damaged: `lbr db restore` puts the last good copy in its place",
     sqlite3.SQLITE_FULL: "cannot grow, because the disk is full: make room",
     sqlite3.SQLITE_CANTOPEN: "cannot be opened: check that it and its folder exist and are yours",
-    sqlite3.SQLITE_NOTADB: "is no database at all: name another file, or put a backup in its place",
+    sqlite3.SQLITE_NOTADB: "is no database at all: name another file; `lbr db restore` puts the last good copy in its place",
 }
 _ROW_FAULT = re.compile(r"CHECK constraint failed in |\S+ value in ")
 
 
-def connect(path: Path) -> Connection:
-    """Open an existing file for reading and writing; transactions begin as the option `begin` says."""
-    engine = create_engine("sqlite://", creator=lambda: _connect(path), poolclass=NullPool)
+def connect(path: Path, *, changing: bool = True) -> Connection:
+    """Open an existing file; transactions begin as the option `begin` says.
+
+    Without `changing` it is only read, and must be one that nobody changes meanwhile, without a log beside it.
+    """
+    mode = "mode=rw" if changing else "mode=ro&immutable=1"
+    engine = create_engine("sqlite://", creator=lambda: _connect(path, mode), poolclass=NullPool)
     event.listen(engine, "begin", _begin)
     return engine.connect()
 
@@ -79,9 +83,9 @@ def sentences(path: Path) -> Iterator[None]:
         raise RowError((f"database {path} {_SENTENCES[sqlite3.SQLITE_CORRUPT]}",)) from err
 
 
-def _connect(path: Path) -> sqlite3.Connection:
+def _connect(path: Path, mode: str) -> sqlite3.Connection:
     connection = sqlite3.connect(
-        f"file:{quote(str(path.absolute()))}?mode=rw",
+        f"file:{quote(str(path.absolute()))}?{mode}",
         uri=True,
         timeout=BUSY_TIMEOUT_S,
         isolation_level=None,

@@ -22,6 +22,7 @@ class News(Struct, frozen=True):
     change: Change = Change()
     edited: str = ""
     problems: tuple[str, ...] = ()
+    unreadable: bool = False
 
 
 class RowWatch:
@@ -54,7 +55,7 @@ class RowWatch:
             rows = self._database.load(self._profile.robot, patience_s=PATIENCE_S)
         except LbrError as err:
             self._version = UNKNOWN_VERSION
-            return News(problems=(str(err),))
+            return News(problems=(str(err),), unreadable=True)
         self._version, self._files = seen, files
         new, problems = plans.make(rows, self._profile, self._site)
         if new is None:

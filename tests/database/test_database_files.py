@@ -120,7 +120,7 @@ def test_a_damaged_file(path):
 def test_a_truncated_file(path, kept):
     raw = path.read_bytes()
     path.write_bytes(raw[: int(len(raw) * kept)])
-    assert "put a backup in its place" in refusal(path)
+    assert "`lbr db restore` puts the last good copy in its place" in refusal(path)
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +153,7 @@ def test_flipped_bits_are_refused_or_read(pristine, tmp_path_factory, flips):
 def test_a_damaged_schema_whose_error_is_no_text(path):
     raw = path.read_bytes()
     path.write_bytes(raw.replace(b"kind     TEXT", b"kind\xa0    TEXT", 1))
-    assert "is damaged: put a backup in its place" in refusal(path)
+    assert "is damaged: `lbr db restore`" in refusal(path)
 
 
 def test_a_file_that_another_program_keeps_to_itself(path, monkeypatch):

@@ -1,0 +1,58 @@
+"""Keeps a copy of rows that have run well for a while; beside the main loop, so that it delays nothing."""
+
+import os
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from lbr.database import copies
+from lbr.errors import LbrError
+
+RUN_WELL_S = 5.0
+AGAIN_AFTER_S = 60.0
+LOWEST = 19
+NOT_COPIED = "the last good rows are not copied"
+
+
+class Keeper:
+    """`trouble` hears why a copy cannot be kept, and then an empty text; from the thread that calls `step`."""
+
+    def __init__(self, path: Path, trouble: Callable[[str, str], None]) -> None:
+        self._path = path
+        self._trouble = trouble
+        self._due: float | None = None
+        self._thread: threading.Thread | None = None
+        self._why = ""
+
+    def touched(self, now: float) -> None:
+        """Take note that the database was edited, and is well: it is copied when that has lasted for some seconds."""
+        self._due = now + RUN_WELL_S
+
+    def not_well(self) -> None:
+        """Take note that what is in the database does not run: it is not copied."""
+        self._due = None
+
+    def step(self, now: float, digest: str) -> None:
+        """Begin a copy when it is time, and tell what became of it; `digest` is of the rows that run."""
+        if self._thread is not None:
+            if self._thread.is_alive():
+                return
+            self._thread = None
+            self._trouble(NOT_COPIED, self._why)
+            if self._why and self._due is None:
+                self._due = now + AGAIN_AFTER_S
+        if self._due is not None and now >= self._due:
+            self._due = None
+            self._thread = threading.Thread(target=self._keep, args=(digest,), name="keeper", daemon=True)
+            self._thread.start()
+
+    def _keep(self, digest: str) -> None:
+        with suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), LOWEST)
+        try:
+            copies.keep(self._path, digest)
+        except LbrError as err:
+            self._why = str(err)
+        else:
+            self._why = ""
