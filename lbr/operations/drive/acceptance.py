@@ -131,7 +131,7 @@ def _state(state: State, event: Command, now: float) -> str:
     if trouble := motors_trouble(state, now):
         return trouble
     how = insists(state, event.source, now)
-    return f"commands went on {how}: send power 0, or pause, before driving again" if how else ""
+    return f"{how}: send power 0, or pause, before driving again" if how else ""
 
 
 def _limits(state: State, event: Command, now: float) -> str:

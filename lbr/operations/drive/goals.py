@@ -57,7 +57,8 @@ def start(command: DriveCommand, name: str, views: Mapping[Sensor, View], settin
 def watch(goal: Goal, ranges: Ranges, now: float) -> Goal:
     """Return the goal with its sensor's newest reading; one without a value is passed over until it is too long ago."""
     value_m, _ = measured_m(ranges, goal.sensor)
-    return goal if isnan(value_m) else replace(goal, last_m=value_m, last_seen=now)
+    overtaken = now < goal.last_seen
+    return goal if overtaken or isnan(value_m) else replace(goal, last_m=value_m, last_seen=now)
 
 
 def ending(goal: Goal, now: float) -> tuple[Ending, str] | None:

@@ -60,10 +60,10 @@ def _refuse(state: State, event: Command, why: str, now: float) -> Decision:
 def _insisting(state: State, event: Command, now: float) -> str:
     """Return how a refused command goes on when it should not, or nothing."""
     if state.estop:
-        return "through the emergency stop"
+        return "commands went on through the emergency stop"
     hold, lease = state.hold, event.command.lease
     streams = hold is not None and hold.source == event.source and isnan(hold.renewed) and not lease
-    return "without quoting their lease" if streams else insists(state, event.source, now)
+    return "commands went on without quoting their lease" if streams else insists(state, event.source, now)
 
 
 def _renew(state: State, event: Command, now: float) -> Decision:

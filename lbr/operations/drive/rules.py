@@ -141,6 +141,8 @@ def _apply(
     keep_m = rule.stop_m + (rule.margin_m if rule.direction in held else 0.0)
     share = allowed_mps(distance_m - keep_m, settings) / settings.max_speed_mps
     scale = min(share / part, 1.0)
+    if scale >= 1.0:
+        return FREE
     text = f"{rule.sensor} {trouble}" if trouble else f"{rule.sensor} {distance_m:.2f} m"
     return Limit(
         scale=max(0.0, scale),

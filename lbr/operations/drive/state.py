@@ -150,7 +150,7 @@ class Hold(Struct, frozen=True, kw_only=True):
 
 
 class Insisting(Struct, frozen=True, kw_only=True):
-    """A source that goes on sending motion when it should not; `how` completes "commands went on …"."""
+    """A source that goes on sending motion when it should not; `how` says so."""
 
     until: float
     how: str
