@@ -2,8 +2,12 @@
 
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from lbr.database.store import Database
 
 from lbr.commands.options import json_option, print_json
 
@@ -49,7 +53,7 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
         names = rows.robots()
         if robot is not None and robot not in names:
             raise InputError(f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}")
-        problems = {name: _problems(rows.load(name)) for name in names if robot in {None, name}}
+        problems = {name: _problems(rows, name) for name in names if robot in {None, name}}
         if not problems:
             raise InputError(f"{rows.path} has no robot row")
         if fault := rows.audit_fault():
@@ -119,6 +123,7 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
     """
     from lbr import home  # noqa: PLC0415
     from lbr.database import copies  # noqa: PLC0415
+    from lbr.database import restore as restoring  # noqa: PLC0415
 
     path = database or home.default_database()
     if only_list:
@@ -130,7 +135,7 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
         if not found and not as_json:
             click.echo(f"no copy of {path} is kept")
         return 0
-    chosen, aside = copies.restore(path, source)
+    chosen, aside = restoring.restore(path, source)
     if as_json:
         print_json({"database": str(path), "from": str(chosen), "before": str(aside) if aside else None})
     else:
@@ -142,13 +147,12 @@ def _local(wall_ns: int) -> str:
     return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(wall_ns / 1e9))
 
 
-def _problems(rows: object) -> list[str]:
+def _problems(database: "Database", robot: str) -> list[str]:
     from lbr import home  # noqa: PLC0415
-    from lbr.database.rows import RobotRows  # noqa: PLC0415
     from lbr.executive import plan  # noqa: PLC0415
     from lbr.executive.profile import Profile  # noqa: PLC0415
+    from lbr.executive.watch import loaded  # noqa: PLC0415
 
-    assert isinstance(rows, RobotRows)
     site = plan.Site(home=str(home.home()), endpoints=(), secret=bytes(32))
-    _, problems = plan.make(rows, Profile(robot=rows.robot.name, simulate=True), site)
+    _, problems = plan.make(loaded(database, robot), Profile(robot=robot, simulate=True), site)
     return [str(problem) for problem in problems]

@@ -1,9 +1,6 @@
-"""The last good copies of a database beside it, and putting one back."""
+"""The last good copies of a database, beside it."""
 
-import fcntl
 import os
-import shutil
-import tempfile
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -12,15 +9,13 @@ from msgspec import Struct
 
 from lbr.database import adopted
 from lbr.database.connection import connect, damage, run, sentences
-from lbr.database.rows import AuditRow, TokenRow
-from lbr.database.store import APPLICATION_ID, Database
+from lbr.database.rows import Problem, TokenRow
+from lbr.database.store import APPLICATION_ID
 from lbr.database.tables import read_tables
 from lbr.database.tokens import tokens
 from lbr.errors import InputError, LbrError, RowError
 
 GENERATIONS = 3
-SQLITE_SHARED_FIRST = 0x40000002
-SQLITE_SHARED_SIZE = 510
 
 
 class Copy(Struct, frozen=True, kw_only=True):
@@ -39,7 +34,7 @@ def keep(path: Path, digest: str) -> Path | None:
     new = path.with_name(f"{path.name}.good-new")
     new.unlink(missing_ok=True)
     try:
-        _copy(path, new)
+        copy_whole(path, new)
         found = look(new)
         if found.fault or found.digest != digest:
             raise RowError((f"database {path} is not as it runs ({found.fault or 'its rows differ'}): not copied",))
@@ -50,7 +45,7 @@ def keep(path: Path, digest: str) -> Path | None:
             if _name(path, number).exists():
                 _name(path, number).replace(_name(path, number + 1))
         new.replace(newest)
-        _sync(path.parent)
+        sync(path.parent)
     except OSError as err:
         raise RowError((f"database {path} cannot be copied ({err.strerror}): check the folder",)) from err
     finally:
@@ -88,33 +83,6 @@ def look(path: Path, number: int = 0) -> Copy:
         return Copy(number=copy.number, path=copy.path, kept_at=copy.kept_at, fault=str(err))
 
 
-def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
-    """Put a copy (the newest good one) in the database's place; return it, and where the file before it is now.
-
-    What has been revoked stays revoked, the audit trail tells of it, and nothing is deleted. Raises InputError if the
-    database is in use, or if there is no good copy.
-    """
-    if _in_use(path):
-        raise InputError(f"database {path} is in use: shut the robot down (`lbr stop`), close other programs")
-    chosen = source or _newest_good(path)
-    new = path.with_name(f"{path.name}.restoring-{os.getpid()}")
-    try:
-        _copy(chosen, new)
-        aside = _aside(path) if any(file.exists() for file in (path, *_companions(path))) else None
-        _complete(new, path, chosen, aside)
-        if aside is not None:
-            _set_aside(path, aside)
-        new.replace(path)
-        _sync(path.parent)
-    except OSError as err:
-        raise InputError(f"database {path} cannot be restored ({err.strerror}): check the folder") from err
-    finally:
-        for name in (new, *_companions(new)):
-            with suppress(OSError):
-                name.unlink()
-    return chosen, aside
-
-
 def refuse_if_lost(path: Path) -> None:
     """Raise InputError if a database that is not there was there before: building another would be another robot."""
     if any(_name(path, number).exists() for number in range(1, GENERATIONS + 1)):
@@ -122,16 +90,19 @@ def refuse_if_lost(path: Path) -> None:
         raise InputError(f"database {path} is not there any more, {text}")
 
 
-def _newest_good(path: Path) -> Path:
-    copies = kept(path)
-    for copy in copies:
-        if not copy.fault:
-            return Path(copy.path)
-    what = "no copy of it is kept" if not copies else f"none of its {len(copies)} copies is good"
-    raise InputError(f"database {path} cannot be restored, because {what}: name a backup, or `lbr db init` begins anew")
+def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
+    """Return the problem with a database that is older than its newest copy: edits are missing that have run."""
+    newest = max((copy.revision for copy in kept(path) if not copy.fault), default=0)
+    if newest <= revision:
+        return ()
+    text = (
+        f"the newest edits are missing, because a copy that ran has revision {newest}: the file was replaced or damaged,"
+        " or robot.db-wal was taken away; `lbr db restore` puts the last good copy in its place"
+    )
+    return (Problem("revision", str(revision), "", text),)
 
 
-def _copy(source: Path, target: Path) -> None:
+def copy_whole(source: Path, target: Path) -> None:
     """Write a whole copy, readable by its owner alone, that is on the disk on return."""
     if not source.exists():
         raise InputError(f"there is no {source} to copy from")
@@ -140,6 +111,15 @@ def _copy(source: Path, target: Path) -> None:
         run(connection, "VACUUM INTO ?", str(target))
     with target.open("rb") as written:
         os.fsync(written.fileno())
+
+
+def sync(folder: Path) -> None:
+    """Let what was renamed in a folder be on the disk."""
+    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
 
 
 def _same(one: Path, other: Path) -> bool:
@@ -155,73 +135,5 @@ def _content(path: Path) -> tuple[str, int, tuple[TokenRow, ...]]:
         return adopted.digest(read_tables(connection)[0]), adopted.revision(connection), tokens(connection)
 
 
-def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:
-    """Bring the copy up to date, keep revoked what was revoked, and write the restoring down."""
-    revoked = _revoked(path)
-    with Database.open(new) as database:
-        for token in database.tokens():
-            if token.name in revoked and token.revoked_at is None:
-                database.revoke_token(token.name)
-        text = f"restored from {source.name}" + (f"; what was there before is {aside.name}" if aside else "")
-        entry = AuditRow(wall_ns=time.time_ns(), kind="restored", subject="database", source="lbr db", text=text)
-        database.append_events((), (entry,))
-
-
-def _revoked(path: Path) -> set[str]:
-    """Return the names of revoked tokens, as far as the file can still be read; the file is left as it is."""
-    with tempfile.TemporaryDirectory(prefix="lbr-restore-") as place:
-        copy = Path(place) / path.name
-        with suppress(LbrError, OSError):
-            for file, target in zip((path, *_companions(path)[:1]), (copy, *_companions(copy)[:1]), strict=True):
-                if file.exists():
-                    shutil.copyfile(file, target)
-            with sentences(copy), connect(copy) as connection:
-                return {token.name for token in tokens(connection) if token.revoked_at is not None}
-    return set()
-
-
-def _set_aside(path: Path, aside: Path) -> None:
-    with suppress(FileNotFoundError):
-        aside.hardlink_to(path)  # so that there is always a file in the database's place
-    for companion, kept_as in zip(_companions(path), _companions(aside), strict=True):
-        with suppress(FileNotFoundError):
-            companion.replace(kept_as)
-
-
-def _aside(path: Path) -> Path:
-    number = 1
-    while (found := path.with_name(f"{path.name}.before-restore-{number}")).exists():
-        number += 1
-    return found
-
-
-def _companions(path: Path) -> tuple[Path, Path]:
-    return path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")
-
-
-def _in_use(path: Path) -> bool:
-    """Say whether another process has the database open; in WAL mode each keeps SQLite's shared lock."""
-    try:
-        fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
-    except OSError:
-        return False
-    try:
-        fcntl.lockf(fd, fcntl.LOCK_EX | fcntl.LOCK_NB, SQLITE_SHARED_SIZE, SQLITE_SHARED_FIRST)
-    except OSError:
-        return True
-    else:
-        return False
-    finally:
-        os.close(fd)
-
-
 def _name(path: Path, number: int) -> Path:
     return path.with_name(f"{path.name}.good-{number}")
-
-
-def _sync(folder: Path) -> None:
-    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)

@@ -58,6 +58,14 @@ def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
     )
 
 
+def outdo(connection: Connection, revision: int) -> None:
+    """Note an edit of every row that is newer than `revision` and than all others."""
+    newest = max(revision, connection.scalar(select(func.max(Revision.id))) or 0)
+    connection.execute(
+        insert(Revision).values(id=newest + 1, table_name="robot", row_key='["every row"]', operation="update")
+    )
+
+
 def storable(text: str) -> str:
     """Return a text with whatever has no UTF-8 replaced."""
     return text.encode(errors="replace").decode()

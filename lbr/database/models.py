@@ -1,6 +1,6 @@
 """Every table as a SQLAlchemy model; robot.db.sql builds them, and a test keeps the two the same."""
 
-from sqlalchemy import REAL, ForeignKey, ForeignKeyConstraint, Integer, Text
+from sqlalchemy import REAL, FetchedValue, ForeignKey, ForeignKeyConstraint, Integer, Text
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 _ROBOT = "robot.name"
@@ -181,7 +181,7 @@ class Revision(Model):
     operation: Mapped[str]
     old_row: Mapped[str | None]
     new_row: Mapped[str | None]
-    changed_at: Mapped[str]
+    changed_at: Mapped[str] = mapped_column(server_default=FetchedValue())
 
 
 class StoredEvent(Model):

@@ -179,6 +179,11 @@ class Database:
         with self._writing(durable=True) as connection:
             tokens.revoke(connection, name, self._now())
 
+    def outdo(self, revision: int) -> None:
+        """Note an edit that is newer than `revision`: every row may be another one now."""
+        with self._writing(durable=True) as connection:
+            history.outdo(connection, revision)
+
     def close(self) -> None:
         """Let go of the file; cheap to repeat."""
         with self._lock:

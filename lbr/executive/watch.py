@@ -3,8 +3,11 @@
 from pathlib import Path
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.capability import registry
+from lbr.database import copies
+from lbr.database.rows import RobotRows
 from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
 from lbr.executive import plan as plans
@@ -39,7 +42,7 @@ class RowWatch:
     def first(self) -> Plan:
         """Return the plan to start with; raise RowError with everything that is wrong."""
         self._version = self._database.data_version()
-        plan, problems = plans.make(self._database.load(self._profile.robot), self._profile, self._site)
+        plan, problems = plans.make(loaded(self._database, self._profile.robot), self._profile, self._site)
         if plan is None:
             raise RowError(tuple(str(problem) for problem in problems))
         self._files = self._fingerprints(plan)
@@ -81,6 +84,12 @@ class RowWatch:
             raise InputError(f"database {path} is gone ({err.strerror}); put it back, or restart") from err
         if found != self._file:
             raise InputError(f"database {path} was replaced by another file; restart to use it")
+
+
+def loaded(database: Database, robot: str) -> RobotRows:
+    """Return a robot's rows as a start reads them."""
+    rows = database.load(robot)
+    return replace(rows, problems=(*rows.problems, *copies.lost_edits(database.path, rows.revision)))
 
 
 def _identity(path: Path) -> tuple[int, int]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from lbr.database import copies
+from lbr.database.restore import restore
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, RowError
@@ -85,12 +86,12 @@ def test_a_damaged_database_names_the_way_out_and_restoring_keeps_it(damaged):
     with pytest.raises(LbrError, match="`lbr db restore`"):
         Database.open(damaged)
     broken = damaged.read_bytes()
-    chosen, aside = copies.restore(damaged)
+    chosen, aside = restore(damaged)
     assert chosen == damaged.with_name("robot.db.good-1")
     assert owner(damaged) == "somebody"
     assert aside is not None
     assert aside.read_bytes() == broken
-    assert copies.restore(damaged)[1] == damaged.with_name("robot.db.before-restore-2")
+    assert restore(damaged)[1] == damaged.with_name("robot.db.before-restore-2")
     with Database.open(damaged) as database:
         assert [(e.kind, e.text) for e in database.audit()] == [
             ("restored", "restored from robot.db.good-1; what was there before is robot.db.before-restore-2")
@@ -102,7 +103,7 @@ def test_the_newest_copy_that_is_good_is_taken(damaged):
     damaged.with_name("robot.db.good-1").replace(damaged.with_name("robot.db.good-2"))
     damaged.with_name("robot.db.good-1").write_bytes(b"SQLite format 3\0 and nothing else")
     assert copies.kept(damaged)[0].fault
-    assert copies.restore(damaged)[0] == damaged.with_name("robot.db.good-2")
+    assert restore(damaged)[0] == damaged.with_name("robot.db.good-2")
     assert owner(damaged) == "somebody"
 
 
@@ -111,7 +112,7 @@ def test_a_named_backup_is_put_back(path, tmp_path):
     with closing(sqlite3.connect(path)) as connection:
         connection.execute("VACUUM INTO ?", (str(tmp_path / "mine.db"),))
     edit(path, "later")
-    copies.restore(path, tmp_path / "mine.db")
+    restore(path, tmp_path / "mine.db")
     assert owner(path) == "kept"
     assert owner(path.with_name("robot.db.before-restore-1")) == "later"
 
@@ -119,7 +120,7 @@ def test_a_named_backup_is_put_back(path, tmp_path):
 def test_without_a_copy_nothing_is_touched(path):
     before = path.read_bytes()
     with pytest.raises(InputError, match="no copy of it is kept"):
-        copies.restore(path)
+        restore(path)
     assert path.read_bytes() == before
     assert [file.name for file in path.parent.iterdir()] == ["robot.db"]
 
@@ -127,8 +128,8 @@ def test_without_a_copy_nothing_is_touched(path):
 def test_a_database_that_a_program_has_open_is_not_replaced(path):
     copies.keep(path, digest(path))
     with opened_elsewhere(path), pytest.raises(InputError, match="in use"):
-        copies.restore(path)
-    copies.restore(path)
+        restore(path)
+    restore(path)
 
 
 def test_a_log_of_the_old_database_is_never_read_into_the_restored_one(path):
@@ -136,7 +137,7 @@ def test_a_log_of_the_old_database_is_never_read_into_the_restored_one(path):
     with opened_elsewhere(path, "c.execute(\"UPDATE robot SET owner = 'in the log'\"); c.commit()"):
         pass
     assert path.with_name("robot.db-wal").stat().st_size > 0
-    copies.restore(path)
+    restore(path)
     assert owner(path) == ""
     assert owner(path.with_name("robot.db.before-restore-1")) == "in the log"
 
@@ -148,7 +149,7 @@ def test_what_was_revoked_stays_revoked(path):
     copies.keep(path, digest(path))
     with Database.open(path) as database:
         database.revoke_token("lost")
-    copies.restore(path)
+    restore(path)
     with Database.open(path) as database:
         assert {token.name: token.revoked_at is None for token in database.tokens()} == {"lost": False, "good": True}
 
@@ -159,7 +160,7 @@ def test_a_database_that_is_gone_is_not_built_anew_while_copies_are_there(path):
     path.unlink()
     with pytest.raises(InputError, match="`lbr db restore`"):
         copies.refuse_if_lost(path)
-    copies.restore(path)
+    restore(path)
     assert owner(path) == ""
 
 
@@ -178,3 +179,19 @@ def opened_elsewhere(path: Path, then: str = "pass") -> Iterator[None]:
             yield
         finally:
             held.kill()
+
+
+def test_a_database_without_its_newest_edits_is_told_from_one_that_was_restored(path):
+    edit(path, "one")
+    copies.keep(path, digest(path))
+    older = path.read_bytes()
+    edit(path, "two")
+    copies.keep(path, digest(path))
+    path.write_bytes(older)
+    (problem,) = copies.lost_edits(path, 1)
+    assert "a copy that ran has revision 2" in str(problem)
+    restore(path, path.with_name("robot.db.good-2"))
+    with Database.open(path) as database:
+        rows = database.load("lbr")
+    assert (rows.robot.owner, rows.revision, rows.problems) == ("one", 3, ())
+    assert copies.lost_edits(path, rows.revision) == ()

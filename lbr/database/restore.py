@@ -1,0 +1,118 @@
+"""Putting a copy in the place of a database that is damaged or unwanted."""
+
+import fcntl
+import os
+import shutil
+import tempfile
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from lbr.database import adopted, copies
+from lbr.database.connection import connect, sentences
+from lbr.database.rows import AuditRow
+from lbr.database.store import Database
+from lbr.database.tokens import tokens
+from lbr.errors import InputError, LbrError
+
+SQLITE_SHARED_FIRST = 0x40000002
+SQLITE_SHARED_SIZE = 510
+
+
+def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
+    """Put a copy (the newest good one) in the database's place; return it, and where the file before it is now.
+
+    What has been revoked stays revoked, the audit trail tells of it, and nothing is deleted. Raises InputError if the
+    database is in use, or if there is no good copy.
+    """
+    if _in_use(path):
+        raise InputError(f"database {path} is in use: shut the robot down (`lbr stop`), close other programs")
+    chosen = source or _newest_good(path)
+    new = path.with_name(f"{path.name}.restoring-{os.getpid()}")
+    try:
+        copies.copy_whole(chosen, new)
+        aside = _aside(path) if any(file.exists() for file in (path, *_companions(path))) else None
+        _complete(new, path, chosen, aside)
+        if aside is not None:
+            _set_aside(path, aside)
+        new.replace(path)
+        copies.sync(path.parent)
+    except OSError as err:
+        raise InputError(f"database {path} cannot be restored ({err.strerror}): check the folder") from err
+    finally:
+        for name in (new, *_companions(new)):
+            with suppress(OSError):
+                name.unlink()
+    return chosen, aside
+
+
+def _newest_good(path: Path) -> Path:
+    found = copies.kept(path)
+    for copy in found:
+        if not copy.fault:
+            return Path(copy.path)
+    what = "no copy of it is kept" if not found else f"none of its {len(found)} copies is good"
+    raise InputError(f"database {path} cannot be restored, because {what}: name a backup, or `lbr db init` begins anew")
+
+
+def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:
+    """Bring the copy up to date, keep revoked what was revoked, and write the restoring down as the newest edit."""
+    revoked, revision = _remains(path)
+    revision = max([revision, *(copy.revision for copy in copies.kept(path))])
+    with Database.open(new) as database:
+        for token in database.tokens():
+            if token.name in revoked and token.revoked_at is None:
+                database.revoke_token(token.name)
+        text = f"restored from {source.name}" + (f"; what was there before is {aside.name}" if aside else "")
+        entry = AuditRow(wall_ns=time.time_ns(), kind="restored", subject="database", source="lbr db", text=text)
+        database.append_events((), (entry,))
+        database.outdo(revision)
+
+
+def _remains(path: Path) -> tuple[set[str], int]:
+    """Return the names of revoked tokens and the revision, as far as the file can still be read; it is left as it is."""
+    with tempfile.TemporaryDirectory(prefix="lbr-restore-") as place:
+        copy = Path(place) / path.name
+        with suppress(LbrError, OSError):
+            for file, target in zip((path, *_companions(path)[:1]), (copy, *_companions(copy)[:1]), strict=True):
+                if file.exists():
+                    shutil.copyfile(file, target)
+            with sentences(copy), connect(copy) as connection:
+                revoked = {token.name for token in tokens(connection) if token.revoked_at is not None}
+                return revoked, adopted.revision(connection)
+    return set(), 0
+
+
+def _set_aside(path: Path, aside: Path) -> None:
+    with suppress(FileNotFoundError):
+        aside.hardlink_to(path)  # so that there is always a file in the database's place
+    for companion, kept_as in zip(_companions(path), _companions(aside), strict=True):
+        with suppress(FileNotFoundError):
+            companion.replace(kept_as)
+
+
+def _aside(path: Path) -> Path:
+    number = 1
+    while (found := path.with_name(f"{path.name}.before-restore-{number}")).exists():
+        number += 1
+    return found
+
+
+def _companions(path: Path) -> tuple[Path, Path]:
+    return path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")
+
+
+def _in_use(path: Path) -> bool:
+    """Say whether another process has the database open; in WAL mode each keeps SQLite's shared lock."""
+    try:
+        fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+    except OSError:
+        return False
+    try:
+        fcntl.lockf(fd, fcntl.LOCK_EX | fcntl.LOCK_NB, SQLITE_SHARED_SIZE, SQLITE_SHARED_FIRST)
+    except OSError:
+        return True
+    else:
+        return False
+    finally:
+        os.close(fd)
