@@ -9,10 +9,7 @@ import time
 
 import zenoh
 
-config = zenoh.Config()
-config.insert_json5("mode", '"client"')
-config.insert_json5("connect/endpoints", json.dumps([os.environ["LBR_CONNECT"]]))
-config.insert_json5("scouting/multicast/enabled", "false")
+config = zenoh.Config.from_file(os.environ["LBR_CONFIG"])  # where the robot is, and who we are to it
 ranges_keys = json.loads(os.environ["LBR_INPUTS"])["ranges"]
 nearest_key = json.loads(os.environ["LBR_OUTPUTS"])["nearest"]
 

@@ -46,7 +46,7 @@ class LanUser(Struct, frozen=True, kw_only=True):
 class LanConfig(Struct, frozen=True, kw_only=True):
     """What only the door to other machines needs to know.
 
-    `link` is how its router proves itself to the core. `streams` may be read by all, `stops` be used by all, and
+    `link` is how its router proves itself to the core, and `upstream` the id of the router it hangs on. `streams` may be read by all, `stops` be used by all, and
     `commands` maps every other command to the role it needs. `private_key` and `certificate` are files.
     """
 
@@ -58,6 +58,7 @@ class LanConfig(Struct, frozen=True, kw_only=True):
     commands: dict[str, Role]
     private_key: str
     certificate: str
+    upstream: str = ""
 
 
 class ProcessConfig(Struct, frozen=True, kw_only=True):

@@ -8,9 +8,9 @@ process that an edit has given other rights gets an annex: a router that knows i
 long as the robot runs. `lbr/executive/rights.py` says who may do what.
 """
 
-import secrets
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
+from typing import NamedTuple
 
 from lbr import home
 from lbr.bus import session
@@ -19,6 +19,7 @@ from lbr.executive import rights
 from lbr.executive.plan import Plan, Site, Unit
 
 EXECUTIVE, ANNEX = "@executive", "@annex"
+CORE = "core"
 TRUSTED = Rights(trusted=True)
 
 
@@ -32,6 +33,13 @@ def core_endpoint(robot: str) -> str:
     return f"unixsock-stream/{home.socket_path(robot, '.core')}"
 
 
+class Place(NamedTuple):
+    """A router that a process comes in at."""
+
+    endpoint: str
+    router_id: str
+
+
 class Doors:
     """Opens core and local door; `place` says where a process comes in. Raises BusError if a socket is taken."""
 
@@ -39,32 +47,39 @@ class Doors:
         self._robot = plan.robot
         self._site = site
         self._stack = ExitStack()
-        self._known: dict[str, tuple[str, dict[str, Rights]]] = {}
+        self._known: dict[str, tuple[Place, dict[str, Rights]]] = {}
         self._annexes = 0
         core = {name: rights.of_unit(plan, unit) for name, unit in plan.units.items()}
-        link = secrets.token_hex(8)
-        self._open(session.Router(listen=(local_endpoint(self._robot),), id=link))
+        local = site.router_id("local")
+        self._core = Place(core_endpoint(self._robot), site.router_id(CORE))
+        self._open(session.Router(listen=(local_endpoint(self._robot),), id=local))
         self._open_for(
-            core_endpoint(self._robot),
+            self._core,
             {EXECUTIVE: TRUSTED, TOOLS: TRUSTED, ANNEX: TRUSTED} | _merged(core.values()),
-            links={link: rights.of_local(plan)},
+            links={local: rights.of_local(plan)},
             connect=(local_endpoint(self._robot),),
         )
-        self._known |= {name: (core_endpoint(self._robot), users) for name, users in core.items()}
+        self._known |= {name: (self._core, users) for name, users in core.items()}
 
     def credentials(self, user: str) -> Credentials:
         """Return how a user proves itself, the same for the whole run."""
         return self._site.credentials(user)
 
-    def place(self, plan: Plan, unit: Unit) -> str:
-        """Return the endpoint where a process has its rights; opens an annex if nothing knows them."""
+    def place(self, plan: Plan, unit: Unit) -> Place:
+        """Return where a process has its rights; opens an annex if no router knows them."""
         wanted = rights.of_unit(plan, unit)
-        where, known = self._known.get(unit.name, ("", {}))
+        where, known = self._known.get(unit.name, (self._core, {}))
         if known != wanted:
             self._annexes += 1
-            where = f"unixsock-stream/{home.socket_path(self._robot, f'.{self._annexes}')}"
-            up = (core_endpoint(self._robot),)
-            self._open_for(where, wanted, connect=up, credentials=self.credentials(ANNEX))
+            socket = home.socket_path(self._robot, f".{self._annexes}")
+            where = Place(f"unixsock-stream/{socket}", self._site.router_id(f"annex {self._annexes}"))
+            self._open_for(
+                where,
+                wanted,
+                links={self._core.router_id: TRUSTED},
+                connect=(self._core.endpoint,),
+                credentials=self.credentials(ANNEX),
+            )
             self._known[unit.name] = (where, wanted)
         return where
 
@@ -74,20 +89,21 @@ class Doors:
 
     def _open_for(
         self,
-        endpoint: str,
+        place: Place,
         users: Mapping[str, Rights],
         *,
+        links: Mapping[str, Rights],
         connect: tuple[str, ...],
-        links: Mapping[str, Rights] | None = None,
         credentials: Credentials | None = None,
     ) -> None:
         self._open(
             session.Router(
-                listen=(endpoint,),
+                listen=(place.endpoint,),
                 robot=self._robot,
                 users={user: self.credentials(user).password for user in users},
                 rights=dict(users),
-                links=dict(links or {}),
+                links=dict(links),
+                id=place.router_id,
                 connect=connect,
                 credentials=credentials,
             )

@@ -321,8 +321,10 @@ class Executive:
 
     def _start(self, unit: Unit) -> Child:
         self._emergency.forget(unit.name)
-        where = self._doors.place(self.plan, unit)
-        config = replace(unit.config, estop=self._emergency.state(), endpoints=(where,))
+        place = self._doors.place(self.plan, unit)
+        config = replace(unit.config, estop=self._emergency.state(), endpoints=(place.endpoint,))
+        if config.lan is not None:
+            config = replace(config, lan=replace(config.lan, upstream=place.router_id))
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
             child = Child(unit, config, log)
         if unit.family in {"app", "program"}:

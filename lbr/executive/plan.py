@@ -80,6 +80,10 @@ class Site(Struct, frozen=True, kw_only=True):
         """Return the key that seals a setpoint, the same for every plan of this run."""
         return blake2b(key.encode(), key=self.secret, digest_size=32).hexdigest()
 
+    def router_id(self, name: str) -> str:
+        """Return the session id of one of this run's routers, by which the others know it."""
+        return f"1{self.seal(f'router {name}')[:15]}"  # one that begins with 0 is no id
+
     def credentials(self, user: str) -> Credentials:
         """Return how a process proves itself on the bus, the same for every plan of this run."""
         return Credentials(user=user, password=self.seal(f"password of {user}"))
