@@ -11,8 +11,11 @@ from benchmarks.bench import ANGLES, Bench, bench
 from benchmarks.figures import Results
 from lbr.bus import wire
 
-CRASHES = ("exception", "callback", "thread", "exit", "recursion", "memory")
-HANGS = ("busy", "deadlock", "frozen")
+CRASHES = (
+    *("exception", "callback", "thread", "exit", "recursion", "memory"),
+    *("exit 0", "thread exit", "abort", "segfault", "terminated"),
+)
+HANGS = ("busy", "deadlock", "interpreter", "frozen")
 AFTERMATH_S = 0.25
 VICTIMS = ("failures", "failing_motors", "failing_app")
 EDITS = (
@@ -71,8 +74,17 @@ def _fails(under_test: Bench, name: str, how: str, figure: str) -> None:
     under_test.ready_again(name, pid, fault_ns, f"{figure} ready", limit_s=8.0)
     under_test.pass_time(AFTERMATH_S)
     under_test.stays_at_rest(zero)
+    under_test.results.check(figure if figure == "S13" else "P5 stop", _told_differently(under_test, name))
     if name == "motors":
         under_test.begins_with_zero(fault_ns)
+
+
+def _told_differently(under_test: Bench, name: str) -> list[str]:
+    """Compare what the status and the events say of the last end; the console shows the events."""
+    status = under_test.unit(name)["last_end"]
+    ends = [e for e in under_test.robot.events() if e["subject"] == name and e["kind"] in {"crashed", "hung"}]
+    event = ends[-1]["text"] if ends else ""
+    return [] if status and event.startswith(status) else [f"status says {status!r}, the event {event!r}"]
 
 
 def _tell(under_test: Bench, name: str, how: str) -> None:

@@ -1,6 +1,9 @@
 """Ways for a process to go wrong, for the kinds beside this file."""
 
+import ctypes
+import os
 import resource
+import signal
 import sys
 import threading
 from collections.abc import Callable
@@ -51,6 +54,14 @@ def _spin(_socket: str) -> None:
         pass
 
 
+def _hold_interpreter(_socket: str) -> None:
+    ctypes.PyDLL(None).sleep(60)
+
+
+def _touch_nothing(_socket: str) -> None:
+    ctypes.string_at(0)
+
+
 def _deadlock(_socket: str) -> None:
     lock = threading.Lock()
     with lock:
@@ -60,10 +71,16 @@ def _deadlock(_socket: str) -> None:
 WAYS: dict[str, Callable[[str], object]] = {
     "exception": _raise,
     "exit": lambda _socket: sys.exit(3),
+    "exit 0": lambda _socket: sys.exit(0),
+    "thread exit": lambda _socket: threading.Thread(target=sys.exit).start(),
+    "abort": lambda _socket: os.abort(),
+    "segfault": _touch_nothing,
+    "terminated": lambda _socket: os.kill(os.getpid(), signal.SIGTERM),
     "recursion": _recurse,
     "memory": _hoard,
     "callback": _call_back,
     "thread": lambda _socket: threading.Thread(target=_raise).start(),
     "busy": _spin,
+    "interpreter": _hold_interpreter,
     "deadlock": _deadlock,
 }

@@ -98,9 +98,8 @@ class Process:
         ctx.close()
 
     def close(self) -> None:
-        """Stop the motion of a capability that crashed, within a bound."""
+        """Stop the motion of a capability that crashed; whoever calls sets a bound."""
         if self._capability is not None:
-            threading.Timer(CLOSE_LIMIT_S, os._exit, (CRASHED,)).start()
             self._capability.close()
 
     def _loop(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
@@ -147,26 +146,35 @@ def _read_document() -> bytes:
 def _watch_lifeline(process: Process) -> None:
     while os.read(0, 4096):
         pass
-    threading.Timer(2 * CLOSE_LIMIT_S, os._exit, (CRASHED,)).start()
+    _end_within(2 * CLOSE_LIMIT_S)
     process.stop()
 
 
-def _where(err: BaseException) -> str:
-    """Say in which line of whose file it was raised: the last that is not the runtime's own."""
-    frames = traceback.extract_tb(err.__traceback__)
-    last = next((frame for frame in reversed(frames) if "/lbr/capability/" not in frame.filename), None)
-    return f" ({Path(last.filename).name}, line {last.lineno})" if last else ""
+def _end_within(seconds: float) -> None:
+    """Let the kernel end this process then, whatever hangs in it and whoever holds the interpreter."""
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
+def _told(err: BaseException) -> str:
+    """Say what was raised, and in which line of whose file: the last that is not the runtime's own."""
+    try:
+        frames = traceback.extract_tb(err.__traceback__)
+        last = next((frame for frame in reversed(frames) if "/lbr/capability/" not in frame.filename), None)
+        where = f" ({Path(last.filename).name}, line {last.lineno})" if last else ""
+        return f"{type(err).__name__}: {err}{where}"
+    except Exception:  # noqa: BLE001 - an exception that cannot even be told is one all the same
+        return type(err).__name__
 
 
 def _crash(process: Process | None, reporter: Reporter, err: BaseException) -> None:
-    reason = f"{type(err).__name__}: {err}{_where(err)}"
-    traceback.print_exception(err)
-    reporter.phase("failed", reason)
     try:
+        _end_within(CLOSE_LIMIT_S)
+        reporter.phase("failed", _told(err))
         if process is not None:
             process.close()
-    finally:
+        traceback.print_exception(err)
         sys.stderr.flush()
+    finally:
         os._exit(CRASHED)
 
 

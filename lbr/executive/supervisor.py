@@ -14,6 +14,8 @@ from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide
 from lbr.executive.slot import Slot, Started
 
 HANG_S = 1.2
+HANG_MOVER_S = 0.8
+HANG_PROGRAM_S = 3.0
 HANG_STARTING_S = 10.0
 HANG_DEGRADED_S = 4.0
 TERM_S = 0.8
@@ -177,12 +179,20 @@ class Supervisor:
         if slot.kill_at is not None and now >= slot.kill_at:
             slot.kill_at = None
             child.kill()
-        elif slot.unit.program is None and slot.wanted and not slot.hung:
-            limit = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}.get(slot.phase, HANG_S)
-            if now - slot.beat_at > limit:
-                slot.hung = True
-                slot.last_words = f"no heartbeat for {now - slot.beat_at:.1f} s"
-                child.kill()
+        elif slot.wanted and not slot.hung and (why := self._why_hung(slot, now)):
+            slot.hung, slot.last_words = True, why
+            child.kill()
+
+    def _why_hung(self, slot: Slot, now: float) -> str:
+        """Say why a process counts as hung, or nothing; a program is known by its token alone, if it has one."""
+        if slot.unit.program is None:
+            return f"no heartbeat for {now - slot.beat_at:.1f} s" if now - slot.beat_at > _patience_s(slot) else ""
+        if slot.unit.program.ready == "start":
+            return ""
+        if self._present(slot.unit.name):
+            slot.beat_at = now
+        patience_s = HANG_STARTING_S if slot.phase == "starting" else HANG_PROGRAM_S
+        return f"its liveliness token is missing for {patience_s:g} s" if now - slot.beat_at > patience_s else ""
 
     def _ended(self, slot: Slot, child: Started, code: int, now: float) -> None:
         child.close()
@@ -191,8 +201,8 @@ class Supervisor:
             slot.phase, slot.reason = "stopped", ""
             self._tell("stopped", slot, "stopped", "info")
             return
-        end = End.HUNG if slot.hung else End.CLEAN if code == 0 else End.CRASHED
-        why = slot.last_words if slot.last_words and end is not End.CLEAN else _code(code)
+        end = End.HUNG if slot.hung else End.CLEAN if code == 0 and slot.unit.program is not None else End.CRASHED
+        why = slot.last_words if slot.last_words and end is not End.CLEAN else _code(code, slot)
         why += "" if end is End.CLEAN else f"; its log: logs/{slot.unit.config.robot}-{slot.unit.name}.log"
         if now - slot.started_at > HEALTHY_S:
             slot.deaths = ()
@@ -235,14 +245,23 @@ class Supervisor:
     def _next(self, now: float) -> float:
         times = [slot.due_at for slot in self.slots.values() if slot.due_at is not None and self._may_start(slot)]
         times += [slot.kill_at for slot, _ in self.children() if slot.kill_at is not None]
-        times += [slot.beat_at + HANG_S for slot, _ in self.children() if slot.unit.program is None and slot.wanted]
+        times += [
+            slot.beat_at + HANG_MOVER_S for slot, _ in self.children() if slot.unit.program is None and slot.wanted
+        ]
         return max(0.0, min((due - now for due in times), default=1.0))
 
     def _tell(self, kind: str, slot: Slot, text: str, level: str) -> None:
         self._happened(kind, slot.unit.name, text, level)
 
 
-def _code(code: int) -> str:
+def _patience_s(slot: Slot) -> float:
+    patience = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}
+    return patience.get(slot.phase, HANG_MOVER_S if slot.unit.moves else HANG_S)
+
+
+def _code(code: int, slot: Slot) -> str:
+    if code == 0 and slot.unit.program is None:
+        return "told to end, but not by the robot"
     if code == NO_PROGRAM:
         return "there is no such program, or it may not be executed"
     return f"killed by {_signal(-code)}" if code < 0 else f"exit code {code}"

@@ -7,8 +7,17 @@ import msgspec
 import pytest
 
 from lbr.capability.config import ProcessConfig, Report
+from lbr.capability.program import ProgramSettings
 from lbr.executive.plan import Change, Unit
-from lbr.executive.supervisor import DEGRADED_PATIENCE_S, HANG_S, HANG_STARTING_S, TERM_S, Supervisor
+from lbr.executive.supervisor import (
+    DEGRADED_PATIENCE_S,
+    HANG_MOVER_S,
+    HANG_PROGRAM_S,
+    HANG_S,
+    HANG_STARTING_S,
+    TERM_S,
+    Supervisor,
+)
 
 
 class FakeProcess:
@@ -94,11 +103,13 @@ class Stage:
         return self.log.count(("start", name))
 
 
-def unit(name, *, needs=(), moves=False, family="app", restart="on-failure", mark=""):
+def unit(name, *, needs=(), moves=False, family="app", restart="on-failure", mark="", program=None):
     config = ProcessConfig(
         robot="r", name=name, kind="k", settings=msgspec.Raw(b"{}"), endpoints=(), home="", device=mark
     )
-    return Unit(name=name, kind="k", family=family, moves=moves, restart=restart, needs=needs, config=config)
+    return Unit(
+        name=name, kind="k", family=family, moves=moves, restart=restart, needs=needs, config=config, program=program
+    )
 
 
 def test_a_capability_waits_for_what_it_needs():
@@ -135,6 +146,57 @@ def test_a_hang_is_killed_and_told_apart_from_a_crash():
     stage.passes(HANG_S + 0.3)
     assert ("kill", "motors") in stage.log
     assert [kind for kind, *_ in stage.told][-1] == "hung"
+
+
+def test_what_moves_something_is_given_less_time():
+    stage = Stage(unit("motors", moves=True))
+    stage.says("motors")
+    stage.passes(HANG_MOVER_S + 0.15)
+    assert ("kill", "motors") in stage.log
+
+
+def test_a_capability_that_somebody_else_told_to_end_starts_again():
+    stage = Stage(unit("motors"))
+    stage.says("motors")
+    stage.dies("motors", 0)
+    assert stage.told[-1][:3] == ("crashed", "motors", stage.told[-1][2])
+    assert "told to end, but not by the robot" in stage.told[-1][2]
+    stage.passes(0.2)
+    assert stage.starts("motors") == 2
+
+
+def test_a_program_that_ends_by_itself_stays_down():
+    stage = Stage(unit("once", program=ProgramSettings(argv=("x",))))
+    stage.dies("once", 0)
+    assert stage.phase("once") == "stopped"
+
+
+def test_a_program_whose_token_vanishes_is_a_hang_and_one_without_a_token_is_never():
+    token = unit("token", program=ProgramSettings(argv=("x",), ready="token"))
+    stage = Stage(token, unit("plain", program=ProgramSettings(argv=("x",))))
+    stage.passes(30.0)
+    assert stage.phase("token") == "ready"
+    stage.hidden = {"token", "plain"}
+    stage.passes(HANG_PROGRAM_S - 0.2)
+    assert ("kill", "token") not in stage.log
+    stage.passes(0.5)
+    assert ("kill", "token") in stage.log
+    assert ("kill", "plain") not in stage.log
+    assert "hung: its liveliness token is missing" in stage.supervisor.slots["token"].last_end
+
+
+def test_the_last_end_is_told_in_the_words_of_its_event_also_after_the_restart():
+    stage = Stage(unit("motors"))
+    stage.says("motors")
+    stage.processes["motors"].said.append(Report(phase="failed", reason="ValueError: out of cheese"))
+    stage.dies("motors", 70)
+    text = stage.told[-1][2]
+    stage.passes(0.2)
+    stage.says("motors")
+    slot = stage.supervisor.slots["motors"]
+    assert slot.reason == ""
+    assert slot.last_end.startswith("crashed: ValueError: out of cheese")
+    assert text.startswith(slot.last_end)
 
 
 def test_heartbeats_keep_a_process_alive():

@@ -8,12 +8,17 @@ from benchmarks.scenarios import crashes
 from tests.safety.limits import holds
 
 pytestmark = pytest.mark.timeout(30)
-SIDES = (crashes.motor_driver_fails, crashes.driving_app_fails)
+APP_WAYS = ("exception", "callback", "memory", "segfault")
+SIDES = [
+    *((crashes.motor_driver_fails, ways) for ways in (crashes.CRASHES[:4], crashes.CRASHES[4:8], crashes.CRASHES[8:])),
+    (crashes.driving_app_fails, APP_WAYS),
+]
 
 
-@pytest.mark.parametrize("side", SIDES, ids=lambda side: side.__name__)
-@pytest.mark.parametrize("ways", [crashes.CRASHES[:3], crashes.CRASHES[3:]], ids=",".join)
-def test_a_crash_stops_the_motion_it_carries(side, ways):
+@pytest.mark.parametrize(
+    ("side", "ways"), SIDES, ids=lambda part: ",".join(part) if isinstance(part, tuple) else part.__name__
+)
+def test_a_crash_stops_the_motion_it_carries_and_is_told_everywhere_in_the_same_words(side, ways):
     def scenario(results: Results) -> None:
         with bench(results, *crashes.VICTIMS, edits=crashes.EDITS) as under_test:
             for how in ways:
