@@ -3,12 +3,13 @@
 import queue
 import threading
 import time
+from typing import get_args
 
 import msgspec
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.messages.drive import CommandReply, GoalResult
-from lbr.messages.system import ConsoleResult, EstopState, Event, Hold, Status
+from lbr.messages.system import ConsoleResult, EstopState, Event, Hold, Role, Status
 
 ROBOT = "rob"
 
@@ -28,7 +29,7 @@ class FakeRobot:
         self.blocked: dict[str, threading.Event] = {}
         self._wake: queue.SimpleQueue[bool] = queue.SimpleQueue()
         wake = lambda: self._wake.put(True)  # noqa: E731
-        self._console = wire.Served(self.bus, keys.console(ROBOT), wake)
+        self._consoles = {role: wire.Served(self.bus, keys.console(ROBOT, role), wake) for role in get_args(Role)}
         self._command = wire.Served(self.bus, f"{ROBOT}/drive/command", wake)
         self._stop = wire.Served(self.bus, f"{ROBOT}/drive/stop", wake)
         self.results = wire.Publisher(self.bus, f"{ROBOT}/drive/result", "drive")
@@ -82,18 +83,19 @@ class FakeRobot:
 
     def _run(self) -> None:
         while self._wake.get():
-            for request in self._console.take():
-                self._answer(request)
+            for role, console in self._consoles.items():
+                for request in console.take():
+                    self._answer(request, role)
             for request in self._command.take():
                 self._renew(request)
             for request in self._stop.take():
                 self.stopped.append(msgspec.json.decode(request.payload)["reason"])
                 request.reply(CommandReply(accepted=True), "drive")
 
-    def _answer(self, request: wire.Request) -> None:
+    def _answer(self, request: wire.Request, role: Role) -> None:
         line = request.payload.decode()
         found = stamp.read(request.attachment)
-        self.said.append((line, found.source, found.token))
+        self.said.append((line, found.source, role))
         result = self.lines.get(line, ConsoleResult(code=2, text=f"'{line}' is not a word of this robot"))
         gate = self.blocked.get(line)
         if gate is None:

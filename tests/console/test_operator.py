@@ -10,15 +10,15 @@ from lbr.messages.system import ConsoleResult, Event
 
 @pytest.fixture
 def operator(client):
-    operator = BusOperator(client, ROBOT, "console@here", token="secret")
+    operator = BusOperator(client, ROBOT, "console@here", role="admin")
     yield operator
     operator.close()
 
 
-def test_a_line_is_said_with_source_and_token(robot, operator):
+def test_a_line_is_said_with_its_source_and_in_its_role(robot, operator):
     robot.lines["s"] = ConsoleResult(code=0, text="stopped")
     assert operator.submit(" s \n").text == "stopped"
-    assert robot.said == [("s", "console@here", "secret")]
+    assert robot.said == [("s", "console@here", "admin")]
 
 
 def test_a_line_with_control_characters_is_never_sent(robot, operator):
