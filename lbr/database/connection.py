@@ -1,5 +1,6 @@
 """One connection to a database file, and SQLite's errors as sentences."""
 
+import os
 import re
 import sqlite3
 from collections.abc import Iterator
@@ -106,4 +107,13 @@ def _begin(connection: Connection) -> None:
 
 def _sentence(path: Path, error: BaseException | None) -> str:
     code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+    if code == sqlite3.SQLITE_IOERR and _full(path):
+        code = sqlite3.SQLITE_FULL
     return f"database {path} {_SENTENCES.get(code, f'refuses: {error}')}"
+
+
+def _full(path: Path) -> bool:
+    try:
+        return os.statvfs(path.absolute().parent).f_bavail == 0
+    except OSError:
+        return False
