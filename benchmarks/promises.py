@@ -29,6 +29,12 @@ PROMISES: dict[str, Promise] = {
     "P5 stop": Promise(what="hang (4 ways, driver and app), to motor zero", hard=STOP_HARD_MS),
     "P5 gone": Promise(what="hang, to process killed", target=1500, hard=3000),
     "P5 ready": Promise(what="hang, to ready", target=3000, hard=5000),
+    "S15": Promise(what="range board silent, unplugged, garbled or blind, to motor zero", target=400, hard=600),
+    "S15 frozen": Promise(what="range board repeats one reading, to motor zero", target=400, hard=1000),
+    "S16": Promise(what="motor cable pulled, to the fault told", target=200, hard=500),
+    "S16 stop": Promise(what="motor cable pulled, to motor zero", hard=STOP_HARD_MS),
+    "S17": Promise(what="controller that was deaf for 2 s, to motor zero after it hears again", hard=50),
+    "S17 lines": Promise(what="old commands that it then obeys", unit="", target=3, hard=3),
     "S18 interval": Promise(what="end of a timed move, off by; never 20 ms early", target=40, hard=150),
     "S18 range": Promise(what="range crossed (frame at the driver), to motor zero", target=120, hard=150),
     "E1 console": Promise(what="estop as a console line, to motor zero", target=20, statistic="p99", hard=250),
@@ -36,6 +42,8 @@ PROMISES: dict[str, Promise] = {
     "E1 H": Promise(
         what="estop as a console line under 4 busy loops, to motor zero", target=50, statistic="p99", hard=250
     ),
+    "E7": Promise(what="an emergency stop that the device does not acknowledge is never called done"),
+    "E7 stop": Promise(what="emergency stop of a controller that says nothing, to motor zero", hard=250),
     "B1 I": Promise(what="interval of motor commands", target=22, statistic="p99"),
     "B1 H": Promise(what="interval of motor commands under 4 busy loops", target=35, statistic="p99"),
     "B2 I": Promise(what="stops that nobody asked for, in 10 s", unit="", target=0),

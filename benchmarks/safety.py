@@ -17,7 +17,20 @@ import msgspec
 
 from benchmarks.figures import Report, Result, Results, table
 from benchmarks.promises import PROMISES
-from benchmarks.scenarios import bounds, clients, crashes, edits, estop, freezes, kills, load, shutdown, starts, writers
+from benchmarks.scenarios import (
+    bounds,
+    clients,
+    crashes,
+    devices,
+    edits,
+    estop,
+    freezes,
+    kills,
+    load,
+    shutdown,
+    starts,
+    writers,
+)
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs" / "safety.md"
@@ -38,6 +51,8 @@ SCENARIOS: dict[str, tuple[Scenario, float]] = {
     "S12": (freezes.repeated(freezes.driver_and_guard_killed), 0.5),
     "S8": (clients.clients_gone, 0.3),
     "S13": (crashes.crashes, 0.1),
+    "S15": (devices.range_board, 0.2),
+    "S16": (devices.motor_line, 0.3),
     "S18": (bounds.bounds, 1.0),
     "E1": (estop.estop, 1.5),
     "B1": (load.loaded, 0.1),

@@ -20,7 +20,7 @@ FAR_M, NEAR_M, TARGET_CM = 1.5, 0.6, 90.0
 def interval(under_test: Bench) -> None:
     """A move of a given time ends on time."""
     interval_s = round(under_test.dice.uniform(0.4, 0.8), 2)
-    with _held(under_test, {"interval_s": interval_s}) as at_ns:
+    with held(under_test, {"interval_s": interval_s}) as at_ns:
         under_test.wait_for_motion()
         zero = under_test.trace.first_zero(at_ns + 100_000_000, 2.0)
     if zero is None:
@@ -37,7 +37,7 @@ def range_crossed(under_test: Bench) -> None:
     """A move to a range ends when the sensor's frame says so; the sensor is pinned far, then near."""
     _pin(under_test, FAR_M)
     _see(under_test, lambda metres: metres > 1.0)
-    with _held(under_test, {"range_cm": TARGET_CM, "sensor": "forward"}):
+    with held(under_test, {"range_cm": TARGET_CM, "sensor": "forward"}):
         under_test.wait_for_motion()
         _pin(under_test, NEAR_M)
         frame_ns = _see(under_test, lambda metres: metres < 1.0)
@@ -63,14 +63,14 @@ def bounds(results: Results, n: int) -> None:
 
 
 def _until_range(under_test: Bench, angle_deg: float, range_cm: float, crossed: Callable[[float], bool]) -> None:
-    with _held(under_test, {"angle_deg": angle_deg, "range_cm": range_cm, "sensor": "forward"}):
+    with held(under_test, {"angle_deg": angle_deg, "range_cm": range_cm, "sensor": "forward"}):
         under_test.wait_for_motion()
         zero = under_test.stopped_after("S18 range", _see(under_test, crossed))
     under_test.stays_at_rest(zero)
 
 
 @contextmanager
-def _held(under_test: Bench, limits: dict[str, Any]) -> Iterator[int]:
+def held(under_test: Bench, limits: dict[str, Any]) -> Iterator[int]:
     """Start a bounded move, give the moment of its acceptance, and renew its lease until a little after the block."""
     robot = under_test.robot
     command = {"power": POWER, "angle_deg": under_test.dice.choice(ANGLES)} | limits

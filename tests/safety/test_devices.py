@@ -1,0 +1,29 @@
+"""Devices that are unplugged, deaf, dumb or frozen: what moves stops, what is said is true, nothing goes on by itself."""
+
+from collections.abc import Callable
+
+import pytest
+
+from benchmarks.bench import Bench
+from benchmarks.figures import Results
+from benchmarks.scenarios import devices
+
+pytestmark = pytest.mark.timeout(30)
+Held = Callable[[Callable[[Bench], None]], Results]
+
+
+def test_a_pulled_motor_cable_is_told_and_its_return_moves_nothing(held: Held):
+    assert held(devices.motors_unplugged).of("S16").n == 1
+
+
+def test_a_controller_that_was_deaf_does_not_do_what_it_was_told_meanwhile(held: Held):
+    assert held(devices.motors_deaf).of("S17").n == 1
+
+
+def test_an_emergency_stop_is_called_done_only_once_the_device_has_said_so(held: Held):
+    assert held(devices.motors_dumb).of("E7").n == 1
+
+
+@pytest.mark.parametrize("name", ["silent", "unplug", "frozen"])
+def test_a_range_board_that_fails_stops_the_way_ahead(held: Held, name: str):
+    assert held(lambda under_test: devices.ranges_fail(under_test, name)).by_figure
