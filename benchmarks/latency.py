@@ -31,12 +31,16 @@ MESSAGE = {"left": 0.4, "right": -0.4, "lease": "0123456789abcdef"}
 
 
 class Setpoints:
-    """Hears the setpoints on their way to the driver, and how long each was on the bus."""
+    """Hears the setpoints where the driver hears them, at the core router, and how long each was on the bus."""
 
     def __init__(self, under_test: Bench) -> None:
         key = keys.port(under_test.robot.name, "motors", "setpoint")
         self.hop_ms: list[float] = []
-        self._subscriber = under_test.robot.bus.declare_subscriber(key, wire.direct(self._hear))
+        self._bus = under_test.robot.as_owner()
+        self._subscriber = self._bus.declare_subscriber(key, wire.direct(self._hear))
+
+    def close(self) -> None:
+        self._bus.close()
 
     def _hear(self, sample: Any) -> None:
         at_ns = time.monotonic_ns()
@@ -108,6 +112,7 @@ def _measure(under_test: Bench, queues: TwoHops, n: int) -> dict[str, list[float
                 bare.append(half)
             old.append(queues.once(MESSAGE))
             under_test.pass_time(under_test.dice.uniform(0.0, 0.02))
+    setpoints.close()
     return {
         "console line to motor bytes": lines,
         "console line to its answer": answers,

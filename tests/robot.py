@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from lbr.bus import keys, session, wire
+from lbr.bus.access import TOOLS, Credentials
 
 T = TypeVar("T")
 LBR = [sys.executable, "-m", "lbr.cli"]
@@ -29,6 +30,11 @@ class Robot:
         self.name = ready["robot"]
         self.endpoints = ready["endpoints"]
         self.bus = session.open_client(self.endpoints)
+
+    def as_owner(self) -> session.Session:
+        """Open a session with all rights, as `lbr`'s own commands do."""
+        running = json.loads((self.home / "run" / f"{self.name}.json").read_text())
+        return session.open_client([running["core"]], Credentials(user=TOOLS, password=running["password"]))
 
     def ask(self, key: str, message: Any = None, *, source: str = "test", timeout_s: float = 2.0) -> Any:
         """Query `<robot>/<key>` and return the decoded answer; None if nobody answered."""
