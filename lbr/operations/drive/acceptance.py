@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from math import isfinite
-from typing import Literal, get_args
+from typing import Literal
 
-from lbr.messages.drive import DriveCommand, Sensor
+from lbr.messages.drive import DriveCommand
 from lbr.operations.drive.freshness import TWICE, dated, insists, not_fresh
 from lbr.operations.drive.goals import not_plausible
 from lbr.operations.drive.mixing import mix
-from lbr.operations.drive.rules import Limit, limit
+from lbr.operations.drive.rules import SENSORS, Limit, limit
 from lbr.operations.drive.state import Command, Hold, State, motors_trouble, offered, why_dead
 
 Intent = Literal["stop", "new", "confirmation", "renewal", "change"]
@@ -70,20 +70,20 @@ def _as_checked(state: State, command: DriveCommand) -> bool:
 def _form(state: State, event: Command, now: float) -> str:
     """Numbers are finite and within their bounds, as decoding saw to, and the command has not lain about."""
     command = event.command
-    bounds = {
-        "power": (command.power, 0.0, 1.0),
-        "angle_deg": (command.angle_deg, -360.0, 360.0),
-        "range_cm": (command.range_cm, 0.0, 769.0),
-        "interval_s": (command.interval_s, 0.0, 3600.0),
-        "ttl_s": (1.0 if command.ttl_s is None else command.ttl_s, 0.0, 1.0),
-    }
-    for name, (value, low, high) in bounds.items():
+    bounds = (
+        ("power", command.power, 0.0, 1.0),
+        ("angle_deg", command.angle_deg, -360.0, 360.0),
+        ("range_cm", command.range_cm, 0.0, 769.0),
+        ("interval_s", command.interval_s, 0.0, 3600.0),
+        ("ttl_s", 1.0 if command.ttl_s is None else command.ttl_s, 0.0, 1.0),
+    )
+    for name, value, low, high in bounds:
         if not (isfinite(value) and low <= value <= high):
             return f"{name} {value:g} is outside {low:g} to {high:g}"
     if command.ttl_s == 0.0:
         return "ttl_s 0 is no life; leave it out or give up to 1"
-    if command.sensor not in get_args(Sensor):
-        return f"sensor '{command.sensor}' is none of {', '.join(get_args(Sensor))}"
+    if command.sensor not in SENSORS:
+        return f"sensor '{command.sensor}' is none of {', '.join(SENSORS)}"
     return not_fresh(state, event, now)
 
 

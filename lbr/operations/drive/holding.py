@@ -1,6 +1,6 @@
 """What an accepted command does: it begins to hold the base, goes on, changes, or is offered a lease to confirm."""
 
-from math import isnan, nan
+from math import inf, isnan, nan
 
 from msgspec.structs import replace
 
@@ -75,7 +75,7 @@ def _change(state: State, event: Command, now: float) -> Decision:
     held = state.hold
     assert held is not None
     ended: Outputs = () if held.goal is None else (result(held.goal, "superseded", "another command came", now),)
-    hold = replace(_new_hold(state, event, now), lease=held.lease, source=held.source, renewed=held.renewed)
+    hold = replace(_new_hold(state, event, now), lease=held.lease, source=held.source)
     hold = replace(hold, said=max(held.said, hold.said))
     state, accepted = _accept(state, _quoting(state, hold, event), event, now)
     state, driven = drive(state, now)
@@ -84,7 +84,8 @@ def _change(state: State, event: Command, now: float) -> Decision:
 
 def _begin(state: State, event: Command, now: float) -> Decision:
     """Hold the base from now on; whoever held it does so no more."""
-    before, source = state.hold, event.source
+    before, offer = state.hold, offered(state, event.command.lease)
+    source = offer.source if offer else event.source
     why = f"taken over by {source}" if before else ""
     state, ended = end(state, "superseded", why, now, heir=source) if before else (state, ())
     state, hold, replaced = _first_hold(state, event, now)
@@ -99,7 +100,7 @@ def _first_hold(state: State, event: Command, now: float) -> tuple[State, Hold, 
     hold, offer = _new_hold(state, event, now), offered(state, event.command.lease)
     if offer is None:
         return state, hold, ()
-    hold = _quoting(state, replace(hold, lease=offer.lease), event)
+    hold = _quoting(state, replace(hold, lease=offer.lease, source=offer.source), event)
     state = replace(state, offers=tuple(one for one in state.offers if one is not offer))
     if offer.goal is None:
         return state, hold, ()
@@ -134,8 +135,11 @@ def _yes(state: State, hold: Hold, event: Command, now: float) -> Reply:
 
 def _quoting(state: State, hold: Hold, event: Command) -> Hold:
     """Return a hold whose lease was quoted; it lives from when that was sent."""
-    renewed = max(dated(state, event), hold.renewed)  # this way round, NaN is no renewal yet
-    return replace(hold, renewed=renewed, offset_s=offset_s(event, quoted(state, event)))
+    known = quoted(state, event)
+    assert known is not None
+    renewed = max(dated(state, event), known.renewed)  # this way round, NaN is no renewal yet
+    own_s = offset_s(event, known) if event.source == known.source else inf
+    return replace(hold, renewed=renewed, offset_s=min(known.offset_s, own_s))
 
 
 def _new_hold(state: State, event: Command, now: float) -> Hold:

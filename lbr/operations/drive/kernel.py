@@ -103,7 +103,8 @@ def _no_later(arrived: float, now: float) -> float:
 
 def _lose_time(state: State, now: float) -> Decision:
     """Stop and forget whatever has a date: none of it means anything on a clock that went back."""
-    insisting = {name: Insisting(until=now + INSISTING_S, how=found.how) for name, found in state.insisting.items()}
+    recent = {name: found for name, found in state.insisting.items() if not state.clock >= found.until}
+    insisting = {name: Insisting(until=now + INSISTING_S, how=found.how) for name, found in recent.items()}
     forgotten = replace(
         state,
         motors=None,

@@ -9,6 +9,7 @@ from lbr.operations.drive.rules import FREE, Limit, limit
 from lbr.operations.drive.state import Happened, Outputs, State
 
 LONGEST_STEP_S = 0.1
+"""Setpoints older than this move nothing, so no longer step counts."""
 TELL_AGAIN_S = 1.0
 
 Wheels = tuple[float, float]
@@ -16,7 +17,7 @@ Wheels = tuple[float, float]
 
 def next_wheels(state: State, now: float) -> State:
     """Return the state with the wheels' next powers, and the base's own estimate of how far it came meanwhile."""
-    elapsed_s = max(0.0, now - state.ticked)  # this way round, NaN is no time
+    elapsed_s = min(max(0.0, now - state.ticked), LONGEST_STEP_S)  # this way round, NaN is no time
     settings = state.settings
     odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps)
     state = replace(state, odometer=odometer, ticked=now)
@@ -24,7 +25,7 @@ def next_wheels(state: State, now: float) -> State:
         return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="")
     asked = mix(state.hold.power, state.hold.command.angle_deg, settings)
     limited = limit(settings, state.views, asked, now, state.limited.blocked)
-    step = settings.accel_per_s * min(elapsed_s, LONGEST_STEP_S)
+    step = settings.accel_per_s * elapsed_s
     wheels = slew((state.left, state.right), _scaled(asked, limited), step)
     between = limit(settings, state.views, wheels, now, limited.blocked)
     left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))

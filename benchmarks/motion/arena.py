@@ -1,0 +1,310 @@
+"""The drive kernel and the model of it side by side: everything that happens goes to both, and they must agree."""
+
+import hashlib
+from collections import deque
+from collections.abc import Callable
+from math import inf, isfinite, isnan, nan
+
+from benchmarks.motion.reference import ACCEL_PER_S, CHECKS_S, LATE_S, MAX_POWER, MAX_RUN_S, TTL_S, Message, Reference
+from lbr.messages.drive import CheckVerdict, CommandReply, DriveCommand
+from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.sensing import Ranges, RangeStatus
+from lbr.operations.drive import kernel
+from lbr.operations.drive.settings import DriveSettings
+from lbr.operations.drive.state import (
+    Command,
+    EstopChanged,
+    Event,
+    Happened,
+    MotorsLost,
+    MotorsSeen,
+    Outputs,
+    RangesSeen,
+    Reply,
+    Setpoint,
+    State,
+    Stop,
+    Tick,
+)
+
+Decide = Callable[[State, Event, float], tuple[State, Outputs]]
+SETTINGS = DriveSettings(
+    max_power=MAX_POWER, accel_per_s=ACCEL_PER_S, max_run_s=MAX_RUN_S, ttl_s=TTL_S, blocked_s=3600.0
+)
+ARMED = MotorsState(left=0.0, right=0.0, armed=True, reason="", estop=False)
+DISARMED = MotorsState(left=0.0, right=0.0, armed=False, reason="tripped", estop=False)
+SLACK = 1e-9
+EVENTS_KEPT = 40
+DELAYS_KEPT = 256
+HASH_EVERY = 2048
+STUCK_S = 0.2
+LONGEST_STEP_S = 0.1
+TICK = Tick()
+
+
+class ViolationError(AssertionError):
+    """The kernel did what must never be."""
+
+
+class Arena:
+    """Time, a kernel, its model, and what must always hold between them."""
+
+    def __init__(self, decide: Decide = kernel.decide, start: float = 100.0) -> None:
+        self.now = start
+        self.steps = 0
+        self.counts: dict[str, int] = {}
+        self._recent: deque[tuple[int, float, str, object]] = deque(maxlen=EVENTS_KEPT)
+        self.model = Reference()
+        self.state = kernel.first_state(SETTINGS)
+        self._decide = decide
+        self._digest = hashlib.blake2b(digest_size=16)
+        self._trace: list[object] = []
+        self._wheels = (0.0, 0.0)
+        self._wheels_at = nan
+        self._names = 0
+        self._idle_since = start
+        self._delays: dict[tuple[str, str], float] = {}
+        self._goals: set[str] = set()
+        self._told_holder = ""
+
+    @property
+    def trace(self) -> str:
+        """Return the hash of everything that happened so far."""
+        self._flush()
+        return self._digest.hexdigest()
+
+    def recent(self) -> list[str]:
+        """Return the last events in words, oldest first."""
+        return [
+            f"{step:>9} {now:12.4f} {kind:12} {'' if what is None else what}" for step, now, kind, what in self._recent
+        ]
+
+    @property
+    def holder(self) -> str:
+        """Return the lease that holds the base, or nothing."""
+        return self.model.hold.name if self.model.hold else ""
+
+    # what happens
+
+    def tick(self) -> None:
+        """Time for the next setpoint."""
+        self.model.advance(self.now)
+        self._do(TICK, "tick")
+        if self._wheels_at != self.now and self.now == self.now:
+            raise self._violation("a tick brought no setpoint")
+        self._moves_when_free()
+
+    def stop(self, source: str, sent: float | None = None) -> None:
+        """Somebody stops it."""
+        sent = self.now if sent is None else sent
+        self.model.advance(self.now)
+        self.model.stop(source, sent, self.now)
+        reply = self._do(Stop(source=source, received=sent), "stop", source)
+        if reply is None or not reply.accepted or self._wheels != (0.0, 0.0):
+            raise self._violation("a stop was not obeyed")
+
+    def latch(self, engaged: bool) -> None:
+        """The emergency stop is pressed or reset."""
+        self.model.advance(self.now)
+        self.model.latch(engaged, self.now)
+        self._do(EstopChanged(engaged=engaged, reason="button"), "latch", engaged)
+        if self._wheels != (0.0, 0.0):
+            raise self._violation("the emergency stop, or its reset, left it moving")
+
+    def motors(self, *, armed: bool = True, at: float | None = None) -> None:
+        """The motor driver speaks."""
+        at = self.now if at is None else at
+        self.model.advance(self.now)
+        self.model.motors(armed, at, self.now)
+        self._do(MotorsSeen(motors=ARMED if armed else DISARMED, arrived=at), "motors", armed)
+
+    def motors_lost(self) -> None:
+        """The motor driver is gone."""
+        self.model.advance(self.now)
+        self.model.motors_lost(self.now)
+        self._do(MotorsLost(reason="motors is gone"), "lost")
+
+    def ranges(self, distances: dict[str, float], *, at: float | None = None, twice: bool = True) -> None:
+        """Distances come, infinite for nothing near and NaN for no reading; `twice`: the second one confirms them."""
+        at = self.now if at is None else at
+        self.model.advance(self.now)
+        event = RangesSeen(ranges=_ranges(distances), arrived=at)
+        self.model.ranges(distances, at, self.now, twice=twice)
+        self._do(event, "ranges", distances)
+        if twice:
+            self._do(event, "ranges again")
+
+    def command(self, message: Message) -> CommandReply:
+        """A command arrives; return the reply."""
+        self._names += 1
+        name, model, now = f"L{self._names}", self.model, self.now
+        model.advance(now)
+        expected = model.command(message, now, now, name, message.check is not None)
+        reply = self._do(_event(message, name, now), "command", message)
+        if reply is None:
+            raise self._violation("a command was not answered")
+        if expected is None:
+            model.settle(message, now, now, name, reply.accepted)
+        elif reply.accepted != expected:
+            raise self._violation(f"the model {'accepts' if expected else 'refuses'} it, the kernel says {reply}")
+        if reply.accepted:
+            self._was_accepted(message, reply, name)
+        self._agrees()
+        return reply
+
+    # what must hold
+
+    def _do(self, event: Event, kind: str, what: object = None) -> CommandReply | None:
+        self.steps += 1
+        self.counts[kind] = self.counts.get(kind, 0) + 1
+        self._recent.append((self.steps, self.now, kind, what))
+        self._trace += (self.now, kind)
+        self.state, outputs = self._decide(self.state, event, self.now)
+        reply = None
+        for output in outputs:
+            if isinstance(output, Setpoint):
+                self._setpoint(output.message)
+            elif isinstance(output, Reply):
+                reply = output.message
+                self._trace.append(reply.reason)
+            elif isinstance(output, Happened):
+                self._happened(output)
+            else:
+                self._ended(output.message.goal)
+        if kind != "command":
+            self._agrees()
+        if len(self._trace) > HASH_EVERY:
+            self._flush()
+        return reply
+
+    def _setpoint(self, setpoint: MotorSetpoint) -> None:
+        left, right = setpoint.left, setpoint.right
+        was_left, was_right = self._wheels
+        elapsed_s = min(max(0.0, self.now - self._wheels_at), LONGEST_STEP_S)
+        if was_left or was_right:
+            self.model.around.drove(was_left, was_right, elapsed_s)
+        if left or right:
+            self._trace += (left, right)
+            if not (isfinite(left) and isfinite(right) and abs(left) <= MAX_POWER and abs(right) <= MAX_POWER):
+                raise self._violation(f"a setpoint beyond all bounds: {left} {right}")
+            most = ACCEL_PER_S * elapsed_s + SLACK
+            if not (abs(left) <= abs(was_left) + most and abs(right) <= abs(was_right) + most):
+                raise self._violation(f"faster growth than allowed: {self._wheels} to {left} {right}")
+            if left * was_left < 0.0 or right * was_right < 0.0:
+                raise self._violation(f"the sense changed without a zero: {self._wheels} to {left} {right}")
+            if not setpoint.lease:
+                raise self._violation("it moves under no lease")
+            if why := self.model.around.too_fast(left, right, self.now):
+                raise self._violation(why)
+        self._wheels, self._wheels_at = (left, right), self.now
+
+    def _happened(self, event: Happened) -> None:
+        self._trace.append(event.text)
+        if event.kind == "holder":
+            self._told_holder = event.data.get("took", "")
+
+    def _ended(self, goal: str) -> None:
+        if goal not in self._goals:
+            raise self._violation(f"the result of {goal}, which does not run")
+        self._goals.remove(goal)
+
+    def _agrees(self) -> None:
+        """Compare what the kernel and the model think of who holds the base, and what that means for the wheels."""
+        hold, held = self.state.hold, self.model.hold
+        if (hold.lease if hold else "") != (held.name if held else ""):
+            raise self._violation(f"the kernel is held by {hold}, the model by {held and (held.name, held.message)}")
+        left, right = self._wheels
+        if left or right:
+            if held is None or self.model.estop:
+                raise self._violation("it moves although nobody may move it")
+            power = held.message.power
+            fastest = max(abs(left), abs(right))
+            if power == 0.0 and fastest > SLACK:
+                raise self._violation("it moves although the holder wants it still")
+            if (left, right) != (self.state.left, self.state.right):
+                raise self._violation("the motors were told something else than the kernel thinks")
+        if self._goals and self._goals != self._running():
+            raise self._violation(f"goals that neither run nor ended: {self._goals} and {self._running()}")
+        if self.state.tally.untold == 0 and self._told_holder != (hold.source if hold else ""):
+            raise self._violation(f"the record says that '{self._told_holder}' holds it")
+
+    def _running(self) -> set[str]:
+        known = (self.state.hold, *self.state.offers)
+        return {hold.goal.goal for hold in known if hold is not None and hold.goal is not None}
+
+    def _moves_when_free(self) -> None:
+        held = self.model.hold
+        wants = (
+            held is not None and held.message.power > 0.0 and self.model.around.free(held.message.angle_deg, self.now)
+        )
+        if not wants or self._wheels != (0.0, 0.0):
+            self._idle_since = self.now
+        elif self.now - self._idle_since > STUCK_S:
+            raise self._violation("it does not move although it may")
+
+    def _was_accepted(self, message: Message, reply: CommandReply, name: str) -> None:
+        if message.power == 0.0 and not message.lease:
+            return
+        if reply.lease != (message.lease or name):
+            raise self._violation(f"a lease that is neither new nor the quoted one: {reply}")
+        if message.remote and not message.lease and reply.lease == self.holder:
+            raise self._violation("a motion from afar began without proof")
+        if reply.goal:
+            self._goals.add(reply.goal)
+        if message.power > 0.0 and not isnan(message.ahead_s):
+            self._was_fresh(message, reply.lease)
+
+    def _was_fresh(self, message: Message, lease: str) -> None:
+        """Hold an accepted command's true age against what its receiver could know of it."""
+        age_s = self.now - message.sent
+        allowed_s = LATE_S + (CHECKS_S if message.check is not None else 0.0)
+        if message.remote:
+            quickest_s = min(age_s, self._delays.get((lease, message.source), inf))
+            if len(self._delays) > DELAYS_KEPT:
+                self._delays.clear()
+            self._delays[lease, message.source] = quickest_s
+            allowed_s += quickest_s
+        if age_s > allowed_s + SLACK:
+            raise self._violation(f"a command {age_s:.3f} s old was acted on")
+
+    def _flush(self) -> None:
+        self._digest.update(repr(self._trace).encode())
+        self._trace.clear()
+
+    def _violation(self, what: str) -> ViolationError:
+        return ViolationError(f"step {self.steps}: {what}")
+
+
+def _event(message: Message, name: str, now: float) -> Command:
+    dated = not (message.remote or isnan(message.ahead_s))
+    verdict = {} if message.check is None else {"mine": CheckVerdict(accepted=message.check)}
+    return Command(
+        command=DriveCommand(
+            power=message.power,
+            angle_deg=message.angle_deg,
+            lease=message.lease,
+            range_cm=message.range_cm,
+            interval_s=message.interval_s,
+            ttl_s=message.ttl_s,
+            take_over=message.take_over,
+        ),
+        source=message.source,
+        role=message.role,  # type: ignore[arg-type]  # also roles that do not exist
+        new_lease=name,
+        new_goal=f"G{name}",
+        received=min(now, message.sent) if dated else now,
+        remote=message.remote,
+        sender_s=message.sent + message.ahead_s,
+        answerable=message.answerable,
+        checks=verdict,
+    )
+
+
+def _ranges(distances: dict[str, float]) -> Ranges:
+    status: dict[str, RangeStatus] = {side: _status(value) for side, value in distances.items()}
+    known = {f"{side}_m": value if isfinite(value) else None for side, value in distances.items()}
+    return Ranges(**known, bottom_m=None, status={**status, "bottom": "over_range"})
+
+
+def _status(value: float) -> RangeStatus:
+    return "ok" if isfinite(value) else "over_range" if value == inf else "missing"

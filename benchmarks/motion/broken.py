@@ -1,0 +1,99 @@
+"""Kernels broken on purpose: each does one thing that must never be, and has to be found out."""
+
+from collections.abc import Callable
+from math import inf, isfinite
+
+from msgspec.structs import replace
+
+from benchmarks.motion.arena import Decide
+from lbr.operations.drive import kernel
+from lbr.operations.drive.state import Command, EstopChanged, Event, Outputs, RangesSeen, State, Stop
+
+Decision = tuple[State, Outputs]
+
+
+def no_lapse(state: State, event: Event, now: float) -> Decision:
+    """Leases live for ever."""
+    if state.hold is not None:
+        state = replace(state, hold=replace(state.hold, expires=inf))
+    return kernel.decide(state, event, now)
+
+
+def resumes_after_reset(state: State, event: Event, now: float) -> Decision:
+    """Goes on, when the emergency stop is reset, with what was held before it."""
+    after, said = kernel.decide(state, event, now)
+    if isinstance(event, EstopChanged):
+        after = replace(after, hold=state.hold, dead=state.dead)
+    return after, said
+
+
+def ignores_estop(state: State, event: Event, now: float) -> Decision:
+    """Hears no emergency stop."""
+    if isinstance(event, EstopChanged):
+        return kernel.decide(state, replace(event, engaged=False), now)
+    return kernel.decide(state, event, now)
+
+
+def ignores_holder(state: State, event: Event, now: float) -> Decision:
+    """Lets everybody take over."""
+    if isinstance(event, Command):
+        event = replace(event, command=replace(event.command, take_over=True))
+    return kernel.decide(state, event, now)
+
+
+def passes_nan(state: State, event: Event, now: float) -> Decision:
+    """Takes an unknown distance for a free way."""
+    if isinstance(event, RangesSeen):
+        status = {side: "over_range" if what == "missing" else what for side, what in event.ranges.status.items()}
+        event = replace(event, ranges=replace(event.ranges, status=status))
+    return kernel.decide(state, event, now)
+
+
+def ignores_a_broken_clock(state: State, event: Event, now: float) -> Decision:
+    """Goes on by the last good time when the clock makes no sense."""
+    good = state.clock if isfinite(state.clock) and not now >= state.clock else now
+    return kernel.decide(state, event, good)
+
+
+def believes_old_commands(state: State, event: Event, now: float) -> Decision:
+    """Takes whatever arrives for new."""
+    if isinstance(event, Command):
+        event = replace(event, received=now, sender_s=now)
+    return kernel.decide(state, event, now)
+
+
+def trusts_afar(state: State, event: Event, now: float) -> Decision:
+    """Needs no proof from other machines."""
+    return kernel.decide(state, replace(event, remote=False) if isinstance(event, Command) else event, now)
+
+
+def forgets_stops(state: State, event: Event, now: float) -> Decision:
+    """Stops, and lets what was sent before that begin again."""
+    after, said = kernel.decide(state, event, now)
+    return (replace(after, stopped=-inf) if isinstance(event, Stop) else after), said
+
+
+def jumps_to_speed(state: State, event: Event, now: float) -> Decision:
+    """Knows no limit of growth."""
+    settings = replace(state.settings, accel_per_s=50.0)
+    after, said = kernel.decide(replace(state, settings=settings), event, now)
+    return replace(after, settings=state.settings), said
+
+
+KERNELS: tuple[Callable[[State, Event, float], Decision], ...] = (
+    no_lapse,
+    resumes_after_reset,
+    ignores_estop,
+    ignores_holder,
+    passes_nan,
+    ignores_a_broken_clock,
+    believes_old_commands,
+    trusts_afar,
+    forgets_stops,
+    jumps_to_speed,
+)
+
+
+def named(name: str) -> Decide:
+    """Return one of them, or the real kernel for an empty name."""
+    return next((broken for broken in KERNELS if broken.__name__ == name), kernel.decide)
