@@ -26,7 +26,8 @@ from lbr.database import copies, store
 from lbr.errors import LbrError
 from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
-from lbr.executive.child import Child, open_log
+from lbr.executive import scheduling
+from lbr.executive.child import Child
 from lbr.executive.credentials import token_key
 from lbr.executive.dispatch import DONE, FAILED, Dispatcher
 from lbr.executive.doors import EXECUTIVE, Doors, core_endpoint, local_endpoint
@@ -35,6 +36,7 @@ from lbr.executive.external import ExternalCommands
 from lbr.executive.journal import Journal
 from lbr.executive.keeper import Keeper
 from lbr.executive.latch import Latch, LatchKeeper
+from lbr.executive.logs import open_log, trim_all
 from lbr.executive.mainthread import MainThread
 from lbr.executive.notify import Notifier
 from lbr.executive.overview import Overview
@@ -48,13 +50,13 @@ from lbr.messages.system import ConsoleResult, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
-APP_NICENESS = 10
 
 
 def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...] = (), *, console: bool = True) -> int:
     """Run a robot until it is told to shut down; return the exit code. Errors people can mend are LbrErrors."""
     profile = profiles.load(profile_name)
     lock = home.RunLock(profile.robot)
+    scheduling.rank(os.getpid(), scheduling.MOTION)  # it carries the router, and has no other thread yet
     try:
         path = database or home.default_database()
         if database is None and not path.exists():
@@ -260,6 +262,7 @@ class Executive:
                 self._external.prune({row.name for row in self.plan.rows.external_commands})
             if now >= self._status_due:
                 self._status_due = now + STATUS_S
+                trim_all(home.directory("logs"))
                 status = self._status()
                 self._status_out.put(status)
                 self._notifier.status(state_of(status)[1])
@@ -326,11 +329,7 @@ class Executive:
         if config.lan is not None:
             config = replace(config, lan=replace(config.lan, upstream=place.router_id))
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
-            child = Child(unit, config, log)
-        if unit.family in {"app", "program"}:
-            with contextlib.suppress(OSError):
-                os.setpriority(os.PRIO_PROCESS, child.pid, APP_NICENESS)
-        return child
+            return Child(unit, config, log)
 
     def _lan(self) -> tuple[str, ...]:
         configs = (unit.config.lan for unit in self.plan.units.values())
