@@ -60,8 +60,9 @@ class EstopLatch:
             reason = _reason(message.payload)
             if reason is not None:
                 with self._lock:
-                    self.reason, self.engaged = reason or "pressed", True
-                    self._again, self._noticed, self._pressed_ns = True, False, time.monotonic_ns()
+                    self._noticed = self._noticed and self.engaged
+                    self.reason, self.engaged, self._again = reason or "pressed", True, True
+                    self._pressed_ns = max(self._pressed_ns, _sent_ns(message))
         self._wake()
 
     def _why_not(self, request: wire.Request) -> str:
@@ -83,6 +84,11 @@ def _reason(payload: bytes) -> str | None:
     except MalformedError:
         return "an emergency stop that could not be read"
     return request.reason if request.engaged else None
+
+
+def _sent_ns(message: wire.Raw) -> int:
+    """Return when a press was made: one that was long on its way must not undo a release that came after it."""
+    return int(stamp.sent_s(stamp.read(message.attachment), message.arrived) * 1e9)
 
 
 class NothingToStop:

@@ -20,18 +20,11 @@ from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
 from lbr.errors import MalformedError
+from lbr.executive import scheduling
 from lbr.executive.plan import Unit
 
-LOG_LIMIT_BYTES = 2_000_000
 LARGEST_DOCUMENT_BYTES = 1 << 20
 _reports = Decoder(Report)
-
-
-def open_log(path: Path) -> IO[bytes]:
-    """Open a log to append to; one older generation is kept once it is large."""
-    if path.exists() and path.stat().st_size > LOG_LIMIT_BYTES:
-        path.replace(path.with_suffix(".old.log"))
-    return path.open("ab", buffering=0)
 
 
 def tethered(argv: tuple[str, ...]) -> list[str]:
@@ -50,7 +43,9 @@ class Child:
         self.unit = unit
         self.reports_fd = -1
         self._buffer = b""
-        self._popen = _start_program(unit.program, config, log) if unit.program else self._start(config, log)
+        self._nice = scheduling.niceness(unit)
+        self._ranked = False
+        self._popen = self._start_program(unit.program, config, log) if unit.program else self._start(config, log)
         self.pid = self._popen.pid
         try:
             self.pid_fd = os.pidfd_open(self.pid)
@@ -86,14 +81,30 @@ class Child:
         finally:
             os.close(report_fd)
         assert popen.stdin is not None
+        self._ranked = scheduling.rank(popen.pid, self._nice)
         fcntl.fcntl(popen.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)  # so that writing never waits for a reader
         with contextlib.suppress(BrokenPipeError):  # it died at once; its end is seen where every end is
             popen.stdin.write(document)
             popen.stdin.flush()
         return popen
 
+    def _start_program(
+        self, program: ProgramSettings, config: ProcessConfig, log: IO[bytes]
+    ) -> "subprocess.Popen[bytes]":
+        popen = subprocess.Popen(
+            tethered(program.argv),
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            env=_environment(config) | program_environment(program, config) | {"LBR_CONFIG": str(_way_in(config))},
+            start_new_session=True,
+        )
+        self._ranked = scheduling.rank(popen.pid, self._nice)
+        return popen
+
     def reports(self) -> list[Report]:
         """Return what the process has said since the last call; an empty report is a heartbeat."""
+        self._ranked = self._ranked or scheduling.rank(self.pid, self._nice)
         if self.reports_fd < 0:
             return []
         try:
@@ -134,19 +145,9 @@ class Child:
             os.killpg(self.pid, number)
 
 
-def _start_program(program: ProgramSettings, config: ProcessConfig, log: IO[bytes]) -> "subprocess.Popen[bytes]":
-    return subprocess.Popen(
-        tethered(program.argv),
-        stdin=subprocess.DEVNULL,
-        stdout=log,
-        stderr=log,
-        env=_environment(config) | program_environment(program, config) | {"LBR_CONFIG": str(_way_in(config))},
-        start_new_session=True,
-    )
-
-
 def _environment(config: ProcessConfig) -> dict[str, str]:
-    return leaf_environment() | {"LBR_HOME": config.home}
+    environment = leaf_environment() if config.lan is None else dict(os.environ)  # the door is a router, no leaf
+    return environment | {"LBR_HOME": config.home}
 
 
 def _way_in(config: ProcessConfig) -> Path:

@@ -10,7 +10,9 @@ from pathlib import Path
 
 from lbr.database.rows import ExternalCommandRow
 from lbr.errors import InputError, LbrError
-from lbr.executive.child import open_log, tethered
+from lbr.executive import scheduling
+from lbr.executive.child import tethered
+from lbr.executive.logs import open_log
 
 BLOCKING_LIMIT_S = 60.0
 OUTPUT_LIMIT = 4000
@@ -39,13 +41,15 @@ class ExternalCommands:
     def _spawn(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> "subprocess.Popen[bytes]":
         with contextlib.ExitStack() as stack:
             out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
-            return subprocess.Popen(
+            popen = subprocess.Popen(
                 tethered((*row.argv, *arguments)),
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
+        scheduling.rank(popen.pid, scheduling.BACKGROUND)
+        return popen
 
     @staticmethod
     def wait(row: ExternalCommandRow, popen: "subprocess.Popen[bytes]") -> tuple[int, str]:

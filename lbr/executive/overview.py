@@ -1,4 +1,4 @@
-"""What runs and how it is: the status of every capability, with its CPU and memory."""
+"""What runs and how it is: the status of every capability, with its CPU, memory and niceness."""
 
 import psutil
 
@@ -22,7 +22,7 @@ class Overview:
         return tuple(self._one(name, slot, now) for name, slot in slots.items())
 
     def _one(self, name: str, slot: Slot, now: float) -> CapabilityStatus:
-        cpu, memory = self._read(slot.child.pid) if slot.child is not None else (None, None)
+        cpu, memory, nice = self._read(slot.child.pid) if slot.child is not None else (None, None, None)
         return CapabilityStatus(
             name=name,
             kind=slot.unit.kind,
@@ -35,11 +35,12 @@ class Overview:
             rates_hz=slot.rates,
             cpu_percent=cpu,
             memory_mb=memory,
+            nice=nice,
         )
 
-    def _read(self, pid: int) -> tuple[float | None, float | None]:
+    def _read(self, pid: int) -> tuple[float | None, float | None, int | None]:
         try:
             meter = self._meters.get(pid) or self._meters.setdefault(pid, psutil.Process(pid))
-            return meter.cpu_percent(), round(meter.memory_info().rss / 1e6, 1)
+            return meter.cpu_percent(), round(meter.memory_info().rss / 1e6, 1), meter.nice()
         except psutil.Error:
-            return None, None
+            return None, None, None

@@ -100,6 +100,7 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
     rates_hz: dict[str, float]
     cpu_percent: float | None = None
     memory_mb: float | None = None
+    nice: int | None = None
     last_end: str = ""
 
 

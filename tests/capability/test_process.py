@@ -10,7 +10,8 @@ import pytest
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
-from lbr.executive.child import Child, open_log
+from lbr.executive.child import Child
+from lbr.executive.logs import open_log
 from lbr.executive.plan import Unit
 from lbr.messages.system import EstopState
 from tests.robot import until
