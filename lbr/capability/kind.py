@@ -28,6 +28,7 @@ class Kind:
     `roles` are the commands that need another role than `operate`; anybody may stop.
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
     `device` is the type of the device row that the setting `device` must name; empty if it owns none.
+    `device_settings` is what rows of a type of device may set for it.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Kind:
     roles: Mapping[str, Role] = field(default_factory=dict)
     moves: bool = False
     device: str = ""
+    device_settings: Mapping[str, type[Struct]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Refuse ports that are not messages."""

@@ -47,6 +47,7 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
     """Check the rows of every robot, as a start would, and the audit trail. Exit code 2 if anything is bad."""
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.database.reader import shown  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
@@ -62,9 +63,9 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
         print_json([{"robot": name, "problems": found} for name, found in problems.items()])
     for name, found in problems.items():
         for problem in () if as_json else found:
-            click.echo(f"{name}: {problem}", err=True)
+            click.echo(f"{shown(name)}: {problem}", err=True)
         if not found and not as_json:
-            click.echo(f"{name}: good")
+            click.echo(f"{shown(name)}: good")
     return 2 if any(problems.values()) else 0
 
 

@@ -17,15 +17,16 @@ from lbr.errors import RowError
 
 BUSY_TIMEOUT_S = 2.0
 
+_RESTORE = "`lbr db restore` puts the last good copy in its place"
 _SENTENCES = {
     sqlite3.SQLITE_BUSY: "is locked by another program: close its transaction",
     sqlite3.SQLITE_LOCKED: "is locked by another program: close its transaction",
     sqlite3.SQLITE_READONLY: "is read-only: make the file and its folder writable for you",
     sqlite3.SQLITE_IOERR: "cannot be read or written: check the disk",
-    sqlite3.SQLITE_CORRUPT: "is damaged: `lbr db restore` puts the last good copy in its place",
+    sqlite3.SQLITE_CORRUPT: f"is damaged: {_RESTORE}",
     sqlite3.SQLITE_FULL: "cannot grow, because the disk is full: make room",
     sqlite3.SQLITE_CANTOPEN: "cannot be opened: check that it and its folder exist and are yours",
-    sqlite3.SQLITE_NOTADB: "is no database at all: name another file; `lbr db restore` puts the last good copy in its place",
+    sqlite3.SQLITE_NOTADB: f"is no database at all: name another file; {_RESTORE}",
 }
 _ROW_FAULT = re.compile(r"CHECK constraint failed in |\S+ value in ")
 
@@ -109,6 +110,9 @@ def _sentence(path: Path, error: BaseException | None) -> str:
     code = getattr(error, "sqlite_errorcode", 0) & 0xFF
     if code == sqlite3.SQLITE_IOERR and _full(path):
         code = sqlite3.SQLITE_FULL
+    if code == sqlite3.SQLITE_ERROR:
+        shown = "".join(c if c.isprintable() else "?" for c in str(error)[:100])
+        return f"database {path} has not the schema it should have ({shown}): {_RESTORE}"
     return f"database {path} {_SENTENCES.get(code, f'refuses: {error}')}"
 
 

@@ -6,6 +6,7 @@ from typing import Any
 from sqlalchemy import Connection, Table, select, text
 
 from lbr.database.models import CONFIGURATION, Model
+from lbr.database.reader import shown
 from lbr.database.rows import Problem
 
 RawRow = Mapping[str, Any]
@@ -38,6 +39,7 @@ def _comparable(table: Table, found: set[str], problems: list[Problem]) -> bool:
     wanted = {column.name for column in table.columns}
     problems.extend(Problem(table.name, "", name, "this column is missing") for name in sorted(wanted - found))
     problems.extend(
-        Problem(table.name, "", name, "lbr knows no column of this name: drop it") for name in sorted(found - wanted)
+        Problem(table.name, "", shown(name), "lbr knows no column of this name: drop it")
+        for name in sorted(found - wanted)
     )
     return wanted <= found

@@ -106,6 +106,7 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     problems += check_verbs(rows, kinds, settings)
     chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
     problems += _check_devices(rows, chosen, kinds, settings)
+    problems += _check_device_settings(rows, kinds)
     problems += _check_profile(rows, profile)
     chosen = _after_the_world(chosen, kinds)
     if problems:
@@ -171,6 +172,18 @@ def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
         *(Problem("profile", profile.robot, "only/without", f"there is no capability '{name}'") for name in bad_names),
         *(Problem("profile", profile.robot, "devices", f"there is no device row '{name}'") for name in bad_devices),
     ]
+
+
+def _check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind]) -> list[Problem]:
+    problems = []
+    for device in rows.devices:
+        for kind in kinds.values():
+            try:
+                msgspec.convert(device.settings, kind.device_settings.get(device.type, dict[str, Any]))
+            except msgspec.ValidationError as err:
+                text = f"{err} (for kind '{kind.name}')"
+                problems.append(Problem("device", f"{rows.robot.name}/{device.name}", "settings", text))
+    return problems
 
 
 def _check_devices(

@@ -5,6 +5,7 @@ That the rows they name are there is the database's to check; what is not there 
 
 import re
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from typing import Any
 
 import msgspec
@@ -13,7 +14,14 @@ from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.rows import ChannelRow, Problem, RobotRows, VerbRow
 
-EXECUTIVE_VERBS = frozenset({"report", "estop", "reset", "help", "shutdown", "status", "restart"})
+EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
+    "report": frozenset({"name"}),
+    "estop": frozenset({"reason"}),
+    "restart": frozenset({"name"}),
+    **dict.fromkeys(("reset", "help", "shutdown", "status"), frozenset()),
+}
+"""What the executive does by itself, and the fields that each takes."""
+
 _FIELD = re.compile(r"\{([a-z_]+)(?:\.\.\.)?\}")
 ANY = object()
 """The type of a program's port: known to the program alone."""
@@ -90,7 +98,7 @@ def _check_verb(row: VerbRow, robot: str, kinds: Mapping[str, Kind], settings: M
     owner, command = row.target_end
     if owner == "executive":
         if command in EXECUTIVE_VERBS:
-            return []
+            return _check_fields(row, label, EXECUTIVE_VERBS[command])
         there = ", ".join(f"executive.{name}" for name in sorted(EXECUTIVE_VERBS))
         return [Problem("verb", label, "target", f"the executive has no '{command}'; it has {there}")]
     if owner not in kinds:
@@ -98,13 +106,15 @@ def _check_verb(row: VerbRow, robot: str, kinds: Mapping[str, Kind], settings: M
     commands = _ports(owner, kinds, settings, "commands")
     if command not in commands:
         return [Problem("verb", label, "target", _no_port((owner, command), "command", commands))]
-    return [] if commands[command] is ANY else _check_fields(row, label, commands[command])
+    if commands[command] is ANY:
+        return []
+    return _check_fields(row, label, {field.name for field in msgspec.structs.fields(commands[command])})
 
 
-def _check_fields(row: VerbRow, label: str, message: Any) -> list[Problem]:
-    fields = {field.name for field in msgspec.structs.fields(message)}
+def _check_fields(row: VerbRow, label: str, fields: AbstractSet[str]) -> list[Problem]:
+    there = ", ".join(sorted(fields)) or "none"
     return [
-        Problem("verb", label, column, f"{row.target} has no field '{name}'; it has {', '.join(sorted(fields))}")
+        Problem("verb", label, column, f"{row.target} has no field '{name}'; it has {there}")
         for column, used in (("pattern", _FIELD.findall(row.pattern)), ("payload", row.payload or {}))
         for name in used
         if name not in fields

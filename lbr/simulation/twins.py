@@ -1,6 +1,6 @@
 """Emulated devices in the world: each a pure device on a port, wired to what the engine moves and senses."""
 
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 from zlib import crc32
 
 import msgspec
@@ -8,14 +8,14 @@ from msgspec import Struct
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
-from lbr.simulation.faults import FaultValue, RoboteqFaults, UltrasonicFaults, changed
+from lbr.simulation.faults import FaultValue, changed
 from lbr.simulation.measured import Measured, Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.roboteq import RoboteqDevice
+from lbr.simulation.rows import RoboteqRow, UltrasonicRow
 from lbr.simulation.trace import OutputTrace
-from lbr.simulation.ultrasonic import Board, UltrasonicBoard
+from lbr.simulation.ultrasonic import UltrasonicBoard
 
-Sense = Literal[-1, 1]
 Pair = tuple[float, float]
 S = TypeVar("S", bound=Struct)
 N = TypeVar("N", int, float)
@@ -45,22 +45,6 @@ class Twin(Protocol):
 
     def sense(self, sensed: Sensed) -> None:
         """Take in what the world lets it measure."""
-
-
-class RoboteqRow(Struct, frozen=True, kw_only=True):
-    """How a `roboteq` device row says it is wired: a direction of -1 turns the wheel back for a positive command."""
-
-    faults: RoboteqFaults = RoboteqFaults()
-    left_channel: Literal[1, 2] = 1
-    left_direction: Sense = -1
-    right_direction: Sense = 1
-
-
-class UltrasonicRow(Struct, frozen=True, kw_only=True):
-    """Which board an `ultrasonic_ring` device row means."""
-
-    faults: UltrasonicFaults = UltrasonicFaults()
-    board: Board = "arduino"
 
 
 class RoboteqTwin:

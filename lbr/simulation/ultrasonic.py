@@ -2,12 +2,10 @@
 
 from collections.abc import Mapping
 from random import Random
-from typing import Literal
 
 from lbr.simulation.faults import Side, UltrasonicFaults
+from lbr.simulation.rows import Board
 from lbr.simulation.wire import Outbox, noise
-
-Board = Literal["arduino", "parallax"]
 
 ORDER: tuple[Side, ...] = ("forward", "left", "right", "back")
 """The order in which the sensors take their turn, so that they do not hear each other."""
