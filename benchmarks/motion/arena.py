@@ -5,14 +5,13 @@ from collections import deque
 from collections.abc import Callable
 from math import inf, isfinite, isnan, nan
 
-from benchmarks.motion.reference import ACCEL_PER_S, CHECKS_S, LATE_S, MAX_POWER, MAX_RUN_S, TTL_S, Message, Reference
-from lbr.messages.drive import CheckVerdict, CommandReply, DriveCommand
+from benchmarks.motion.message import Message, command_event, to_ranges
+from benchmarks.motion.reference import ACCEL_PER_S, CHECKS_S, LATE_S, MAX_POWER, MAX_RUN_S, TTL_S, Reference
+from lbr.messages.drive import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
-from lbr.messages.sensing import Ranges, RangeStatus
 from lbr.operations.drive import kernel
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
-    Command,
     EstopChanged,
     Event,
     Happened,
@@ -37,7 +36,7 @@ SLACK = 1e-9
 EVENTS_KEPT = 40
 DELAYS_KEPT = 256
 HASH_EVERY = 2048
-STUCK_S = 0.2
+STUCK_TICKS = 10
 LONGEST_STEP_S = 0.1
 TICK = Tick()
 
@@ -62,7 +61,7 @@ class Arena:
         self._wheels = (0.0, 0.0)
         self._wheels_at = nan
         self._names = 0
-        self._idle_since = start
+        self._idle_ticks = 0
         self._delays: dict[tuple[str, str], float] = {}
         self._goals: set[str] = set()
         self._told_holder = ""
@@ -128,7 +127,7 @@ class Arena:
         """Distances come, infinite for nothing near and NaN for no reading; `twice`: the second one confirms them."""
         at = self.now if at is None else at
         self.model.advance(self.now)
-        event = RangesSeen(ranges=_ranges(distances), arrived=at)
+        event = RangesSeen(ranges=to_ranges(distances), arrived=at)
         self.model.ranges(distances, at, self.now, twice=twice)
         self._do(event, "ranges", distances)
         if twice:
@@ -140,7 +139,7 @@ class Arena:
         name, model, now = f"L{self._names}", self.model, self.now
         model.advance(now)
         expected = model.command(message, now, now, name, message.check is not None)
-        reply = self._do(_event(message, name, now), "command", message)
+        reply = self._do(command_event(message, name, now), "command", message)
         if reply is None:
             raise self._violation("a command was not answered")
         if expected is None:
@@ -237,9 +236,8 @@ class Arena:
         wants = (
             held is not None and held.message.power > 0.0 and self.model.around.free(held.message.angle_deg, self.now)
         )
-        if not wants or self._wheels != (0.0, 0.0):
-            self._idle_since = self.now
-        elif self.now - self._idle_since > STUCK_S:
+        self._idle_ticks = self._idle_ticks + 1 if wants and self._wheels == (0.0, 0.0) else 0
+        if self._idle_ticks > STUCK_TICKS:
             raise self._violation("it does not move although it may")
 
     def _was_accepted(self, message: Message, reply: CommandReply, name: str) -> None:
@@ -273,38 +271,3 @@ class Arena:
 
     def _violation(self, what: str) -> ViolationError:
         return ViolationError(f"step {self.steps}: {what}")
-
-
-def _event(message: Message, name: str, now: float) -> Command:
-    dated = not (message.remote or isnan(message.ahead_s))
-    verdict = {} if message.check is None else {"mine": CheckVerdict(accepted=message.check)}
-    return Command(
-        command=DriveCommand(
-            power=message.power,
-            angle_deg=message.angle_deg,
-            lease=message.lease,
-            range_cm=message.range_cm,
-            interval_s=message.interval_s,
-            ttl_s=message.ttl_s,
-            take_over=message.take_over,
-        ),
-        source=message.source,
-        role=message.role,  # type: ignore[arg-type]  # also roles that do not exist
-        new_lease=name,
-        new_goal=f"G{name}",
-        received=min(now, message.sent) if dated else now,
-        remote=message.remote,
-        sender_s=message.sent + message.ahead_s,
-        answerable=message.answerable,
-        checks=verdict,
-    )
-
-
-def _ranges(distances: dict[str, float]) -> Ranges:
-    status: dict[str, RangeStatus] = {side: _status(value) for side, value in distances.items()}
-    known = {f"{side}_m": value if isfinite(value) else None for side, value in distances.items()}
-    return Ranges(**known, bottom_m=None, status={**status, "bottom": "over_range"})
-
-
-def _status(value: float) -> RangeStatus:
-    return "ok" if isfinite(value) else "over_range" if value == inf else "missing"

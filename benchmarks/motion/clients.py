@@ -4,7 +4,7 @@ from math import isnan, nan
 from random import Random
 from typing import Literal, Protocol
 
-from benchmarks.motion.reference import Message
+from benchmarks.motion.message import Message
 from lbr.messages.drive import CommandReply
 
 RENEW_S = 0.1

@@ -2,8 +2,7 @@
 
 from math import inf, isnan, nan
 
-from msgspec import Struct
-
+from benchmarks.motion.message import Message
 from benchmarks.motion.surroundings import Surroundings
 
 MAX_POWER, ACCEL_PER_S, MAX_RUN_S, TTL_S = 0.8, 2.0, 5.0, 0.3
@@ -12,32 +11,6 @@ PAUSE_S = 0.25
 MOTORS_S = 0.3
 EARLY_S = 0.03
 OFFERS = 8
-
-What = tuple[float, float, float, float]
-
-
-class Message(Struct, frozen=True):
-    """A drive command on its way: `sent` is the truth; `ahead_s` is how much its sender's clock is ahead (NaN: none)."""
-
-    source: str
-    power: float
-    angle_deg: float = 0.0
-    lease: str = ""
-    range_cm: float = 0.0
-    interval_s: float = 0.0
-    ttl_s: float | None = None
-    take_over: bool = False
-    role: str = "operate"
-    remote: bool = False
-    answerable: bool = True
-    sent: float = 0.0
-    ahead_s: float = nan
-    check: bool | None = None
-
-    @property
-    def what(self) -> What:
-        """What it asks for."""
-        return (self.power, self.angle_deg, self.range_cm, self.interval_s)
 
 
 class Lease:
@@ -228,6 +201,9 @@ class Reference:
 
     def _may_hold(self, message: Message, dated: float) -> bool:
         hold, quoted = self.hold, self._quoted(message.lease)
+        foreign = quoted is not None and message.source != quoted.message.source
+        if foreign and message.remote and message.power > 0.0:
+            return False
         if hold is not None and quoted is hold:
             newest = hold.said
             if message.what == hold.message.what:
@@ -286,7 +262,7 @@ class Reference:
             return quoted
         lease = Lease(message.lease or name, message, dated, now)
         if quoted is not None:
-            lease.message = _as(message, quoted.message.source)
+            lease.message = message.by(quoted.message.source)
         if quoted is not None and quoted is self.hold:
             lease.said = max(quoted.said, dated)
         if message.range_cm > 0.0:
@@ -299,19 +275,3 @@ class Reference:
         gone = own or (self.offers[:1] if len(self.offers) >= OFFERS else [])
         lease.behind_s, lease.until = behind_s, now + lease.ttl_s
         self.offers = [*(offer for offer in self.offers if offer not in gone), lease]
-
-
-def _as(message: Message, source: str) -> Message:
-    return (
-        message
-        if message.source == source
-        else Message(
-            source=source,
-            power=message.power,
-            angle_deg=message.angle_deg,
-            range_cm=message.range_cm,
-            interval_s=message.interval_s,
-            remote=message.remote,
-            sent=message.sent,
-        )
-    )

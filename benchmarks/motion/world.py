@@ -11,7 +11,7 @@ from random import Random
 
 from benchmarks.motion.arena import Arena, Decide
 from benchmarks.motion.clients import Client
-from benchmarks.motion.reference import Message
+from benchmarks.motion.message import Message
 from benchmarks.motion.surroundings import SIDES
 from lbr.operations.drive import kernel
 

@@ -5,7 +5,7 @@ from math import isfinite
 from typing import Literal
 
 from lbr.messages.drive import DriveCommand
-from lbr.operations.drive.freshness import TWICE, dated, insists, not_fresh
+from lbr.operations.drive.freshness import TWICE, dated, insists, not_fresh, quoted
 from lbr.operations.drive.goals import not_plausible
 from lbr.operations.drive.mixing import mix
 from lbr.operations.drive.rules import SENSORS, Limit, limit
@@ -95,18 +95,24 @@ def _rights(state: State, event: Command, now: float) -> str:
 
 def _holder(state: State, event: Command, now: float) -> str:
     """One holder: a quoted lease must be the live one; without a lease nobody may hold the base, or it is taken over."""
-    command, hold = event.command, state.hold
-    if hold is not None and command.lease == hold.lease:
-        alive = now < hold.expires  # this way round, NaN means dead
-        return _order(state, event, hold) if alive else f"lease is dead: {why_dead(state, command.lease)}"
-    offer = offered(state, command.lease)
-    if command.lease and not (offer is not None and now < offer.expires):
+    command, hold, owner = event.command, state.hold, quoted(state, event)
+    if command.lease and not (owner is not None and now < owner.expires):  # this way round, NaN means dead
         return f"lease is dead: {why_dead(state, command.lease)}"
-    if hold is not None and not (command.take_over or (offer is not None and offer.command.take_over)):
+    if owner is not None and (why := _not_own(owner, event)):
+        return why
+    if hold is not None and owner is hold:
+        return _order(state, event, hold)
+    if hold is not None and not (command.take_over or (owner is not None and owner.command.take_over)):
         return _held(hold, event)
     if not (state.estop or dated(state, event) > state.stopped):
         return "a stop came after this command"
     return "" if dated(state, event) > state.begun else TWICE
+
+
+def _not_own(owner: Hold, event: Command) -> str:
+    """A lease dates what its own sender says; another's clock proves nothing, nor does a lease that was overheard."""
+    foreign = event.remote and event.source != owner.source and event.command.power > 0.0
+    return f"this lease is {owner.source}'s: ask for one of your own" if foreign else ""
 
 
 def _held(hold: Hold, event: Command) -> str:

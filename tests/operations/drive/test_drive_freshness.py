@@ -261,15 +261,25 @@ def test_renewals_that_were_held_back_are_dated_by_the_quickest(bench, clock_s):
     assert not last.accepted, "a stream that falls behind is not followed"
 
 
+def test_from_afar_only_the_sender_that_was_given_a_lease_may_quote_it(bench):
+    reply = confirmed(bench)
+    bench.now += 0.01
+    assert bench.drive_from_afar(0.9, source="thief", lease=reply.lease).reason == (
+        "this lease is page's: ask for one of your own"
+    )
+    assert bench.drive_from_afar(0.0, source="thief", lease=reply.lease).accepted, "anybody may have it stand still"
+
+
 def test_another_who_quotes_a_lease_does_not_make_its_sender_look_fresher(bench):
     began = bench.now
     reply = confirmed(bench, sender_s=0.0)
     bench.now += 0.1
     bench.drive(0.4, lease=reply.lease, source="thief")
     bench.now += 0.1
-    bench.drive_from_afar(0.3, lease=reply.lease, source="other thief", sender_s=1e6)
+    bench.drive_from_afar(0.0, lease=reply.lease, source="other thief", sender_s=1e6)
     bench.sense()
     bench.now += 0.15
+    bench.sense()
     late = bench.drive_from_afar(0.5, lease=reply.lease, sender_s=bench.now - began - 0.31)
     assert late.reason == "this command came 0.3 s after it was sent; send it again"
 

@@ -1,0 +1,77 @@
+"""What senders and sensors of a simulated world say, and the same as the kernel hears it."""
+
+from math import inf, isfinite, isnan, nan
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.drive import CheckVerdict, DriveCommand
+from lbr.messages.sensing import Ranges, RangeStatus
+from lbr.operations.drive.state import Command
+
+What = tuple[float, float, float, float]
+
+
+class Message(Struct, frozen=True):
+    """A drive command on its way: `sent` is the truth; `ahead_s` is how much its sender's clock is ahead (NaN: none)."""
+
+    source: str
+    power: float
+    angle_deg: float = 0.0
+    lease: str = ""
+    range_cm: float = 0.0
+    interval_s: float = 0.0
+    ttl_s: float | None = None
+    take_over: bool = False
+    role: str = "operate"
+    remote: bool = False
+    answerable: bool = True
+    sent: float = 0.0
+    ahead_s: float = nan
+    check: bool | None = None
+
+    @property
+    def what(self) -> What:
+        """What it asks for."""
+        return (self.power, self.angle_deg, self.range_cm, self.interval_s)
+
+    def by(self, source: str) -> "Message":
+        """Return the same motion, said by another."""
+        return self if self.source == source else replace(self, source=source)
+
+
+def command_event(message: Message, name: str, now: float) -> Command:
+    """Return what the kernel gets when a message arrives; `name` is for what it may begin."""
+    dated = not (message.remote or isnan(message.ahead_s))
+    verdict = {} if message.check is None else {"mine": CheckVerdict(accepted=message.check)}
+    return Command(
+        command=DriveCommand(
+            power=message.power,
+            angle_deg=message.angle_deg,
+            lease=message.lease,
+            range_cm=message.range_cm,
+            interval_s=message.interval_s,
+            ttl_s=message.ttl_s,
+            take_over=message.take_over,
+        ),
+        source=message.source,
+        role=message.role,  # type: ignore[arg-type]  # also roles that do not exist
+        new_lease=name,
+        new_goal=f"G{name}",
+        received=min(now, message.sent) if dated else now,
+        remote=message.remote,
+        sender_s=message.sent + message.ahead_s,
+        answerable=message.answerable,
+        checks=verdict,
+    )
+
+
+def to_ranges(distances: dict[str, float]) -> Ranges:
+    """Return distances as a range sensor tells them: infinite is nothing near, NaN is no reading."""
+    status: dict[str, RangeStatus] = {side: _status(value) for side, value in distances.items()}
+    known = {f"{side}_m": value if isfinite(value) else None for side, value in distances.items()}
+    return Ranges(**known, bottom_m=None, status={**status, "bottom": "over_range"})
+
+
+def _status(value: float) -> RangeStatus:
+    return "ok" if isfinite(value) else "over_range" if value == inf else "missing"

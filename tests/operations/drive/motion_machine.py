@@ -1,0 +1,167 @@
+"""Everything that can happen to the drive kernel, in an order that Hypothesis chooses and shrinks."""
+
+from math import inf, nan
+
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
+from msgspec.structs import replace
+
+from benchmarks.motion.arena import Arena
+from benchmarks.motion.message import Message
+from benchmarks.motion.surroundings import GUARDED, SIDES
+
+AHEAD_S = {"console": 0.0, "bench": nan, "page": 1e4, "phone": -50.0, "plain": nan}
+REMOTE = {"page", "phone", "plain"}
+
+sources = st.sampled_from(sorted(AHEAD_S))
+roles = st.sampled_from(["operate"] * 6 + ["admin", "view"])
+powers = st.sampled_from([0.0, 0.1, 0.4, 0.8, 1.0])
+angles = st.sampled_from(sorted(GUARDED))
+rarely = st.sampled_from([False, False, False, True])
+steps_s = st.sampled_from([0.0, 0.001, 0.02, 0.02, 0.02, 0.05, 0.1, 0.29, 0.31, 0.7])
+ages_s = st.sampled_from([0.0, 0.0, 0.0, 0.01, 0.1, 0.29, 0.31, 5.0])
+metres = st.sampled_from([0.1, 0.22, 0.27, 0.4, 1.0, 3.0, inf, nan])
+times = st.sampled_from([nan, inf, -inf, -1.0, 0.0, 1e9])
+bounds = st.sampled_from([{}, {}, {}, {"interval_s": 0.1}, {"interval_s": 0.5}, {"interval_s": 9.0}])
+ranges_cm = st.sampled_from([0.0, 0.0, 0.0, 40.0, 80.0])
+ttls_s = st.sampled_from([None, None, None, 0.05, 1.0])
+checks = st.sampled_from([None] * 8 + [True, False])
+
+
+class MotionMachine(RuleBasedStateMachine):
+    """Sources, leases, stops, faults, sensors and clocks; the arena compares kernel and model after each."""
+
+    @initialize()
+    def begin(self):
+        self.arena = Arena()
+        self.leases = []
+        self.sent = []
+        self.distances = dict.fromkeys(SIDES, 2.0)
+        self.frozen = False
+        self.arena.motors()
+        self.arena.ranges(self.distances)
+        self.arena.tick()
+
+    # time
+
+    @rule(dt_s=steps_s, heard=st.sampled_from([True, True, True, False]))
+    def time_passes(self, dt_s, heard):
+        self.arena.now += dt_s
+        if heard:
+            self._hear()
+        self.arena.tick()
+
+    @precondition(lambda self: self.arena.holder)
+    @rule(rounds=st.integers(5, 40))
+    def it_drives_on(self, rounds):
+        for count in range(rounds):
+            self.arena.now += 0.02
+            if count % 5 == 0:
+                self._hear()
+                if held := self.arena.model.hold:
+                    self._say(held.message, lease=held.name)
+            self.arena.tick()
+
+    @rule(time=times, really=rarely)
+    def the_clock_says_something_mad(self, time, really):
+        if really:
+            good, self.arena.now = self.arena.now, time
+            self.arena.tick()
+            self.arena.now = good
+
+    @rule(by_s=st.sampled_from([-3600.0, -0.001, 0.3, 3600.0]), really=rarely)
+    def the_clock_is_set(self, by_s, really):
+        if really:
+            self.arena.now += by_s
+
+    # devices
+
+    @rule(armed=rarely, late_s=ages_s)
+    def motors_speak(self, armed, late_s):
+        self.arena.motors(armed=not armed, at=self.arena.now - late_s)
+
+    @rule(really=rarely)
+    def motors_die(self, really):
+        if really:
+            self.arena.motors_lost()
+
+    @rule(side=st.sampled_from(SIDES), value=metres, late_s=ages_s, twice=st.booleans())
+    def a_distance_changes(self, side, value, late_s, twice):
+        self.distances = {**self.distances, side: value}
+        self.arena.ranges(self.distances, at=self.arena.now - late_s, twice=twice)
+
+    @rule()
+    def ranges_freeze_or_thaw(self):
+        self.frozen = not self.frozen
+
+    # people
+
+    @rule(engaged=rarely)
+    def the_emergency_stop_changes(self, engaged):
+        if engaged != self.arena.model.estop:
+            self.arena.latch(engaged)
+
+    @rule(source=sources, late_s=ages_s, really=rarely)
+    def somebody_stops(self, source, late_s, really):
+        if really:
+            self.arena.stop(source, self.arena.now - late_s)
+
+    @rule(
+        source=sources,
+        role=roles,
+        power=powers,
+        angle=angles,
+        bound=bounds,
+        range_cm=ranges_cm,
+        ttl_s=ttls_s,
+        take_over=st.booleans(),
+        answerable=st.booleans(),
+        check=checks,
+        age_s=ages_s,
+    )
+    def somebody_asks(self, source, power, angle, range_cm, bound, age_s, **more):
+        bounded = {**bound, "range_cm": range_cm if angle in {0.0, 180.0} else 0.0}
+        self._send(Message(source=source, power=power, angle_deg=angle, **bounded, **more), age_s)
+
+    @precondition(lambda self: self.leases)
+    @rule(source=sources, which=st.integers(0, 9), same=st.booleans(), power=powers, angle=angles, age_s=ages_s)
+    def somebody_quotes_a_lease(self, source, which, same, power, angle, age_s):
+        lease, asked = self.leases[-1 - which % len(self.leases)]
+        if same:
+            self._say(asked, lease=lease, age_s=age_s)
+        else:
+            self._send(Message(source=source, power=power, angle_deg=angle, lease=lease), age_s)
+
+    @precondition(lambda self: self.sent)
+    @rule(which=st.integers(0, 9))
+    def something_is_replayed(self, which):
+        self.arena.command(self.sent[-1 - which % len(self.sent)])
+
+    def _hear(self):
+        self.arena.motors()
+        if not self.frozen:
+            self.distances = {side: value + 0.001 for side, value in self.distances.items()}
+        self.arena.ranges(self.distances)
+
+    def _say(self, asked, *, lease, age_s=0.0):
+        """Say once more what was asked, under its lease."""
+        self._send(
+            Message(
+                source=asked.source,
+                power=asked.power,
+                angle_deg=asked.angle_deg,
+                lease=lease,
+                range_cm=asked.range_cm,
+                interval_s=asked.interval_s,
+                ttl_s=asked.ttl_s,
+            ),
+            age_s,
+        )
+
+    def _send(self, message, age_s):
+        from_afar = {"remote": message.source in REMOTE, "ahead_s": AHEAD_S[message.source]}
+        message = replace(message, sent=self.arena.now - age_s, **from_afar)
+        reply = self.arena.command(message)
+        self.sent = [*self.sent[-9:], message]
+        if reply.lease and not message.lease:
+            self.leases = [*self.leases[-9:], (reply.lease, message)]
