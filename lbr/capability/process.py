@@ -33,6 +33,8 @@ RETRY_FIRST_S = 0.2
 RETRY_MOST_S = 2.0
 STEADY_S = 5.0
 TELL_DEGRADED_S = 0.5
+TELL_MISSED_S = 1.0
+COLLECT_S = 10.0
 
 
 class Wake:
@@ -66,6 +68,8 @@ class Process:
         self._wake = Wake()
         self._stopping = False
         self._capability: Capability[Any] | None = None
+        self._tell_at = 0.0
+        self._collect_at = 0.0
 
     def stop(self) -> None:
         """Ask the loop to end; from any thread or a signal handler."""
@@ -78,13 +82,14 @@ class Process:
         make = kind.load()
         ctx = ProcessContext(self._config, kind, self._reporter, self._wake.set)
         self._capability = capability = make(ctx)
-        gc.collect()
-        gc.freeze()
+        if kind.moves:
+            gc.disable()  # collected at moments of our choice, so that no round takes longer than the others
         retry_s, opened = RETRY_FIRST_S, time.monotonic()
         while not self._stopping:
             try:
                 capability.open()
                 ctx.ready()
+                self._settle()
                 opened = time.monotonic()
                 self._loop(ctx, capability)
             except DeviceError as err:
@@ -118,6 +123,25 @@ class Process:
             capability.command(call)
         capability.step()
         self._reporter.beat(ctx.counts())
+        if ctx.on_tick:
+            self._keep_house(ctx)
+
+    def _settle(self) -> None:
+        """Once all is there, let no later collection look again at what lives as long as the process."""
+        if not self._collect_at:
+            self._collect_at = time.monotonic() + COLLECT_S
+            gc.collect()
+            gc.freeze()
+
+    def _keep_house(self, ctx: ProcessContext) -> None:
+        """Do what may wait, right after a tick: nothing else is due for almost a period."""
+        now = time.monotonic()
+        if now >= self._tell_at:
+            self._tell_at = now + TELL_MISSED_S
+            ctx.tell_missed()
+        if now >= self._collect_at:
+            self._collect_at = now + COLLECT_S
+            gc.collect()
 
     def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Any], reason: str, wait_s: float) -> None:
         ctx.warn(reason)

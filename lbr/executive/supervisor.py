@@ -8,6 +8,7 @@ import signal
 import time
 from collections.abc import Callable
 
+from lbr.capability.events import Throttle
 from lbr.errors import LbrError
 from lbr.executive.plan import Change, Plan, Unit
 from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide
@@ -41,6 +42,7 @@ class Supervisor:
     ) -> None:
         self.slots: dict[str, Slot] = {}
         self._leaving: list[Slot] = []
+        self._throttle = Throttle()
         self._start = start
         self._happened = happened
         self._present = present
@@ -251,6 +253,8 @@ class Supervisor:
         return max(0.0, min((due - now for due in times), default=1.0))
 
     def _tell(self, kind: str, slot: Slot, text: str, level: str) -> None:
+        if not self._throttle.take(f"{slot.unit.name} {kind}", self._clock()):
+            return
         self._happened(kind, slot.unit.name, text, level)
 
 
