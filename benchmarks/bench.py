@@ -15,11 +15,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import psutil
 
 from benchmarks.figures import Results
 from benchmarks.trace import Output, Trace, limit_violations
-from lbr.bus import wire
+from lbr import home as homes
+from lbr.bus import keys, session, wire
+from lbr.bus.access import TOOLS, Credentials
 from lbr.database import store
 from lbr.errors import BusError
 from tests.robot import Robot, start
@@ -246,14 +249,13 @@ class Bench:
 
 @contextmanager
 def bench(results: Results, *victims: str, edits: tuple[str, ...] = (), profile: str = "lbr-sim") -> Iterator[Bench]:
-    """Run a robot to be measured; check the limits of its outputs at its end, and let no process outlive it."""
+    """Run a robot to be measured, or what a scenario put in its place; check its outputs' limits, let no process be left."""
     with temporary_home(*victims, edits=edits) as home:
-        robot = start(home, profile=profile)
-        under_test = Bench(robot, results)
+        under_test = Bench(start(home, profile=profile), results)
         try:
             yield under_test
         finally:
-            let_go(robot)
+            let_go(under_test.robot)
         under_test.check_limits()
 
 
@@ -282,14 +284,15 @@ def let_go(robot: Robot) -> None:
             pipe.close()
 
 
-def token_of(home: Path, robot: str) -> str:
-    """Return what proves a caller who may read the home."""
-    return str(json.loads((home / "run" / f"{robot}.json").read_text())["token"])
+def tools(robot: Robot) -> session.Session:
+    """Return a session with all rights, as the tools of the home's owner have."""
+    record = robot.home / "run" / f"{robot.name}.json"
+    found = msgspec.json.decode(record.read_bytes(), type=homes.Running)
+    return session.open_client([found.core], Credentials(user=TOOLS, password=found.password))
 
 
 def say(robot: Robot, line: str) -> Any:
     """Say a console line with the rights of the home's owner."""
-    answers = wire.ask(
-        robot.bus, f"{robot.name}/@console", line, source="bench", token=token_of(robot.home, robot.name), timeout_s=5.0
-    )
-    return json.loads(answers[0].payload) if answers else None
+    with tools(robot) as bus:
+        answers = wire.ask(bus, keys.console(robot.name, "admin"), line, source="bench", timeout_s=5.0)
+        return json.loads(answers[0].payload) if answers else None

@@ -61,12 +61,12 @@ class Results:
     def __init__(self, promises: dict[str, Promise]) -> None:
         self.by_figure: dict[str, Result] = {}
         self.disturbed: list[str] = []
-        self._promises = promises
+        self.promises = promises
 
     def of(self, figure: str) -> Result:
         """Return the result of a figure, empty at first."""
         if figure not in self.by_figure:
-            self.by_figure[figure] = Result(figure=figure, promise=self._promises[figure])
+            self.by_figure[figure] = Result(figure=figure, promise=self.promises[figure])
         return self.by_figure[figure]
 
     def sample(self, figure: str, value: float) -> None:
@@ -79,9 +79,28 @@ class Results:
         result.checks += 1
         result.violations += problems
 
+    def under(self, load: str) -> "Results":
+        """Return a view for scenarios under a load: `S1` counts as `S1 H`; a time that has no such figure is let go."""
+        return _Loaded(self, load)
+
     def violations(self) -> list[str]:
         """Return everything that must not have been."""
         return [f"{result.figure}: {text}" for result in self.by_figure.values() for text in result.violations]
+
+
+class _Loaded(Results):
+    def __init__(self, results: Results, load: str) -> None:
+        super().__init__(results.promises)
+        self.disturbed = results.disturbed
+        self._results = results
+        self._load = load
+
+    def of(self, figure: str) -> Result:
+        for name in (f"{figure} {self._load}", figure):
+            promise = self.promises.get(name)
+            if promise is not None and (name != figure or (promise.target is None and promise.hard is None)):
+                return self._results.of(name)
+        return super().of(figure)
 
 
 def percentile(samples: list[float], statistic: Statistic) -> float:

@@ -15,6 +15,14 @@ PROMISES: dict[str, Promise] = {
     "S7": Promise(what="SIGSTOP executive or client, to motor zero", hard=STOP_HARD_MS),
     "S11": Promise(what="SIGSTOP all processes, to motor zero", target=260, hard=STOP_HARD_MS),
     "S12": Promise(what="kill -9 motor driver and guard together, to motor zero", hard=STOP_HARD_MS),
+    "S1 H": Promise(what="kill -9 motor driver, to motor zero", target=100, hard=STOP_HARD_MS),
+    "S1 G": Promise(what="kill -9 motor driver, to motor zero", target=100, hard=STOP_HARD_MS),
+    "S3 H": Promise(what="kill -9 drive, to motor zero", hard=STOP_HARD_MS),
+    "S3 G": Promise(what="kill -9 drive, to motor zero", hard=STOP_HARD_MS),
+    "S6 H": Promise(what="kill -9 executive, to motor zero", hard=STOP_HARD_MS),
+    "S6 G": Promise(what="kill -9 executive, to motor zero", hard=STOP_HARD_MS),
+    "S8 H": Promise(what="client killed, to motor zero", hard=STOP_HARD_MS),
+    "S8 G": Promise(what="client killed, to motor zero", hard=STOP_HARD_MS),
     "S14": Promise(what="nothing turns after a stop until a new command; a new driver begins with zero"),
     "F6": Promise(what="outputs within the configured maximum and slew, in every scenario"),
     "P1 motors": Promise(what="kill -9 motor driver, to ready", target=500, statistic="p95", hard=2000),
@@ -39,9 +47,16 @@ PROMISES: dict[str, Promise] = {
     "S18 range": Promise(what="range crossed (frame at the driver), to motor zero", target=120, hard=150),
     "E1 console": Promise(what="estop as a console line, to motor zero", target=20, statistic="p99", hard=250),
     "E1 put": Promise(what="estop as a plain put, to motor zero", target=20, statistic="p99", hard=250),
-    "E1 H": Promise(
-        what="estop as a console line under 4 busy loops, to motor zero", target=50, statistic="p99", hard=250
+    "E1 console H": Promise(
+        what="estop as a console line under load, to motor zero", target=50, statistic="p99", hard=250
     ),
+    "E1 put H": Promise(what="estop as a plain put under load, to motor zero", target=50, statistic="p99", hard=250),
+    "E1 console G": Promise(what="estop as a console line (E4), to motor zero", target=50, statistic="p99", hard=250),
+    "E1 put G": Promise(what="estop as a plain put (E4), to motor zero", target=50, statistic="p99", hard=250),
+    "E2": Promise(what="the latch survives dead processes, restarts, an older database, lost links: nothing moves"),
+    "E3": Promise(what="a 20 Hz stream through emergency stop and reset moves nothing until it pauses"),
+    "E5": Promise(what="stop, emergency stop, reset and motion by role and by plain key, as the rows say"),
+    "E6 dead": Promise(what="estop as the executive is killed, to motor zero", target=100, hard=STOP_HARD_MS),
     "E7": Promise(what="an emergency stop that the device does not acknowledge is never called done"),
     "E7 stop": Promise(what="emergency stop of a controller that says nothing, to motor zero", hard=250),
     "B1 I": Promise(what="interval of motor commands", target=22, statistic="p99"),

@@ -55,7 +55,7 @@ SCENARIOS: dict[str, tuple[Scenario, float]] = {
     "S16": (devices.motor_line, 0.3),
     "S18": (bounds.bounds, 1.0),
     "E1": (estop.estop, 1.5),
-    "B1": (load.loaded, 0.1),
+    "B1": (load.steady, 0.1),
     "F7": (writers.one_writer, 0.1),
     "P1": (kills.kill_others, 0.2),
     "P4": (shutdown.shutdowns, 0.15),

@@ -63,17 +63,22 @@ def kill_executive(results: Results, n: int) -> None:
     """S6."""
     for _ in range(n):
         with bench(results) as under_test:
-            mover = under_test.drive()
-            fault_ns = under_test.kill(under_test.robot.popen.pid)
-            zero = under_test.stopped_after("S6", fault_ns)
-            left = wait_until_gone(under_test, fault_ns, 2.0)
-            if left:
-                results.check("S6 gone", [f"still there after 2 s: {', '.join(left)}"])
-            else:
-                results.sample("S6 gone", (time.monotonic_ns() - fault_ns) * 1e-6)
-            mover.cease()
-            under_test.stays_at_rest(zero)
-            under_test.robot.popen.wait(2.0)
+            executive_killed(under_test)
+
+
+def executive_killed(under_test: Bench) -> None:
+    """Kill the executive; nothing may be left of the robot."""
+    mover = under_test.drive()
+    fault_ns = under_test.kill(under_test.robot.popen.pid)
+    zero = under_test.stopped_after("S6", fault_ns)
+    left = wait_until_gone(under_test, fault_ns, 2.0)
+    if left:
+        under_test.results.check("S6 gone", [f"still there after 2 s: {', '.join(left)}"])
+    else:
+        under_test.results.sample("S6 gone", (time.monotonic_ns() - fault_ns) * 1e-6)
+    mover.cease()
+    under_test.stays_at_rest(zero)
+    under_test.robot.popen.wait(2.0)
 
 
 def wait_until_gone(under_test: Bench, fault_ns: int, limit_s: float) -> list[str]:

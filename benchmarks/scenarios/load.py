@@ -1,31 +1,55 @@
-"""B1, B2 and E1 with the machine idle, and under four busy loops that have nothing to do with the robot."""
+"""What else the machine may be doing: busy loops beside the robot (H), and floods on its bus too (G).
+
+The stops of S1, S3, S6, S8 and E1 are measured again under each, and how steady the motor commands are (B1, B2).
+"""
 
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from itertools import pairwise
 
 from benchmarks.bench import Bench, bench
+from benchmarks.clients import flood
 from benchmarks.figures import Results
-from benchmarks.scenarios import estop
+from benchmarks.scenarios import clients, estop, kills
 from benchmarks.trace import Line
+from tests.robot import Robot
 
 BUSY_LOOPS = 4
+FLOODED = ("bench/telemetry", "motors/setpoint", "drive/nothing")
+FLOOD_MESSAGES = 20_000
 DRIVE_S = 10.0
-PRESSES = 10
+PAUSE_S = 0.3
+DEATHS = 3
 
 
-def loaded(results: Results, n: int) -> None:
-    """Both conditions, `n` times: drive for ten seconds, then press ten times."""
+def steady(results: Results, n: int) -> None:
+    """B1 and B2, `n` times ten seconds idle and as long under busy loops."""
     with bench(results) as under_test:
         for _ in range(n):
             steadiness(under_test, "I")
             with busy_loops():
                 steadiness(under_test, "H")
-                for _ in range(PRESSES):
-                    estop.press(under_test, "E1 H", lambda: under_test.robot.line("estop"))
+
+
+def stops_under(load: str) -> Callable[[Results, int], None]:
+    """Return a scenario of all these stops under a load; each way once, `n` times."""
+
+    def run(results: Results, n: int) -> None:
+        loaded = results.under(load)
+        with bench(loaded) as under_test, LOADS[load](under_test.robot):
+            for turn in range(n):
+                if turn and turn % DEATHS == 0:
+                    under_test.forget_deaths("motors")
+                    under_test.forget_deaths("drive")
+                _stops(under_test)
+        for _ in range(max(1, n // 3)):
+            with bench(loaded) as under_test, LOADS[load](under_test.robot):
+                kills.executive_killed(under_test)
+
+    return run
 
 
 def steadiness(under_test: Bench, load: str, *, for_s: float = DRIVE_S) -> None:
@@ -34,20 +58,18 @@ def steadiness(under_test: Bench, load: str, *, for_s: float = DRIVE_S) -> None:
     since_ns = time.monotonic_ns()
     before = _unasked(under_test)
     under_test.pass_time(for_s)
-    under_test.trace.read()
+    for interval_ms in intervals_ms(under_test, since_ns):
+        under_test.results.sample(f"B1 {load}", interval_ms)
     mover.cease()
+    under_test.results.sample(f"B2 {load}", _unasked(under_test) - before)
+    under_test.pass_time(PAUSE_S)
+
+
+def intervals_ms(under_test: Bench, since_ns: int) -> list[float]:
+    """Return the intervals between the motor commands that the controller has heard since."""
+    under_test.trace.read()
     lines = [line.at_ns for line in under_test.trace.lines(since_ns) if isinstance(line, Line)]
-    for earlier, later in pairwise(lines):
-        under_test.results.sample(f"B1 {load}", (later - earlier) * 1e-6)
-    stops = _unasked(under_test) - before
-    under_test.results.sample(f"B2 {load}", stops)
-    under_test.pass_time(0.3)
-
-
-def _unasked(under_test: Bench) -> int:
-    """Count the driver's ends and trips so far."""
-    events = under_test.robot.line("/report/events")["data"]
-    return under_test.unit("motors")["restarts"] + sum(event["kind"] == "trip" for event in events)
+    return [(later - earlier) * 1e-6 for earlier, later in pairwise(lines)]
 
 
 @contextmanager
@@ -57,6 +79,63 @@ def busy_loops(n: int = BUSY_LOOPS) -> Iterator[None]:
     try:
         yield
     finally:
-        for loop in loops:
-            loop.kill()
-            loop.wait()
+        _end(loops)
+
+
+@contextmanager
+def floods(robot: Robot) -> Iterator[None]:
+    """Let plain clients publish 20,000 messages at once, again and again: telemetry, forged setpoints, rubbish."""
+    share = FLOOD_MESSAGES // len(FLOODED)
+    program = [sys.executable, flood.__file__, robot.endpoints[0]]
+    popens = [
+        subprocess.Popen(
+            [*program, f"{robot.name}/{key}", str(share)], stdout=subprocess.PIPE, start_new_session=True, text=True
+        )
+        for key in FLOODED
+    ]
+    try:
+        for popen in popens:
+            assert popen.stdout is not None
+            assert popen.stdout.readline().strip() == "flooding"
+        yield
+    finally:
+        _end(popens)
+
+
+@contextmanager
+def _hogs(_robot: Robot) -> Iterator[None]:
+    with busy_loops():
+        yield
+
+
+@contextmanager
+def _hogs_and_floods(robot: Robot) -> Iterator[None]:
+    with ExitStack() as stack:
+        stack.enter_context(busy_loops())
+        stack.enter_context(floods(robot))
+        yield
+
+
+LOADS = {"H": _hogs, "G": _hogs_and_floods}
+
+
+def _stops(under_test: Bench) -> None:
+    under_test.all_ready(10.0)
+    kills.kill_process(under_test, "motors", "S1")
+    under_test.all_ready(10.0)
+    kills.kill_process(under_test, "drive", "S3")
+    under_test.all_ready(10.0)
+    for way in (clients.plain_client_killed, clients.send_killed, estop.by_console, estop.by_put):
+        way(under_test)
+
+
+def _unasked(under_test: Bench) -> int:
+    """Count the driver's ends and trips so far."""
+    events = under_test.robot.line("/report/events")["data"]
+    return under_test.unit("motors")["restarts"] + sum(event["kind"] == "trip" for event in events)
+
+
+def _end(popens: "list[subprocess.Popen[str]] | list[subprocess.Popen[bytes]]") -> None:
+    for popen in popens:
+        popen.kill()
+        popen.communicate()
