@@ -280,6 +280,12 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('lbr', 'world', 'world', '{}', '[]',
      'The simulated surroundings; runs only under a simulating launch profile');
 
+-- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
+-- lets in whoever has a token (`lbr token add NAME`).
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('lbr', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
+     'The door to other machines: whoever has a token comes in');
+
 INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
     ('lbr', 'motors.state', 'drive.motors', 1),

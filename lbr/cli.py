@@ -18,6 +18,7 @@ COMMANDS = {
     "stop": ("stop", "Shut a robot down and wait until it is gone."),
     "doctor": ("doctor", "Look for what is wrong with this machine, and say what to type."),
     "service": ("service", "Run a robot as a service, from the start of the machine on."),
+    "token": ("token", "Let people on other machines in, and lock them out."),
     "topic": ("topic", "List, describe, print, measure and publish streams."),
     "graph": ("graph", "Show who feeds whom."),
     "view": ("view", "Watch a simulated robot from above."),

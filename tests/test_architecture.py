@@ -36,6 +36,8 @@ TOP = {"cli", "commands"}
 
 OWNERS = {
     "zenoh": {"bus"},
+    "argon2": {"bus"},
+    "cryptography": {"executive"},
     "sqlalchemy": {"database"},
     "alembic": {"database"},
     "sqlite3": {"database"},
@@ -50,7 +52,7 @@ OWNERS = {
 }
 """Which floor may import a library, so that replacing one stays a matter of one package."""
 
-HEAVY = ("numpy", "mujoco", "sqlalchemy", "alembic", "PIL", "prompt_toolkit", "rich", "click", "psutil")
+HEAVY = ("numpy", "mujoco", "sqlalchemy", "alembic", "PIL", "prompt_toolkit", "rich", "click", "psutil", "argon2", "cryptography")
 LARGEST_LINES = 600
 MEDIAN_LINES = 150
 

@@ -9,6 +9,8 @@ from typing import Any, Self
 
 from msgspec import Struct
 
+from lbr.bus import keys
+
 TOOLS = "@tools"
 """The user that `lbr`'s own commands are on the machine where the robot runs."""
 
@@ -24,7 +26,7 @@ class Rights(Struct, frozen=True, kw_only=True):
     """What a user may do, each as key expressions; nothing else passes.
 
     `put` to publish, `ask` to query, `serve` to answer queries, `hear` to subscribe and be given, `alive` to show
-    presence and `watch` to see it. `never_put` takes back part of `put`. `trusted` may do all in the key space.
+    presence and `watch` to see it. `never_put` takes back part of `put`. `trusted` may do all else in the key space.
     """
 
     put: tuple[str, ...] = ()
@@ -38,12 +40,16 @@ class Rights(Struct, frozen=True, kw_only=True):
 
 
 class Limits(Struct, frozen=True, kw_only=True):
-    """What a router takes from a link of `protocols`: the size of a message, and how many a second on one key."""
+    """What a router takes from each link of `protocols`: the size of a message, and how many a second on which key.
+
+    What is put more often than `puts_hz` says is dropped where it comes in. `sessions` may be open at once.
+    """
 
     protocols: tuple[str, ...]
     bytes: int
-    puts_hz: float
     keys: tuple[str, ...]
+    puts_hz: dict[str, float] = {}
+    sessions: int = 64
 
 
 _IN: dict[str, tuple[str, ...]] = {
@@ -62,16 +68,22 @@ _ANNOUNCED = tuple(message for message in _EVERYTHING if message not in _GIVEN)
 def everything(robot: str) -> tuple[str, ...]:
     """Return the whole key space; `**` passes by the chunks that begin with `@`."""
     system = ("console", "estop", "status", "event", "alive", "schema")
-    return (f"{robot}/**", *(f"{robot}/@{name}/**" for name in system))
+    return (f"{robot}/**", *(f"{robot}/@{name}/**" for name in system), keys.ANY_STATUS)
 
 
 def control(robot: str, users: Mapping[str, Rights], links: Mapping[str, Rights] | None = None) -> dict[str, Any]:
-    """Return Zenoh's access control: deny by default, `users` by name and `links` by the session id of a router."""
+    """Return Zenoh's access control: deny by default, `users` by name and `links` by the session id of a router.
+
+    Links are unix sockets: who comes in from another machine and knows such an id gains nothing by it.
+    """
     rules: list[dict[str, Any]] = []
     subjects: list[dict[str, Any]] = []
     policies: list[dict[str, Any]] = []
     named = [(f"user {name}", {"usernames": [name]}, rights) for name, rights in users.items()]
-    named += [(f"link {zid}", {"zids": [zid]}, rights) for zid, rights in (links or {}).items()]
+    named += [
+        (f"link {zid}", {"zids": [zid], "link_protocols": ["unixsock-stream"]}, rights)
+        for zid, rights in (links or {}).items()
+    ]
     for label, subject, rights in named:
         own = list(_rules(label, rights, everything(robot)))
         rules += own
@@ -87,15 +99,16 @@ def control(robot: str, users: Mapping[str, Rights], links: Mapping[str, Rights]
 
 
 def _rules(label: str, rights: Rights, all_keys: tuple[str, ...]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = []
+    if rights.never_put:
+        found.append(_rule(f"{label}: never", ("ingress",), _IN["put"], rights.never_put, permission="deny"))
     if rights.trusted:
-        return [_rule(f"{label}: all", ("ingress", "egress"), _EVERYTHING, all_keys)]
-    found = [
+        return [*found, _rule(f"{label}: all", ("ingress", "egress"), _EVERYTHING, all_keys)]
+    found += [
         _rule(f"{label}: {what}", ("ingress",), messages, allowed)
         for what, messages in _IN.items()
         if (allowed := getattr(rights, what))
     ]
-    if rights.never_put:
-        found.append(_rule(f"{label}: never", ("ingress",), _IN["put"], rights.never_put, permission="deny"))
     given = tuple(dict.fromkeys((*rights.hear, *rights.ask, *rights.watch)))
     if given:
         found.append(_rule(f"{label}: given", ("egress",), _GIVEN, given))
@@ -117,7 +130,7 @@ def _rule(
 def limits(found: Limits) -> dict[str, Any]:
     """Return Zenoh's filters for what comes in over a kind of link."""
     common = {"link_protocols": list(found.protocols), "flows": ["ingress"]}
-    rules = [{"key_expr": key, "freq": found.puts_hz} for key in found.keys]
+    rules = [{"key_expr": key, "freq": hz} for key, hz in found.puts_hz.items()]
     return {
         "low_pass_filter": [
             {

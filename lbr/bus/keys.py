@@ -1,5 +1,8 @@
 """The key space: `<robot>/<capability>/<name>` for streams and commands, `<robot>/@…` for the system."""
 
+ANY_STATUS = "*/@status"
+"""What asks every robot behind a router who it is."""
+
 
 def port(robot: str, capability: str, name: str) -> str:
     """Return the key of a capability's stream or command."""

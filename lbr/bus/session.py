@@ -65,6 +65,7 @@ def open_router(router: Router) -> Session:
             settings["access_control"] = access.control(router.robot, router.rights, router.links)
         if router.limits is not None:
             settings |= access.limits(router.limits)
+            settings["transport"]["unicast"] = {"max_sessions": router.limits.sessions, "accept_timeout": 3000}
         if router.tls is not None:
             settings["transport"]["link"]["tls"] = {
                 "listen_private_key": router.tls.private_key,

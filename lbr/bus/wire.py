@@ -136,12 +136,15 @@ class Request:
 
     def reply(self, message: Any, source: str) -> None:
         """Answer, once; later answers are ignored."""
+        self.pass_back(encode(message), stamps.make(source, 0))
+
+    def pass_back(self, payload: bytes, attachment: bytes) -> None:
+        """Answer with the bytes of somebody else's answer, once."""
         query, self._query = self._query, None
         if query is None:
             return
         with query:
-            payload = encode(message)
-            query.reply(self.key, payload, encoding=JSON, attachment=stamps.make(source, 0))
+            query.reply(self.key, payload, encoding=JSON, attachment=attachment)
 
 
 class Served:
@@ -198,7 +201,11 @@ class Served:
 
 
 class Question:
-    """A query under way; its answers arrive on Zenoh's thread."""
+    """A query under way; its answers arrive on Zenoh's thread.
+
+    `attachment` passes on a stamp instead of our own. With `patient` false it is rather lost than waits for a receiver
+    that takes nothing.
+    """
 
     def __init__(
         self,
@@ -208,6 +215,8 @@ class Question:
         *,
         timeout_s: float,
         source: str,
+        attachment: bytes = b"",
+        patient: bool = True,
         wake: Callable[[], None] = lambda: None,
     ) -> None:
         self.key = key
@@ -220,9 +229,9 @@ class Question:
                 zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
                 payload=payload,
                 encoding=JSON,
-                attachment=stamps.make(source, 0),
+                attachment=attachment or stamps.make(source, 0),
                 timeout=timeout_s,
-                congestion_control=zenoh.CongestionControl.BLOCK,
+                congestion_control=zenoh.CongestionControl.BLOCK if patient else zenoh.CongestionControl.DROP,
                 priority=zenoh.Priority.REAL_TIME,
                 express=True,
             )
@@ -246,21 +255,23 @@ def ask(
     *,
     source: str,
     timeout_s: float = 2.0,
-    via: str = "",
     seal: bytes = b"",
     sent_s: float | None = None,
+    attachment: bytes = b"",
 ) -> list[Raw]:
     """Query a key and wait for all answers; an empty list means that nobody answered in time.
 
-    `sent_s` is when what is passed on was said first, so that nobody takes it for fresher than it is.
+    `sent_s` is when what is passed on was said first, so that nobody takes it for fresher than it is; `attachment`
+    passes on the stamp itself.
     """
     payload = encode(message) if message is not None else b""
+    stamp = attachment or stamps.make(source, 0, payload, seal, sent_s=sent_s)
     try:
         replies = session.get(
             key,
             payload=payload,
             encoding=JSON,
-            attachment=stamps.make(source, 0, payload, seal, via=via, sent_s=sent_s),
+            attachment=stamp,
             timeout=timeout_s,
             consolidation=zenoh.ConsolidationMode.NONE,
         )
@@ -280,6 +291,19 @@ def put(session: zenoh.Session, key: str, message: Any, *, source: str, urgent: 
         priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
         congestion_control=zenoh.CongestionControl.BLOCK if urgent else zenoh.CongestionControl.DROP,
         express=urgent,
+    )
+
+
+def pass_on(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:
+    """Publish the bytes of somebody else's message at once; lost rather than late."""
+    session.put(
+        key,
+        payload,
+        encoding=JSON,
+        attachment=attachment,
+        priority=zenoh.Priority.REAL_TIME,
+        congestion_control=zenoh.CongestionControl.DROP,
+        express=True,
     )
 
 

@@ -27,7 +27,7 @@ class BusCall:
         self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
         self.role: Role = "operate"
         self.arrived = stamp.sent_s(found, request.arrived)
-        self.remote = False
+        self.remote = found is not None and bool(found.via)
         self.sender_s = found.mono_ns / 1e9 if found is not None and found.boot else nan
         self.answerable = request.answerable
         self._request = request

@@ -46,8 +46,9 @@ class LanUser(Struct, frozen=True, kw_only=True):
 class LanConfig(Struct, frozen=True, kw_only=True):
     """What only the door to other machines needs to know.
 
-    `link` is how its router proves itself to the core, and `upstream` the id of the router it hangs on. `streams` may be read by all, `stops` be used by all, and
-    `commands` maps every other command to the role it needs. `private_key` and `certificate` are files.
+    `link` is how its router proves itself to the one it hangs on, whose id is `upstream`; `inside` is where its relay
+    comes in. `streams` may be read by all, `stops` be used by all, and `commands` maps every other command to the role
+    it needs. `private_key` and `certificate` are files.
     """
 
     listen: tuple[str, ...]
@@ -59,6 +60,7 @@ class LanConfig(Struct, frozen=True, kw_only=True):
     private_key: str
     certificate: str
     upstream: str = ""
+    inside: str = ""
 
 
 class ProcessConfig(Struct, frozen=True, kw_only=True):

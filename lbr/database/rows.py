@@ -1,5 +1,6 @@
 """The rows as the rest of the program sees them: checked, frozen, free of the database they came from."""
 
+from datetime import datetime
 from typing import Any, Literal
 
 from msgspec import Struct
@@ -144,6 +145,15 @@ class TokenRow(Struct, frozen=True, kw_only=True):
     created_at: str
     revoked_at: str | None = None
     expires_at: str | None = None
+
+    def has_expired(self, now: datetime) -> bool:
+        """Say whether its time is over; one whose end cannot be read is over."""
+        if self.expires_at is None:
+            return False
+        try:
+            return not now < datetime.fromisoformat(self.expires_at)
+        except (ValueError, TypeError):
+            return True
 
 
 class AuditRow(Struct, frozen=True, kw_only=True):

@@ -168,9 +168,16 @@ class Database:
         with self._reading() as connection:
             return tokens.tokens(connection)
 
-    def add_token(self, name: str, role: Role, hash: str, expires_at: str | None = None) -> None:  # noqa: A002
+    def add_token(
+        self,
+        name: str,
+        role: Role,
+        hash: str,  # noqa: A002
+        expires_at: str | None = None,
+        created_at: str | None = None,
+    ) -> None:
         """Write a token's hash down, durably; InputError if the name is taken by a token that is not revoked."""
-        row = TokenRow(name=name, role=role, hash=hash, created_at=self._now(), expires_at=expires_at)
+        row = TokenRow(name=name, role=role, hash=hash, created_at=created_at or self._now(), expires_at=expires_at)
         with self._writing(durable=True) as connection:
             tokens.add(connection, row)
 

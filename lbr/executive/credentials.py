@@ -4,18 +4,16 @@ A token is made anew from the key and its row whenever it is needed, and is neve
 """
 
 import datetime as dt
-import hashlib
 import hmac
 import os
 import secrets
 import socket
-from base64 import urlsafe_b64encode
 from pathlib import Path
 
 from lbr import home
+from lbr.bus import tokens
 
 CERTIFICATE_YEARS = 20
-FINGERPRINT_CHARACTERS = 22  # 132 bits
 _KEY_BYTES = 32
 
 
@@ -29,7 +27,7 @@ def token_key() -> bytes:
 
 def token_secret(key: bytes, name: str, created_at: str) -> str:
     """Return the secret part of a token: 43 characters of which nobody can guess any without the key."""
-    return _text(hmac.digest(key, f"{name}|{created_at}".encode(), "sha256"))
+    return tokens.text(hmac.digest(key, f"{name}|{created_at}".encode(), "sha256"))
 
 
 def bus_certificate() -> tuple[Path, Path]:
@@ -41,11 +39,6 @@ def bus_certificate() -> tuple[Path, Path]:
         _write(key, private)
         _write(certificate, public)
     return key, certificate
-
-
-def fingerprint(certificate_der: bytes) -> str:
-    """Return by what a certificate is known in a token and on the screen."""
-    return _text(hashlib.sha256(certificate_der).digest())[:FINGERPRINT_CHARACTERS]
 
 
 def _self_signed() -> tuple[bytes, bytes]:
@@ -79,7 +72,3 @@ def _write(path: Path, content: bytes) -> None:
         file.flush()
         os.fsync(file.fileno())
     new.replace(path)
-
-
-def _text(raw: bytes) -> str:
-    return urlsafe_b64encode(raw).decode().rstrip("=")

@@ -28,13 +28,21 @@ DEAD_LEASE = "lease is dead"
 
 
 class _Speaker(NamedTuple):
-    """Who says a line, with which rights, whether at the robot's own terminal, when, and through which door."""
+    """Who says a line, with which rights, whether at the robot's own terminal, and when.
+
+    `afar` is the stamp of a line from another machine, which goes on to whom it concerns as it is.
+    """
 
     source: str
     role: Role
     local: bool
     sent_s: float
-    via: str = ""
+    afar: bytes = b""
+
+    @property
+    def holder(self) -> tuple[str, bool]:
+        """Return whose motion it is: a name from another machine is never that of somebody here."""
+        return self.source, bool(self.afar)
 
 
 class Robot(Protocol):
@@ -78,7 +86,7 @@ class Dispatcher:
         self._robot = robot
         self._bus = bus
         self._namespace = dict(namespace)
-        self._leases: dict[str, str] = {}
+        self._leases: dict[tuple[str, bool], str] = {}
         self._built_in: dict[str, Callable[[VerbCall, str], ConsoleResult]] = {
             "report": self._report,
             "status": lambda _call, _source: ConsoleResult(code=DONE, text=self._health()),
@@ -97,15 +105,18 @@ class Dispatcher:
         role: Role,
         local: bool = False,
         sent_s: float | None = None,
-        via: str = "",
+        afar: bytes = b"",
     ) -> ConsoleResult:
-        """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock."""
+        """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock.
+
+        `afar` is its stamp if it came from another machine.
+        """
         try:
             parsed = self._robot.vocabulary.parse(line)
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")
             said_s = time.monotonic() if sent_s is None else sent_s
-            return self._run(parsed, _Speaker(source, role, local, said_s, via))
+            return self._run(parsed, _Speaker(source, role, local, said_s, afar))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err))
         except LbrError as err:
@@ -135,16 +146,16 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=text)
         moves = self._robot.plan.kinds[name].commands.get(call.command) is DriveCommand
         payload = dict(call.payload)
-        lease = self._leases.get(by.source, "") if moves else ""
+        lease = self._leases.get(by.holder, "") if moves else ""
         answer = self._query(call, payload | ({"lease": lease} if lease else {}), by)
         if lease and answer is not None and str(answer.get("reason", "")).startswith(DEAD_LEASE):
-            self._leases.pop(by.source, None)  # what we held is over; this line may begin anew, dated as it was said
+            self._leases.pop(by.holder, None)  # what we held is over; this line may begin anew, dated as it was said
             answer = self._query(call, payload, by)
         if answer is None:
             return ConsoleResult(code=FAILED, text=f"'{name}' did not answer; {self._why_silent(name)}")
-        return self._told(call, payload, answer, by.source)
+        return self._told(call, payload, answer, by)
 
-    def _told(self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], source: str) -> ConsoleResult:
+    def _told(self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], by: _Speaker) -> ConsoleResult:
         if "accepted" not in answer:
             return ConsoleResult(code=DONE, text=json.dumps(answer), data=answer)
         reason = str(answer.get("reason", ""))
@@ -156,7 +167,7 @@ class Dispatcher:
             return ConsoleResult(
                 code=DONE, text=reason or (_flat({call.command: said}) if said else "done"), data=answer
             )
-        self._leases[source] = lease
+        self._leases[by.holder] = lease
         while len(self._leases) > MOST_LEASES:
             self._leases.pop(next(iter(self._leases)))
         robot, name = self._robot.plan.robot, call.capability
@@ -178,7 +189,9 @@ class Dispatcher:
 
     def _query(self, call: VerbCall, payload: dict[str, Any], by: _Speaker) -> dict[str, Any] | None:
         key = keys.port(self._robot.plan.robot, call.capability, call.command)
-        answers = wire.ask(self._bus, key, payload, source=by.source, timeout_s=2.0, sent_s=by.sent_s, via=by.via)
+        answers = wire.ask(
+            self._bus, key, payload, source=by.source, timeout_s=2.0, sent_s=by.sent_s, attachment=by.afar
+        )
         if not answers:
             return None
         decoded = codec.decode(answers[0].payload)

@@ -33,6 +33,11 @@ def core_endpoint(robot: str) -> str:
     return f"unixsock-stream/{home.socket_path(robot, '.core')}"
 
 
+def inside_endpoint(robot: str, name: str) -> str:
+    """Return where the relay of a door to other machines comes in at it."""
+    return f"unixsock-stream/{home.socket_path(robot, f'.{name}')}"
+
+
 class Place(NamedTuple):
     """A router that a process comes in at."""
 

@@ -28,9 +28,9 @@ from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
 from lbr.executive import scheduling
 from lbr.executive.child import Child
-from lbr.executive.credentials import token_key
+from lbr.executive.credentials import bus_certificate, token_key
 from lbr.executive.dispatch import DONE, FAILED, Dispatcher
-from lbr.executive.doors import EXECUTIVE, Doors, core_endpoint, local_endpoint
+from lbr.executive.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
 from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
 from lbr.executive.journal import Journal
@@ -210,18 +210,7 @@ class Executive:
         self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._main.wake())
         self._alive = wire.alive(bus, robot, plans.EXECUTIVE)
         (Path(self._site.home) / "run" / f"{robot}-devices").mkdir(mode=0o700, exist_ok=True)
-        self._lock.publish(
-            home.Running(
-                robot=robot,
-                pid=os.getpid(),
-                endpoints=(local_endpoint(robot),),
-                core=core_endpoint(robot),
-                password=self._site.credentials(TOOLS).password,
-                lan=self._lan(),
-                profile=self._profile_name,
-                database=str(self._database.path),
-            )
-        )
+        self._say_how_to_reach()
         self._database.record_start(robot)
         self._happened("run", "executive", f"robot '{robot}' with profile '{self._profile_name}'", data=self._adopted())
         if estop.engaged:
@@ -279,16 +268,18 @@ class Executive:
         news = self._watch.look(self.plan)
         if news is None:
             return
-        if news.plan is None:
+        if news.plan is None or news.problems:
             self._keeper.not_well()
             if news.problems != self._problems:
                 self._problems = news.problems
                 what = "the rows cannot be read" if news.unreadable else "the edit is not applied"
                 text = f"{what}, the robot goes on as it was: " + "; ".join(news.problems)
                 self._happened("rows_refused", "executive", text, "error")
+        if news.plan is None:
             return
-        self._keeper.touched(time.monotonic())
-        if self._problems:
+        if not news.problems:
+            self._keeper.touched(time.monotonic())
+        if self._problems and not news.problems:
             self._problems = ()
             self._happened("rows_good", "executive", "the rows are good again")
         if news.edited or news.change != plans.Change():
@@ -303,6 +294,8 @@ class Executive:
             "rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self._adopted()
         )
         self._supervisor.adopt(plan, change)
+        with contextlib.suppress(OSError):
+            self._say_how_to_reach()
 
     def _became_ready(self, *, announce: bool) -> None:
         self._ready = True
@@ -327,9 +320,26 @@ class Executive:
         place = self._doors.place(self.plan, unit)
         config = replace(unit.config, estop=self._emergency.state(), endpoints=(place.endpoint,))
         if config.lan is not None:
-            config = replace(config, lan=replace(config.lan, upstream=place.router_id))
+            bus_certificate()
+            inside = inside_endpoint(self.plan.robot, unit.name)
+            config = replace(config, lan=replace(config.lan, upstream=place.router_id, inside=inside))
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
             return Child(unit, config, log)
+
+    def _say_how_to_reach(self) -> None:
+        robot = self.plan.robot
+        self._lock.publish(
+            home.Running(
+                robot=robot,
+                pid=os.getpid(),
+                endpoints=(local_endpoint(robot),),
+                core=core_endpoint(robot),
+                password=self._site.credentials(TOOLS).password,
+                lan=self._lan(),
+                profile=self._profile_name,
+                database=str(self._database.path),
+            )
+        )
 
     def _lan(self) -> tuple[str, ...]:
         configs = (unit.config.lan for unit in self.plan.units.values())

@@ -299,7 +299,6 @@ def _with_lan(unit: Unit, units: Mapping[str, Unit], kinds: Mapping[str, Kind], 
         users=tuple(
             LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
             for t in rows.tokens
-            if t.revoked_at is None
         ),
         streams=_streams(robot, others),
         stops=tuple(key for key, role in commands.items() if role == "view"),

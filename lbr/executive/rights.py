@@ -44,13 +44,14 @@ def _of_process(plan: Plan, unit: Unit) -> Rights:
     commands = tuple(keys.port(robot, name, command) for command in plan.commands(name))
     requests = tuple(key for asked in config.requests.values() for key in asked.values())
     relayed = _relayed(config.lan.commands, robot) if config.lan is not None else ()
+    watched = (keys.status(robot),) if config.lan is not None else ()
     acknowledgement = (keys.estop_acknowledgement(robot, name),) if unit.moves else ()
     release = (keys.estop_release(robot, name),) if unit.moves else ()
     return Rights(
         put=(*outputs, *relayed, *acknowledgement, keys.event(robot), keys.estop(robot)),
         ask=(*requests, *inputs, *relayed),
         serve=(*outputs, *commands, *release, keys.event(robot), keys.schema(robot, name, "*")),
-        hear=(*inputs, *commands, *release, keys.estop(robot)),
+        hear=(*inputs, *commands, *release, *watched, keys.estop(robot)),
         alive=(keys.alive(robot, name),),
         watch=(keys.alive(robot, "*"),),
     )
@@ -74,4 +75,4 @@ def _relayed(commands: Iterable[str], robot: str) -> tuple[str, ...]:
 
 
 def _looked_at(robot: str) -> Iterable[str]:
-    return keys.status(robot), keys.event(robot), keys.schema(robot, "*", "*")
+    return keys.status(robot), keys.ANY_STATUS, keys.event(robot), keys.schema(robot, "*", "*")

@@ -78,8 +78,8 @@ class Service:
             request.reply(ConsoleResult(code=2, text=text), "executive")
             return
         found = stamp.read(request.attachment)
-        sent_s, via = stamp.sent_s(found, request.arrived), found.via if found else ""
-        result = self._dispatcher.execute(line, source=_caller(found), role=role, sent_s=sent_s, via=via)
+        sent_s, afar = stamp.sent_s(found, request.arrived), request.attachment if found and found.via else b""
+        result = self._dispatcher.execute(line, source=_caller(found), role=role, sent_s=sent_s, afar=afar)
         request.reply(result, "executive")
 
     def _answer_reset(self, request: wire.Request) -> None:

@@ -1,5 +1,6 @@
 """Looks at the rows: the first plan, and every later one when somebody has edited rows or a capability's file."""
 
+from datetime import UTC, datetime
 from pathlib import Path
 
 from msgspec import Struct
@@ -15,11 +16,15 @@ from lbr.executive.plan import Change, Plan, Site
 from lbr.executive.profile import Profile
 
 UNKNOWN_VERSION = -1
+NEVER = datetime.max.replace(tzinfo=UTC)
 EDITS_TOLD = 4
 
 
 class News(Struct, frozen=True):
-    """What a look has found: a plan that differs, with what to do and what was edited, or why there is none."""
+    """What a look has found: a plan that differs, with what to do and what was edited, or why there is none.
+
+    With problems, a plan is the old one with the tokens of now: whoever is locked out is out, whatever else is wrong.
+    """
 
     plan: Plan | None = None
     change: Change = Change()
@@ -38,11 +43,13 @@ class RowWatch:
         self._file = _identity(database.path)
         self._version = UNKNOWN_VERSION
         self._files: dict[str, str] = {}
+        self._next_end = NEVER
 
     def first(self) -> Plan:
         """Return the plan to start with; raise RowError with everything that is wrong."""
         self._version = self._database.data_version()
-        plan, problems = plans.make(loaded(self._database, self._profile.robot), self._profile, self._site)
+        rows = self._with_valid_tokens(loaded(self._database, self._profile.robot))
+        plan, problems = plans.make(rows, self._profile, self._site)
         if plan is None:
             raise RowError(tuple(str(problem) for problem in problems))
         self._files = self._fingerprints(plan)
@@ -53,21 +60,33 @@ class RowWatch:
         try:
             self._check_file()
             seen, files = self._database.data_version(), self._fingerprints(plan)
-            if (seen, files) == (self._version, self._files):
+            if (seen, files) == (self._version, self._files) and datetime.now(UTC) < self._next_end:
                 return None
-            rows = self._database.load(self._profile.robot, patience_s=PATIENCE_S)
+            rows = self._with_valid_tokens(self._database.load(self._profile.robot, patience_s=PATIENCE_S))
         except LbrError as err:
             self._version = UNKNOWN_VERSION
             return News(problems=(str(err),), unreadable=True)
         self._version, self._files = seen, files
         new, problems = plans.make(rows, self._profile, self._site)
+        said = tuple(str(problem) for problem in problems)
+        if new is None and rows.tokens != plan.rows.tokens:
+            new, _ = plans.make(replace(plan.rows, tokens=rows.tokens), self._profile, self._site)
         if new is None:
-            return News(problems=tuple(str(problem) for problem in problems))
-        return News(plan=new, change=plans.difference(plan, new), edited=self._edited(plan.rows.revision))
+            return News(problems=said)
+        change = plans.difference(plan, new)
+        return News(plan=new, change=change, edited=self._edited(plan.rows, new.rows), problems=said)
 
-    def _edited(self, since: int) -> str:
-        rows = self._database.revisions(since)
+    def _with_valid_tokens(self, rows: RobotRows) -> RobotRows:
+        """Leave out the tokens that have no rights any more, and note when the next one's end comes."""
+        now = datetime.now(UTC)
+        valid = tuple(one for one in rows.tokens if one.revoked_at is None and not one.has_expired(now))
+        self._next_end = min((datetime.fromisoformat(one.expires_at) for one in valid if one.expires_at), default=NEVER)
+        return replace(rows, tokens=valid)
+
+    def _edited(self, old: RobotRows, new: RobotRows) -> str:
+        rows = self._database.revisions(old.revision) if new.revision != old.revision else ()
         said = [f"{row.operation} {row.table} '{row.row_key[-1]}'" for row in rows[:EDITS_TOLD]]
+        said += ["tokens"] if new.tokens != old.tokens else []
         more = f" and {len(rows) - EDITS_TOLD} more" if len(rows) > EDITS_TOLD else ""
         return ", ".join(said) + more
 

@@ -1,0 +1,151 @@
+"""The door as a process: opens its router, sees that it routes, and tells who comes and goes."""
+
+import secrets
+import ssl
+import time
+from collections import deque
+from pathlib import Path
+
+from lbr.apps.lan import LanSettings, rights
+from lbr.apps.lan.relay import Relay
+from lbr.bus import keys, session, tokens, wire
+from lbr.bus.access import Credentials
+from lbr.bus.links import Coming, Links
+from lbr.bus.session import Router, Session, Tls
+from lbr.capability.base import Capability
+from lbr.capability.config import LanConfig, LanUser
+from lbr.capability.runtime import ProcessContext
+from lbr.errors import BusError, DeviceError
+
+ROUTES_WITHIN_S = 1.0
+ASK_AGAIN_S = 0.02
+STUCK_S = 1.0
+SILENT_S = 2.5
+
+
+class Lan(Capability[LanSettings]):
+    """Raises DeviceError while it cannot listen; any other trouble ends the process, and the next one begins afresh."""
+
+    rate_hz = 10.0
+    ctx: ProcessContext  # type: ignore[assignment]  # only the process's own knows how to listen
+
+    def __init__(self, ctx: ProcessContext) -> None:
+        super().__init__(ctx)  # type: ignore[arg-type]
+        if ctx.config.lan is None:
+            raise ValueError("the executive gave no door to open")
+        self._lan: LanConfig = ctx.config.lan
+        self._users = _proven(self._lan)
+        self._sessions: list[Session] = []
+        self._relay: Relay | None = None
+        self._too_much: deque[str] = deque(maxlen=64)
+
+    def open(self) -> None:
+        """Listen, and serve what the relay passes on."""
+        password = secrets.token_hex(16)
+        router = self._open_router(password)
+        inside = self._opened(
+            session.open_client([self._lan.inside], Credentials(user=rights.RELAY, password=password))
+        )
+        self._wait_until_it_routes(inside)
+        robot_side = self._opened(session.open_client(self.ctx.config.endpoints, self.ctx.config.credentials))
+        self._inner = wire.Subscription(inside, keys.status(self.ctx.robot))
+        self._outer = wire.Subscription(robot_side, keys.status(self.ctx.robot))
+        self._inner_at = self._outer_at = self.ctx.clock()
+        self._links = Links(router, ("tls", "tcp"))
+        self._relay = Relay(
+            inside,
+            robot_side,
+            self.ctx.robot,
+            tuple(self._lan.commands),
+            via=self.ctx.name,
+            refused=self._too_much.append,
+        )
+        self._says = f"at {', '.join(self._lan.listen)}{self._certified()}, {len(self._users)} tokens"
+        self.ctx.event("listening", self._says)
+        self._tell_unproven()
+
+    def step(self) -> None:
+        """Tell what happened; end if messages do not pass."""
+        self.ctx.ready(self._says)
+        for one in self._links.take():
+            self._tell_link(one)
+        while self._too_much:
+            self.ctx.event("refused", self._too_much.popleft(), level="warning")
+        self._check()
+
+    def close(self) -> None:
+        """Let nobody in any more."""
+        if self._relay is not None:
+            self._relay.close()
+            self._relay = None
+        while self._sessions:
+            self._sessions.pop().close()
+
+    def _open_router(self, password: str) -> Session:
+        lan, robot = self._lan, self.ctx.robot
+        secure = any(endpoint.startswith("tls/") for endpoint in lan.listen)
+        users = {name: user.secret for name, user in self._users.items()}
+        try:
+            found = session.open_router(
+                Router(
+                    listen=(*lan.listen, lan.inside),
+                    robot=robot,
+                    users={**users, rights.RELAY: password},
+                    rights={
+                        **{name: rights.of_role(robot, lan, user.role) for name, user in self._users.items()},
+                        rights.RELAY: rights.of_relay(robot, lan),
+                    },
+                    links={lan.upstream: rights.of_upstream(lan)},
+                    connect=self.ctx.config.endpoints,
+                    credentials=lan.link,
+                    tls=Tls(private_key=lan.private_key, certificate=lan.certificate) if secure else None,
+                    limits=rights.limits(robot, lan),
+                )
+            )
+        except BusError as err:
+            raise DeviceError(str(err)) from err
+        return self._opened(found)
+
+    def _opened(self, opened: Session) -> Session:
+        self._sessions.append(opened)
+        return opened
+
+    def _wait_until_it_routes(self, inside: Session) -> None:
+        """A router just hung on the robot's needs a tenth of a second; one that never routes is to be opened anew."""
+        end = time.monotonic() + ROUTES_WITHIN_S
+        status = keys.status(self.ctx.robot)
+        while not wire.ask(inside, status, None, source=self.ctx.name, timeout_s=0.3):
+            if not time.monotonic() < end:
+                raise BusError("the door is open, but nothing passes through it to the robot")
+            time.sleep(ASK_AGAIN_S)
+
+    def _check(self) -> None:
+        """The robot's status comes every second on both sides of the door, and the relay goes round."""
+        now = self.ctx.clock()
+        self._inner_at = now if self._inner.take() else self._inner_at
+        self._outer_at = now if self._outer.take() else self._outer_at
+        if self._outer_at - self._inner_at > SILENT_S:
+            raise BusError("nothing passes from the robot through the door any more")
+        if self._relay is not None and not now - self._relay.turned_at < STUCK_S:
+            raise BusError("the relay stands still")
+
+    def _certified(self) -> str:
+        if not any(endpoint.startswith("tls/") for endpoint in self._lan.listen):
+            return ""
+        der = ssl.PEM_cert_to_DER_cert(Path(self._lan.certificate).read_text(encoding="ascii"))
+        return f" with certificate {tokens.fingerprint(der)}"
+
+    def _tell_unproven(self) -> None:
+        for user in self._lan.users:
+            if user.name not in self._users:
+                text = f"the token '{user.name}' is not let in: its row does not fit this home's key; make a new one"
+                self.ctx.event("login_refused", text, level="warning")
+
+    def _tell_link(self, one: Coming) -> None:
+        what, did = ("login", "came in") if one.here else ("logout", "went")
+        self.ctx.event(what, f"a client at {one.address} {did} (session {one.session_id[:8]})")
+
+
+def _proven(lan: LanConfig) -> dict[str, LanUser]:
+    """Return the users whose secret fits the hash in their row."""
+    return {user.name: user for user in lan.users if tokens.fits(user.secret, user.hash)}

@@ -1,0 +1,153 @@
+"""Takes at the door what may begin motion or change something, and asks the robot for it, marked as from afar.
+
+What comes from another machine may be old: a network that heals delivers what it has held back. Whoever moves the robot
+must know that, so such messages never pass from router to router. Stops and emergency stops do, and never wait here.
+"""
+
+import threading
+import time
+from collections.abc import Callable
+from typing import get_args
+
+from lbr.bus import keys, stamp, wire
+from lbr.bus.session import Session
+from lbr.messages.drive import CommandReply
+from lbr.messages.system import ConsoleResult, Role
+
+COMMAND_S = 3.0
+LINE_S = 600.0
+MOST_UNDER_WAY = 64
+MOST_UNDER_WAY_IN_ALL = 256
+PER_KEY_HZ = 150.0
+IN_ALL_HZ = 400.0
+POLL_S = 0.2
+
+
+class Bucket:
+    """Lets pass so many a second, and a quarter of a second's worth at once."""
+
+    def __init__(self, rate_hz: float, now: float) -> None:
+        self._rate_hz = rate_hz
+        self._most = self._left = rate_hz / 4
+        self._at = now
+
+    def take(self, now: float) -> bool:
+        """Take one, if there is one."""
+        self._left = min(self._most, self._left + (now - self._at) * self._rate_hz)
+        self._at = now
+        if not self._left >= 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+
+class Lane:
+    """One key behind the door, and what is under way on it; `line` says that it takes console lines."""
+
+    def __init__(
+        self,
+        inside: Session,
+        key: str,
+        wake: Callable[[], None],
+        source: str,
+        *,
+        line: bool = False,
+        puts: bool = False,
+    ) -> None:
+        self.line = line
+        self.served = wire.Served(inside, key, wake, puts=puts, source=source)
+        self.bucket = Bucket(PER_KEY_HZ, time.monotonic())
+        self.under_way: list[tuple[wire.Request, wire.Question]] = []
+
+
+class Relay:
+    """Works in a thread of its own, in which nothing waits; `refused(text)` hears what was too much."""
+
+    def __init__(
+        self,
+        inside: Session,
+        robot_side: Session,
+        robot: str,
+        commands: tuple[str, ...],
+        *,
+        via: str,
+        refused: Callable[[str], None],
+    ) -> None:
+        self.turned_at = time.monotonic()
+        self._bus = robot_side
+        self._via = via
+        self._refused = refused
+        self._wake = threading.Event()
+        self._closing = False
+        self._bucket = Bucket(IN_ALL_HZ, time.monotonic())
+        lines = [keys.console(robot, role) for role in get_args(Role)]
+        self._lanes = [Lane(inside, key, self._wake.set, via, puts=True) for key in commands]
+        self._lanes += [Lane(inside, key, self._wake.set, via, line=True) for key in lines]
+        self._lanes.append(Lane(inside, keys.estop_reset(robot), self._wake.set, via))
+        self._thread = threading.Thread(target=self._run, name="relay", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Cease to take anything."""
+        self._closing = True
+        self._wake.set()
+        self._thread.join(POLL_S)
+
+    def _run(self) -> None:
+        while not self._closing:
+            self._wake.wait(POLL_S)
+            self._wake.clear()
+            self.turned_at = now = time.monotonic()
+            for lane in self._lanes:
+                self._answer(lane)
+                for request in lane.served.take():
+                    self._take(lane, request, now)
+
+    def _take(self, lane: Lane, request: wire.Request, now: float) -> None:
+        why_not = self._too_much(lane, request, now)
+        if why_not:
+            self._refuse(lane, request, why_not)
+            return
+        attachment = stamp.passed_on(request.attachment, self._via)
+        if not request.answerable:
+            wire.pass_on(self._bus, request.key, request.payload, attachment)
+            return
+        question = wire.Question(
+            self._bus,
+            request.key,
+            request.payload,
+            timeout_s=LINE_S if lane.line else COMMAND_S,
+            source=self._via,
+            attachment=attachment,
+            patient=lane.line,
+            wake=self._wake.set,
+        )
+        lane.under_way.append((request, question))
+
+    def _too_much(self, lane: Lane, request: wire.Request, now: float) -> str:
+        if len(request.payload) > wire.MAX_COMMAND_BYTES:
+            return f"a message may have {wire.MAX_COMMAND_BYTES} bytes, not {len(request.payload)}"
+        under_way = sum(len(one.under_way) for one in self._lanes)
+        if len(lane.under_way) >= MOST_UNDER_WAY or under_way >= MOST_UNDER_WAY_IN_ALL:
+            return f"too much is under way from other machines ({request.key})"
+        if not (lane.bucket.take(now) and self._bucket.take(now)):
+            return f"too many messages a second from other machines ({request.key})"
+        return ""
+
+    def _refuse(self, lane: Lane, request: wire.Request, why: str) -> None:
+        self._refused(why)
+        request.reply(
+            ConsoleResult(code=1, text=why) if lane.line else CommandReply(accepted=False, reason=why), self._via
+        )
+
+    def _answer(self, lane: Lane) -> None:
+        waiting = []
+        for request, question in lane.under_way:
+            if question.replies:
+                answer = question.replies[0]
+                request.pass_back(answer.payload, answer.attachment)
+            elif question.done:
+                self._refuse(lane, request, f"nobody answers on {request.key}")
+            else:
+                waiting.append((request, question))
+        lane.under_way = waiting

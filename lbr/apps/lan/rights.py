@@ -1,0 +1,67 @@
+"""What a token's role may do at the door, and what the relay serves there. Pure."""
+
+from lbr.bus import keys
+from lbr.bus.access import Limits, Rights, everything
+from lbr.capability.config import LanConfig
+from lbr.messages.system import Role
+
+RELAY = "@relay"
+LARGEST_BYTES = 64 * 1024
+MOST_SESSIONS = 64
+COMMANDS_HZ = 100.0
+STOPS_HZ = 200.0
+RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
+
+
+def of_role(robot: str, lan: LanConfig, role: Role) -> Rights:
+    """Return what a role may do: everybody looks and stops; operators move; administrators do all there is."""
+    allowed = commands(lan, role)
+    return Rights(
+        put=(*allowed, *lan.stops, keys.estop(robot)),
+        ask=(*allowed, *consoles(robot, role), *lan.stops, *lan.streams, keys.estop(robot), *looked_at(robot)),
+        hear=(f"{robot}/**", keys.estop(robot), *looked_at(robot)),
+        watch=(keys.alive(robot, "*"),),
+    )
+
+
+def of_relay(robot: str, lan: LanConfig) -> Rights:
+    """Return what the relay does behind the door: it takes what may begin motion or change something."""
+    return Rights(
+        serve=(*lan.commands, *consoles(robot, "admin")),
+        hear=(*lan.commands, keys.status(robot)),
+        ask=(keys.status(robot),),
+    )
+
+
+def of_upstream(lan: LanConfig) -> Rights:
+    """Return what may come from the robot: all but others' commands, which the relay would take for new ones."""
+    return Rights(trusted=True, never_put=tuple(lan.commands))
+
+
+def limits(robot: str, lan: LanConfig) -> Limits:
+    """Return what one client may send: nothing large, and nothing more often than a robot can use it."""
+    stops = dict.fromkeys((*lan.stops, keys.estop(robot)), STOPS_HZ)
+    return Limits(
+        protocols=("tls", "tcp"),
+        bytes=LARGEST_BYTES,
+        keys=everything(robot),
+        puts_hz=dict.fromkeys(lan.commands, COMMANDS_HZ) | stops,
+        sessions=MOST_SESSIONS,
+    )
+
+
+def commands(lan: LanConfig, role: Role) -> tuple[str, ...]:
+    """Return the commands that a role may use through the relay."""
+    return tuple(key for key, needed in lan.commands.items() if RANKS[needed] <= RANKS[role])
+
+
+def consoles(robot: str, role: Role) -> tuple[str, ...]:
+    """Return the keys that take a role's console lines, and for operators the one that resets the emergency stop."""
+    own: tuple[Role, ...] = tuple(other for other, rank in RANKS.items() if rank <= RANKS[role])
+    reset = (keys.estop_reset(robot),) if RANKS[role] >= RANKS["operate"] else ()
+    return (*(keys.console(robot, other) for other in own), *reset)
+
+
+def looked_at(robot: str) -> tuple[str, ...]:
+    """Return what the robot says of itself."""
+    return keys.status(robot), keys.ANY_STATUS, keys.event(robot), keys.schema(robot, "*", "*")

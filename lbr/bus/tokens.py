@@ -1,0 +1,74 @@
+"""Tokens: what somebody on another machine shows a robot, and by what that machine knows the robot again."""
+
+import hashlib
+import re
+from base64 import urlsafe_b64encode
+
+from msgspec import Struct
+
+from lbr.bus.access import Credentials
+from lbr.errors import InputError
+
+FINGERPRINT_CHARACTERS = 22  # 132 bits
+MEMORY_KIB, ROUNDS, LANES = 19 * 1024, 2, 1
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,39}")
+_SHAPE = re.compile(rf"({_NAME.pattern})\.([A-Za-z0-9_-]{{43}})\.([A-Za-z0-9_-]{{{FINGERPRINT_CHARACTERS}}})")
+
+
+class Token(Struct, frozen=True, kw_only=True):
+    """A name, the secret that proves it, and the fingerprint of the robot's certificate; written with dots between."""
+
+    name: str
+    secret: str
+    fingerprint: str
+
+    def __str__(self) -> str:
+        return f"{self.name}.{self.secret}.{self.fingerprint}"
+
+    @property
+    def credentials(self) -> Credentials:
+        """Return how its holder proves itself on the bus."""
+        return Credentials(user=self.name, password=self.secret)
+
+
+def parse(text: str) -> Token:
+    """Return the token that a text is; raise InputError without repeating the text."""
+    found = _SHAPE.fullmatch(text.strip())
+    if found is None:
+        raise InputError("this is no token: tokens look like NAME.SECRET.FINGERPRINT, and 'lbr token add' prints them")
+    return Token(name=found[1], secret=found[2], fingerprint=found[3])
+
+
+def check_name(name: str) -> str:
+    """Return a name that a token may have; raise InputError saying what is allowed."""
+    if _NAME.fullmatch(name) is None:
+        raise InputError("a token's name has up to 40 letters, digits, - and _, and begins with a letter or digit")
+    return name
+
+
+def fingerprint(certificate_der: bytes) -> str:
+    """Return by what a certificate is known in a token and on the screen."""
+    return text(hashlib.sha256(certificate_der).digest())[:FINGERPRINT_CHARACTERS]
+
+
+def hashed(secret: str) -> str:
+    """Return what the rows keep of a secret: argon2id, with what OWASP asks for at least."""
+    from argon2 import PasswordHasher  # noqa: PLC0415 - for those who make or check tokens
+
+    return PasswordHasher(time_cost=ROUNDS, memory_cost=MEMORY_KIB, parallelism=LANES).hash(secret)
+
+
+def fits(secret: str, stored: str) -> bool:
+    """Say whether a hash is of this secret; takes some 25 ms."""
+    from argon2 import PasswordHasher  # noqa: PLC0415
+    from argon2.exceptions import InvalidHashError, VerificationError  # noqa: PLC0415
+
+    try:
+        return PasswordHasher().verify(stored, secret)
+    except (VerificationError, InvalidHashError):
+        return False
+
+
+def text(raw: bytes) -> str:
+    """Return bytes as letters, digits, - and _."""
+    return urlsafe_b64encode(raw).decode().rstrip("=")

@@ -1,0 +1,197 @@
+"""`lbr token`: who may come in from other machines."""
+
+import datetime as dt
+import json
+import os
+import re
+import socket
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.commands.options import json_option, print_json
+
+if TYPE_CHECKING:
+    from lbr.bus.tokens import Token
+    from lbr.database.rows import TokenRow
+    from lbr.database.store import Database
+    from lbr.messages.system import Role
+
+EVERYWHERE = ("0.0.0.0", "[::]")  # noqa: S104 - read, not bound
+UNITS_S = {"m": 60, "h": 3600, "d": 86400, "w": 604800}
+database_option = click.option(
+    "--db", "database", type=click.Path(path_type=Path), metavar="FILE", help="The rows; those of the robot."
+)
+
+
+@click.group("token")
+def command() -> None:
+    """Let people and programs on other machines in, and lock them out again.
+
+    A token is a name with a role: view looks and stops, operate moves the robot too, admin does all there is.
+    """
+
+
+@command.command("add")
+@click.argument("name")
+@click.option("--role", type=click.Choice(["view", "operate", "admin"]), default="operate", show_default=True)
+@click.option("--expires", metavar="TIME", help="When its rights end: after 12h, 30d or 8w. Never if left out.")
+@click.option(
+    "--file", "path", type=click.Path(path_type=Path), metavar="FILE", help="Also write a Zenoh configuration with it."
+)
+@database_option
+def add(name: str, role: str, expires: str | None, path: Path | None, database: Path | None) -> int:
+    """Make a token and print it, once: it is kept nowhere.
+
+    With --file, any Zenoh client gets in by that file alone: zenoh.open(zenoh.Config.from_file("phone.json5")).
+    """
+    import msgspec  # noqa: PLC0415 - only now is the bus needed
+
+    from lbr.bus import tokens  # noqa: PLC0415
+    from lbr.errors import InputError  # noqa: PLC0415
+    from lbr.messages.system import Role  # noqa: PLC0415 - the name of a type, and the type
+
+    tokens.check_name(name)
+    ends = _end(expires) if expires is not None else None
+    if path is not None and path.exists():
+        raise InputError(f"{path} exists already; name another file, or remove it")
+    with _opened(database) as rows:
+        token = _new(rows, name, msgspec.convert(role, Role), ends)
+        listen = _listens(rows)
+    endpoints = _endpoints(listen)
+    click.echo(str(token))
+    if path is not None:
+        _write_configuration(path, token, endpoints)
+        click.echo(f"{path} lets a Zenoh client in; it is as secret as the token", err=True)
+    _tell_how(endpoints, on=bool(listen))
+    return 0
+
+
+@command.command("list")
+@database_option
+@json_option
+def list_tokens(database: Path | None, as_json: bool) -> int:
+    """List all tokens: whose, which role, since when, until when. The tokens themselves are nowhere."""
+    with _opened(database) as rows:
+        found = rows.tokens()
+    if as_json:
+        fields = ("name", "role", "created_at", "expires_at", "revoked_at")
+        print_json([{field: getattr(one, field) for field in fields} | {"state": _state(one)} for one in found])
+        return 0
+    width = max((len(one.name) for one in found), default=0)
+    for one in found:
+        click.echo(f"{one.name:<{width}}  {one.role:<8}{_state(one):<9}since {one.created_at}{_until(one)}")
+    return 0
+
+
+@command.command("revoke")
+@click.argument("name")
+@database_option
+def revoke(name: str, database: Path | None) -> int:
+    """Take a token's rights away: who came in with it is out within a second, and stays out."""
+    with _opened(database) as rows:
+        rows.revoke_token(name)
+    return 0
+
+
+def _new(rows: "Database", name: str, role: "Role", expires_at: str | None) -> "Token":
+    from ssl import PEM_cert_to_DER_cert  # noqa: PLC0415
+
+    from lbr.bus import tokens  # noqa: PLC0415
+    from lbr.executive import credentials  # noqa: PLC0415
+
+    _, certificate = credentials.bus_certificate()
+    created_at = _text(dt.datetime.now(dt.UTC))
+    secret = credentials.token_secret(credentials.token_key(), name, created_at)
+    rows.add_token(name, role, tokens.hashed(secret), expires_at, created_at)
+    fingerprint = tokens.fingerprint(PEM_cert_to_DER_cert(certificate.read_text(encoding="ascii")))
+    return tokens.Token(name=name, secret=secret, fingerprint=fingerprint)
+
+
+def _opened(path: Path | None) -> "Database":
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    here = home.running()
+    return opened(path or (Path(here[0].database) if len(here) == 1 else home.default_database()))
+
+
+def _end(text: str) -> str:
+    from lbr.errors import InputError  # noqa: PLC0415
+
+    found = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
+    if found is None:
+        raise InputError(f"'{text[:40]}' is no time from now: write 90m, 12h, 30d or 8w")
+    return _text(dt.datetime.now(dt.UTC) + dt.timedelta(seconds=int(found[1]) * UNITS_S[found[2]]))
+
+
+def _text(moment: dt.datetime) -> str:
+    return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def _state(one: "TokenRow") -> str:
+    if one.revoked_at is not None:
+        return "revoked"
+    return "expired" if one.has_expired(dt.datetime.now(dt.UTC)) else "valid"
+
+
+def _until(one: "TokenRow") -> str:
+    if one.revoked_at is not None:
+        return f", until {one.revoked_at}"
+    return f", until {one.expires_at}" if one.expires_at else ""
+
+
+def _listens(rows: "Database") -> tuple[str, ...]:
+    """Return where a robot of these rows listens: one that runs here says so, or else the rows do."""
+    from lbr import home  # noqa: PLC0415
+
+    for one in home.running():
+        if Path(one.database) == rows.path and one.lan:
+            return one.lan
+    found: list[str] = []
+    for name in rows.robots():
+        for row in rows.load(name).capabilities:
+            if row.kind == "lan" and row.enabled:
+                found += json.loads(row.settings).get("listen", [])
+    return tuple(dict.fromkeys(found))
+
+
+def _endpoints(listen: tuple[str, ...]) -> list[str]:
+    """Return where others find this machine: its addresses, with the ports it listens at."""
+    found = []
+    for endpoint in listen or ("tls/0.0.0.0:7447",):
+        protocol, _, place = endpoint.partition("/")
+        host, _, port = place.rpartition(":")
+        hosts = _addresses() if host in EVERYWHERE else [host]
+        found += [f"{protocol}/{one}:{port}" for one in hosts]
+    return found
+
+
+def _addresses() -> list[str]:
+    import psutil  # noqa: PLC0415
+
+    cards = psutil.net_if_addrs().values()
+    every = [one.address for card in cards for one in card if one.family == socket.AF_INET]
+    return [address for address in every if not address.startswith("127.")] or ["127.0.0.1"]
+
+
+def _write_configuration(path: Path, token: "Token", endpoints: list[str]) -> None:
+    from lbr.bus.session import client_settings  # noqa: PLC0415
+    from lbr.executive import credentials  # noqa: PLC0415
+
+    _, certificate = credentials.bus_certificate()
+    settings = client_settings(endpoints, token.credentials, certificate=certificate.read_text(encoding="ascii"))
+    with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "w") as file:
+        json.dump(settings, file, indent=2)
+
+
+def _tell_how(endpoints: list[str], *, on: bool) -> None:
+    for endpoint in endpoints:
+        click.echo(f"  lbr console --connect {endpoint}", err=True)
+    if not on:
+        click.echo(
+            "no robot listens yet: 'lbr run --listen tls/0.0.0.0:7447', or in the rows\n"
+            "  UPDATE capability SET enabled = 1 WHERE name = 'lan';",
+            err=True,
+        )
