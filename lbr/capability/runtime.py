@@ -15,6 +15,7 @@ from lbr.capability.calls import UNSTAMPED, Answers, BusCall
 from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Call, Device, EmergencyStop, Received
 from lbr.capability.estop import EstopLatch, NothingToStop
+from lbr.capability.events import Throttle
 from lbr.capability.kind import Kind
 from lbr.capability.reporter import Reporter
 from lbr.errors import MalformedError
@@ -106,6 +107,7 @@ class ProcessContext:
         self._reporter = reporter
         self._wake = wake
         self._complained: dict[str, float] = {}
+        self._throttle = Throttle()
         self._dropped: dict[str, int] = {}
         self._bus = session.open_client(config.endpoints, config.credentials)
         self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
@@ -167,10 +169,19 @@ class ProcessContext:
         return Answers(questions, Decoder(self._kind.replies.get(request, CheckVerdict)))
 
     def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
-        """Publish on `@event`."""
+        """Publish on `@event`, unless there were too many of this kind; those are counted and told together."""
+        if not self._throttle.take(kind, time.monotonic()):
+            return
         safe = level if level in {"info", "warning", "error"} else "info"
         event = Event(kind=kind, subject=self.name, text=text, level=safe, wall_ns=time.time_ns(), data=data or {})  # type: ignore[arg-type]
         self._events.put(event)
+
+    def tell_missed(self) -> None:
+        """Tell of the events that were too many; called once a second."""
+        for kind, missed in self._throttle.missed().items():
+            text = f"{missed} more events '{kind}' within a second"
+            event = Event(kind="repeated", subject=self.name, text=text, level="warning", wall_ns=time.time_ns())
+            self._events.put(event)
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works."""
