@@ -63,6 +63,13 @@ PROMISES: dict[str, Promise] = {
     "B1 H": Promise(what="interval of motor commands under 4 busy loops", target=35, statistic="p99"),
     "B2 I": Promise(what="stops that nobody asked for, in 10 s", unit="", target=0),
     "B2 H": Promise(what="stops that nobody asked for, in 10 s under 4 busy loops", unit="", target=0),
+    "F2": Promise(
+        what="commands and setpoints recorded and sent again, by the same and another connection: none counts"
+    ),
+    "F3": Promise(what="commands dated before, twice, overtaken, with impossible numbers: none that is not new counts"),
+    "F4": Promise(what="wall clock of the robot jumps by up to an hour 30 times a second: no stop"),
+    "S8 clock": Promise(what="client killed under that clock (F4), to motor zero", hard=STOP_HARD_MS),
+    "E1 put clock": Promise(what="estop as a plain put under that clock (F4), to motor zero", hard=250),
     "F7": Promise(what="foreign, forged and replayed setpoints, second run, second opener"),
     "F7 second run": Promise(what="second run refused after", target=500, hard=1000),
     "P4 stop": Promise(what="shutdown (5 ways), to motor zero", target=100, hard=STOP_HARD_MS),
