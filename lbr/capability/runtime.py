@@ -16,7 +16,7 @@ from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Call, Device, EmergencyStop, Received
 from lbr.capability.estop import EstopLatch, NothingToStop
 from lbr.capability.events import Throttle
-from lbr.capability.kind import Kind
+from lbr.capability.kind import STOP, Kind
 from lbr.capability.reporter import Reporter
 from lbr.errors import MalformedError
 from lbr.messages.drive import CheckVerdict
@@ -201,11 +201,8 @@ class ProcessContext:
                 self._refused(served.key, f"too many commands at once on {served.key}; {served.dropped} were dropped")
             for request in served.take():
                 call = BusCall(name, None, request, self.name, lambda who, why: self._refused(who, f"{who}: {why}"))
-                if len(request.payload) > wire.MAX_COMMAND_BYTES:
-                    call.refuse(f"a command may have {wire.MAX_COMMAND_BYTES} bytes, not {len(request.payload)}")
-                    continue
                 try:
-                    call.message = decoder.decode(request.payload or b"{}")
+                    call.message = _read(name, request.payload, decoder)
                 except MalformedError as err:
                     call.refuse(f"malformed command: {err}")
                     continue
@@ -230,11 +227,33 @@ class ProcessContext:
             self.event("refused", text, level="warning")
 
 
+def _read(name: str, payload: bytes, decoder: Decoder[Any]) -> Any:
+    """Return a command's message; a stop that cannot be read is a stop."""
+    try:
+        return _decode(payload, decoder)
+    except MalformedError:
+        if name != STOP:
+            raise
+        return decoder.decode(b"{}")
+
+
+def _decode(payload: bytes, decoder: Decoder[Any]) -> Any:
+    if len(payload) > wire.MAX_COMMAND_BYTES:
+        raise MalformedError(f"it may have {wire.MAX_COMMAND_BYTES} bytes, not {len(payload)}")
+    return decoder.decode(payload or b"{}")
+
+
 def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> list[wire.Constant]:
     keyed = {wire.key for wires in config.outputs.values() for wire in wires}
     own = {name: kind.outputs[name] for name in kind.outputs if keys.port(config.robot, config.name, name) in keyed}
     types = {**own, **kind.commands, **kind.setpoints}
     return [
-        wire.Constant(bus, keys.schema(config.robot, config.name, name), partial(msgspec.json.schema, message))
+        wire.Constant(bus, keys.schema(config.robot, config.name, name), partial(_schema, kind, name, message))
         for name, message in types.items()
     ]
+
+
+def _schema(kind: Kind, name: str, message: type[Struct]) -> dict[str, Any]:
+    """Return the JSON Schema of a message, and for a command the role it needs of whoever comes from another machine."""
+    found = msgspec.json.schema(message)
+    return found | {"x-role": kind.role(name)} if name in kind.commands else found
