@@ -127,6 +127,8 @@ class Arena:
         """Distances come, infinite for nothing near and NaN for no reading; `twice`: the second one confirms them."""
         at = self.now if at is None else at
         self.model.advance(self.now)
+        if self.model.hold is None and self._wheels != (0.0, 0.0):
+            self._count_way()  # what just ended, ended before the readings count
         event = RangesSeen(ranges=to_ranges(distances), arrived=at)
         self.model.ranges(distances, at, self.now, twice=twice)
         self._do(event, "ranges", distances)
@@ -179,9 +181,7 @@ class Arena:
     def _setpoint(self, setpoint: MotorSetpoint) -> None:
         left, right = setpoint.left, setpoint.right
         was_left, was_right = self._wheels
-        elapsed_s = min(max(0.0, self.now - self._wheels_at), LONGEST_STEP_S)
-        if was_left or was_right:
-            self.model.around.drove(was_left, was_right, elapsed_s)
+        elapsed_s = self._count_way()
         if left or right:
             self._trace += (left, right)
             if not (isfinite(left) and isfinite(right) and abs(left) <= MAX_POWER and abs(right) <= MAX_POWER):
@@ -195,7 +195,15 @@ class Arena:
                 raise self._violation("it moves under no lease")
             if why := self.model.around.too_fast(left, right, self.now):
                 raise self._violation(why)
-        self._wheels, self._wheels_at = (left, right), self.now
+        self._wheels = left, right
+
+    def _count_way(self) -> float:
+        """Count how far the base came since the wheels were told something; return how long that was."""
+        elapsed_s = min(max(0.0, self.now - self._wheels_at), LONGEST_STEP_S)
+        self._wheels_at = self.now
+        if self._wheels != (0.0, 0.0):
+            self.model.around.drove(*self._wheels, elapsed_s)
+        return elapsed_s
 
     def _happened(self, event: Happened) -> None:
         self._trace.append(event.text)

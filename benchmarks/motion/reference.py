@@ -177,12 +177,12 @@ class Reference:
         if not message.remote:
             return arrived if isnan(message.ahead_s) else min(arrived, message.sent)
         behind_s = self._behind_s(message, arrived, self._quoted(message.lease))
-        return arrived if behind_s == inf else min(arrived, message.sent + message.ahead_s + behind_s)
+        return arrived if behind_s == inf else message.sent + message.ahead_s + behind_s
 
     def _verdict(self, message: Message, arrived: float, now: float, checked: bool) -> bool | None:
         moves = message.power > 0.0
         dated = self._dated(message, arrived)
-        if moves and not 0.0 <= now - dated <= LATE_S + (CHECKS_S if checked else 0.0):
+        if moves and not 0.0 <= now - min(arrived, dated) <= LATE_S + (CHECKS_S if checked else 0.0):
             return False
         if moves and message.remote and not message.lease and not message.answerable:
             return False

@@ -20,9 +20,8 @@ def dated(state: State, event: Command) -> float:
     A remote sender's clock is read by the quickest message under the same lease: nothing sent later came sooner, so
     what a partition held back cannot pass for new when it heals.
     """
-    if not event.remote:
-        return event.received
-    return min(event.received, event.sender_s + offset_s(event, quoted(state, event)))  # NaN: as it came
+    behind_s = offset_s(event, quoted(state, event))
+    return event.received if behind_s == inf else event.sender_s + behind_s
 
 
 def offset_s(event: Command, hold: Hold | None) -> float:
@@ -45,7 +44,7 @@ def not_fresh(state: State, event: Command, now: float) -> str:
     if event.command.power == 0.0:
         return ""
     patience_s = LATE_S + (2 * state.settings.checks_timeout_s if event.checks else 0.0)
-    age_s = now - dated(state, event)
+    age_s = now - min(event.received, dated(state, event))  # by rounding, a date may lie after the arrival
     if not age_s >= 0.0:
         return "this command has no date that makes sense"
     if not age_s <= patience_s:

@@ -5,10 +5,10 @@ import sys
 
 import pytest
 from hypothesis import HealthCheck, settings
-from motion_machine import MotionMachine
 
 from benchmarks import long_simulation
 from benchmarks.motion import broken
+from benchmarks.motion.machine import MotionMachine
 
 FOUND_WITHIN = {
     "forgets_stops": 60_000,

@@ -1,6 +1,7 @@
 """Everything that can happen to the drive kernel, in an order that Hypothesis chooses and shrinks."""
 
 from math import inf, nan
+from typing import Any
 
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
@@ -32,10 +33,10 @@ class MotionMachine(RuleBasedStateMachine):
     """Sources, leases, stops, faults, sensors and clocks; the arena compares kernel and model after each."""
 
     @initialize()
-    def begin(self):
+    def begin(self) -> None:
         self.arena = Arena()
-        self.leases = []
-        self.sent = []
+        self.leases: list[tuple[str, Message]] = []
+        self.sent: list[Message] = []
         self.distances = dict.fromkeys(SIDES, 2.0)
         self.frozen = False
         self.arena.motors()
@@ -45,7 +46,7 @@ class MotionMachine(RuleBasedStateMachine):
     # time
 
     @rule(dt_s=steps_s, heard=st.sampled_from([True, True, True, False]))
-    def time_passes(self, dt_s, heard):
+    def time_passes(self, dt_s: float, heard: bool) -> None:
         self.arena.now += dt_s
         if heard:
             self._hear()
@@ -53,7 +54,7 @@ class MotionMachine(RuleBasedStateMachine):
 
     @precondition(lambda self: self.arena.holder)
     @rule(rounds=st.integers(5, 40))
-    def it_drives_on(self, rounds):
+    def it_drives_on(self, rounds: int) -> None:
         for count in range(rounds):
             self.arena.now += 0.02
             if count % 5 == 0:
@@ -63,46 +64,46 @@ class MotionMachine(RuleBasedStateMachine):
             self.arena.tick()
 
     @rule(time=times, really=rarely)
-    def the_clock_says_something_mad(self, time, really):
+    def the_clock_says_something_mad(self, time: float, really: bool) -> None:
         if really:
             good, self.arena.now = self.arena.now, time
             self.arena.tick()
             self.arena.now = good
 
     @rule(by_s=st.sampled_from([-3600.0, -0.001, 0.3, 3600.0]), really=rarely)
-    def the_clock_is_set(self, by_s, really):
+    def the_clock_is_set(self, by_s: float, really: bool) -> None:
         if really:
             self.arena.now += by_s
 
     # devices
 
     @rule(armed=rarely, late_s=ages_s)
-    def motors_speak(self, armed, late_s):
+    def motors_speak(self, armed: bool, late_s: float) -> None:
         self.arena.motors(armed=not armed, at=self.arena.now - late_s)
 
     @rule(really=rarely)
-    def motors_die(self, really):
+    def motors_die(self, really: bool) -> None:
         if really:
             self.arena.motors_lost()
 
     @rule(side=st.sampled_from(SIDES), value=metres, late_s=ages_s, twice=st.booleans())
-    def a_distance_changes(self, side, value, late_s, twice):
+    def a_distance_changes(self, side: str, value: float, late_s: float, twice: bool) -> None:
         self.distances = {**self.distances, side: value}
         self.arena.ranges(self.distances, at=self.arena.now - late_s, twice=twice)
 
     @rule()
-    def ranges_freeze_or_thaw(self):
+    def ranges_freeze_or_thaw(self) -> None:
         self.frozen = not self.frozen
 
     # people
 
     @rule(engaged=rarely)
-    def the_emergency_stop_changes(self, engaged):
+    def the_emergency_stop_changes(self, engaged: bool) -> None:
         if engaged != self.arena.model.estop:
             self.arena.latch(engaged)
 
     @rule(source=sources, late_s=ages_s, really=rarely)
-    def somebody_stops(self, source, late_s, really):
+    def somebody_stops(self, source: str, late_s: float, really: bool) -> None:
         if really:
             self.arena.stop(source, self.arena.now - late_s)
 
@@ -119,13 +120,15 @@ class MotionMachine(RuleBasedStateMachine):
         check=checks,
         age_s=ages_s,
     )
-    def somebody_asks(self, source, power, angle, range_cm, bound, age_s, **more):
+    def somebody_asks(self, angle: float, range_cm: float, bound: dict[str, Any], age_s: float, **more: Any) -> None:
         bounded = {**bound, "range_cm": range_cm if angle in {0.0, 180.0} else 0.0}
-        self._send(Message(source=source, power=power, angle_deg=angle, **bounded, **more), age_s)
+        self._send(Message(angle_deg=angle, **bounded, **more), age_s)
 
     @precondition(lambda self: self.leases)
     @rule(source=sources, which=st.integers(0, 9), same=st.booleans(), power=powers, angle=angles, age_s=ages_s)
-    def somebody_quotes_a_lease(self, source, which, same, power, angle, age_s):
+    def somebody_quotes_a_lease(
+        self, source: str, which: int, same: bool, power: float, angle: float, age_s: float
+    ) -> None:
         lease, asked = self.leases[-1 - which % len(self.leases)]
         if same:
             self._say(asked, lease=lease, age_s=age_s)
@@ -134,16 +137,16 @@ class MotionMachine(RuleBasedStateMachine):
 
     @precondition(lambda self: self.sent)
     @rule(which=st.integers(0, 9))
-    def something_is_replayed(self, which):
+    def something_is_replayed(self, which: int) -> None:
         self.arena.command(self.sent[-1 - which % len(self.sent)])
 
-    def _hear(self):
+    def _hear(self) -> None:
         self.arena.motors()
         if not self.frozen:
             self.distances = {side: value + 0.001 for side, value in self.distances.items()}
         self.arena.ranges(self.distances)
 
-    def _say(self, asked, *, lease, age_s=0.0):
+    def _say(self, asked: Message, *, lease: str, age_s: float = 0.0) -> None:
         """Say once more what was asked, under its lease."""
         self._send(
             Message(
@@ -158,9 +161,9 @@ class MotionMachine(RuleBasedStateMachine):
             age_s,
         )
 
-    def _send(self, message, age_s):
-        from_afar = {"remote": message.source in REMOTE, "ahead_s": AHEAD_S[message.source]}
-        message = replace(message, sent=self.arena.now - age_s, **from_afar)
+    def _send(self, message: Message, age_s: float) -> None:
+        remote, ahead_s = message.source in REMOTE, AHEAD_S[message.source]
+        message = replace(message, sent=self.arena.now - age_s, remote=remote, ahead_s=ahead_s)
         reply = self.arena.command(message)
         self.sent = [*self.sent[-9:], message]
         if reply.lease and not message.lease:
