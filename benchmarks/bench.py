@@ -260,13 +260,13 @@ def bench(results: Results, *victims: str, edits: tuple[str, ...] = (), profile:
 
 
 def processes_of(home: Path) -> list[psutil.Process]:
-    """Return the processes that run in a home, by their environment, this one excepted."""
+    """Return the processes that run in a home, by their environment or arguments, this one excepted."""
     wanted = str(home)
     found = []
     for process in psutil.process_iter():
         with suppress(psutil.Error):
             alive = process.pid != os.getpid() and process.status() != psutil.STATUS_ZOMBIE
-            if alive and process.environ().get("LBR_HOME") == wanted:
+            if alive and (wanted in process.cmdline() or process.environ().get("LBR_HOME") == wanted):
                 found.append(process)
     return found
 

@@ -23,6 +23,7 @@ from lbr.bus import wire
 from lbr.capability import registry
 from lbr.capability.base import Capability
 from lbr.capability.config import ProcessConfig
+from lbr.capability.confine import confine
 from lbr.capability.reporter import BEAT_S, HEARTBEAT_VARIABLE, Reporter
 from lbr.capability.runtime import ProcessContext
 from lbr.errors import DeviceError
@@ -207,8 +208,9 @@ def main() -> None:
     reporter = Reporter(int(os.environ[HEARTBEAT_VARIABLE]))
     process: Process | None = None
     try:
-        process = Process(msgspec.json.decode(_read_document(), type=ProcessConfig), reporter)
-        running = process
+        config = msgspec.json.decode(_read_document(), type=ProcessConfig)
+        confine((config.home, *(device.address for device in config.devices)))
+        process = running = Process(config, reporter)
 
         def stop(_signal: int, _frame: FrameType | None) -> None:
             running.stop()

@@ -1,6 +1,6 @@
-"""Run a program that dies with whoever started it: `python -m lbr.capability.tether PARENT_PID ARGV…`.
+"""Run a program that dies with whoever started it: `python -I -S tether.py PARENT_PID HOME ARGV…`.
 
-Started with `-I -S`, it costs about 10 ms and leaves no process behind: it becomes the program.
+It costs about 10 ms and leaves no process behind: it becomes the program. With a HOME the program is confined.
 """
 
 import ctypes
@@ -13,16 +13,25 @@ PR_SET_PDEATHSIG = 1
 
 def main() -> None:
     """Ask the kernel for SIGKILL at the parent's death, then become the program."""
-    parent, argv = int(sys.argv[1]), sys.argv[2:]
+    parent, home, argv = int(sys.argv[1]), sys.argv[2], sys.argv[3:]
     ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
+    if home:
+        _confine(home)
     signal.pthread_sigmask(signal.SIG_SETMASK, [])
     try:
         os.execvp(argv[0], argv)  # noqa: S606 - no shell is the point
     except OSError as err:
         sys.stderr.write(f"{argv[0]}: {err.strerror}\n")
         os._exit(127)
+
+
+def _confine(home: str) -> None:
+    sys.path.insert(0, os.path.dirname(__file__))  # noqa: PTH120 - no more imports than necessary
+    from confine import confine  # type: ignore[import-not-found] # noqa: PLC0415 - the project is not on the path
+
+    confine((home,))
 
 
 if __name__ == "__main__":

@@ -27,13 +27,13 @@ LARGEST_DOCUMENT_BYTES = 1 << 20
 _reports = Decoder(Report)
 
 
-def tethered(argv: tuple[str, ...]) -> list[str]:
-    """Return the command line that runs `argv` for as long as this process lives.
+def tethered(argv: tuple[str, ...], *, within: str = "") -> list[str]:
+    """Return the command line that runs `argv` for as long as this process lives, confined to what a home allows.
 
-    To be started from a thread that lives as long as the process: the kernel watches the thread.
+    Without `within` it may do what this process may. To be started from a thread that lives as long as the process: the kernel watches the thread.
     """
     tether = str(Path(__file__).resolve().parent.parent / "capability" / "tether.py")
-    return [sys.executable, "-I", "-S", tether, str(os.getpid()), *argv]
+    return [sys.executable, "-I", "-S", tether, str(os.getpid()), within, *argv]
 
 
 class Child:
@@ -67,7 +67,7 @@ class Child:
         os.set_blocking(self.reports_fd, False)
         try:
             popen = subprocess.Popen(
-                [sys.executable, "-P", "-m", "lbr.capability.process", f"{config.robot}/{config.name}"],
+                [sys.executable, "-P", "-m", "lbr.capability.process", f"{config.robot}/{config.name}", config.home],
                 stdin=subprocess.PIPE,
                 stdout=log,
                 stderr=log,
@@ -92,7 +92,7 @@ class Child:
         self, program: ProgramSettings, config: ProcessConfig, log: IO[bytes]
     ) -> "subprocess.Popen[bytes]":
         popen = subprocess.Popen(
-            tethered(program.argv),
+            tethered(program.argv, within=config.home),
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=log,

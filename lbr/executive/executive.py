@@ -20,6 +20,7 @@ from msgspec.structs import replace
 from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
+from lbr.capability.confine import OWNER_ONLY
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import copies, store
@@ -57,6 +58,7 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
     profile = profiles.load(profile_name)
     lock = home.RunLock(profile.robot)
     scheduling.rank(os.getpid(), scheduling.MOTION)  # it carries the router, and has no other thread yet
+    os.umask(OWNER_ONLY)
     try:
         path = database or home.default_database()
         if database is None and not path.exists():
