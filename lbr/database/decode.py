@@ -129,7 +129,7 @@ def _check_pattern(reader: RowReader, word: str, text: str, payload: dict[str, A
     try:
         pattern = patterns.parse(text)
     except ValueError as err:
-        reader.wrong("pattern", f"'{text[:60]}': {err}")
+        reader.wrong("pattern", f"'{shown(text)}': {err}")
         return
     if pattern.word != word:
         reader.wrong("pattern", f"begins with '{pattern.word}', but the word of this row is '{word}'")

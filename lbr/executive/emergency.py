@@ -99,7 +99,8 @@ class Emergency:
     def release(self, source: str) -> str:
         """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own.
 
-        A press that comes meanwhile wins: what was released already is latched again.
+        A press that comes meanwhile wins: what was released already is latched again. Waits for the disk, unless that
+        fails or takes half a second.
         """
         with self._changed:
             presses = self._count
@@ -118,9 +119,11 @@ class Emergency:
             else:
                 self._engaged, self._reason, self._source, self._repeat_until = False, "", "", 0.0
                 self._stopped.clear()
-                self._unsaved = True
+                self._unsaved, self._save_tried, self._save_at = True, False, 0.0
                 self._news.append(("estop_reset", "executive", f"emergency stop released by {source}", "warning"))
         self._wake()
+        with self._changed:
+            self._changed.wait_for(lambda: self._save_tried, ACKNOWLEDGE_LIMIT_S)
         return why_not
 
     def forget(self, name: str) -> None:
@@ -163,14 +166,19 @@ class Emergency:
         return self._engaged and self._save_tried and not self.state().waiting
 
     def _save(self, now: float) -> None:
-        self._unsaved, why = False, ""
+        with self._changed:
+            self._unsaved, why = False, ""
+            engaged, reason = self._engaged, self._reason
         try:
-            self._persist(self._engaged, self._reason)
+            self._persist(engaged, reason)
         except LbrError as err:
-            self._unsaved, self._save_at, why = True, now + 1.0, str(err)
+            why = str(err)
         self._trouble(NOT_SAVED, why)
         with self._changed:
-            self._save_tried = True
+            if not self._unsaved:  # or it has changed meanwhile, and that is not on the disk yet
+                self._save_tried = True
+            if why:
+                self._unsaved, self._save_at = True, now + 1.0
             self._changed.notify_all()
 
     def _hear_presses(self) -> None:
