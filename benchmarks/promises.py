@@ -70,8 +70,26 @@ PROMISES: dict[str, Promise] = {
     "F4": Promise(what="wall clock of the robot jumps by up to an hour 30 times a second: no stop"),
     "S8 clock": Promise(what="client killed under that clock (F4), to motor zero", hard=STOP_HARD_MS),
     "E1 put clock": Promise(what="estop as a plain put under that clock (F4), to motor zero", hard=250),
+    "B3": Promise(what="10 listeners to everything, 5 frozen and 5 slow: no process ends"),
+    "B3 stop": Promise(
+        what="estop as a console line before and under them, to motor zero", target=20, statistic="p99", hard=250
+    ),
+    "B3 ratio": Promise(
+        what="median of that under them, as many times the median before", unit="", target=1.2, statistic="p50"
+    ),
+    "B3 memory": Promise(what="growth of any process under them", unit="MiB", target=20, hard=100),
+    "B4": Promise(what="resident memory of all processes at rest", unit="MiB", target=300),
+    "B4 CPU": Promise(what="CPU at rest, of one core, without the simulation", unit="%", target=15),
     "F7": Promise(what="foreign, forged and replayed setpoints, second run, second opener"),
     "F7 second run": Promise(what="second run refused after", target=500, hard=1000),
+    "P2": Promise(what="a program that ends at once: five starts more, each later, then given up with a reason"),
+    "P2 CPU": Promise(what="CPU of that loop, of one core over 30 s", unit="%", target=5),
+    "P2 period": Promise(
+        what="p99 of motor commands' intervals meanwhile, as many times that before",
+        unit="",
+        target=1.1,
+        statistic="p50",
+    ),
     "P4 stop": Promise(what="shutdown (5 ways), to motor zero", target=100, hard=STOP_HARD_MS),
     "P4 gone": Promise(what="shutdown (5 ways), to all gone", target=1500, hard=3000),
     "P4 gone, one frozen": Promise(what="shutdown with one process frozen, to all gone", target=3000, hard=5000),
