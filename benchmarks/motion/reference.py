@@ -212,7 +212,7 @@ class Reference:
         if message.lease and quoted is None:
             return False
         takes = message.take_over or (quoted is not None and quoted.message.take_over)
-        if hold is not None and not takes:
+        if hold is not None and (not takes or self._streams(hold, message)):
             return False
         return (self.estop or dated > self.stopped) and dated > self.begun
 
@@ -230,9 +230,12 @@ class Reference:
         if not message.power > 0.0:
             return
         hold, source = self.hold, message.source
-        streams = hold is not None and hold.message.source == source and hold.renewed is None and not message.lease
+        streams = hold is not None and self._streams(hold, message)
         if self.estop or streams or not now >= self.insisting.get(source, -inf):
             self.insisting[source] = now + PAUSE_S
+
+    def _streams(self, hold: Lease, message: Message) -> bool:
+        return hold.message.source == message.source and hold.renewed is None and not message.lease
 
     def _accept(self, message: Message, arrived: float, now: float, name: str) -> None:
         dated, quoted = self._dated(message, arrived), self._quoted(message.lease)

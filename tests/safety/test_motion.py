@@ -1,5 +1,6 @@
 """Bounded moves end, the emergency stop holds, and nobody but its owner moves a motor."""
 
+import json
 from collections.abc import Callable
 
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from benchmarks.bench import Bench, bench
 from benchmarks.figures import Results
 from benchmarks.scenarios import bounds, estop, writers
+from lbr.bus import session, stamp
 from tests.safety.limits import holds
 
 pytestmark = pytest.mark.timeout(30)
@@ -44,3 +46,32 @@ def test_a_second_run_is_refused(held: Held):
 
 def test_a_second_opener_of_the_tty_is_refused(held: Held):
     assert held(writers.second_opener).of("F7").n == 1
+
+
+def test_recorded_commands_move_nothing_on_the_same_connection_and_on_another(held: Held):
+    assert held(recorded_commands).of("S14").n == 1
+
+
+def recorded_commands(under_test: Bench) -> None:
+    """Drive, stop, and say again byte for byte what made it drive."""
+    said = [(b'{"power": 0.4, "take_over": true}', stamp.make("recorded", 0))]
+    answer = _say(under_test.robot.bus, under_test, *said[0])
+    assert answer["accepted"], answer
+    said.append((b'{"power": 0.4, "lease": "%s"}' % answer["lease"].encode(), stamp.make("recorded", 0)))
+    assert _say(under_test.robot.bus, under_test, *said[1])["accepted"]
+    under_test.robot.ask("drive/stop", {})
+    under_test.pass_time(0.1)
+    zero = under_test.trace.now()
+    another = session.open_client(under_test.robot.endpoints)
+    try:
+        answers = [_say(bus, under_test, *one) for one in said for bus in (under_test.robot.bus, another)]
+    finally:
+        another.close()
+    under_test.pass_time(0.1)
+    assert [answer["accepted"] for answer in answers] == [False] * 4
+    under_test.stays_at_rest(zero)
+
+
+def _say(bus: session.Session, under_test: Bench, payload: bytes, attachment: bytes) -> dict[str, object]:
+    replies = bus.get(f"{under_test.robot.name}/drive/command", payload=payload, attachment=attachment, timeout=2.0)
+    return json.loads(next(iter(replies)).ok.payload.to_bytes())

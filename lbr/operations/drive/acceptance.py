@@ -1,7 +1,7 @@
 """The chain a drive command passes before it moves anything; the first link that objects refuses it."""
 
 from collections.abc import Callable
-from math import isfinite
+from math import isfinite, isnan
 from typing import Literal
 
 from lbr.messages.drive import DriveCommand
@@ -39,6 +39,11 @@ def refusal(state: State, event: Command, now: float, *, checked: bool = True) -
     """Return why a command is refused, or nothing; `checked` false leaves out the user's own checks."""
     links = CHAIN if checked else CHAIN[:-1]
     return next((why for link in links if (why := link(state, event, now))), "")
+
+
+def streams(hold: Hold, event: Command) -> bool:
+    """Say whether a sender asks anew, and has never quoted the lease that it holds the base by."""
+    return hold.source == event.source and isnan(hold.renewed) and not event.command.lease
 
 
 def limited_by_rules(state: State, command: DriveCommand, now: float) -> Limit:
@@ -102,7 +107,8 @@ def _holder(state: State, event: Command, now: float) -> str:
         return why
     if hold is not None and owner is hold:
         return _order(state, event, hold)
-    if hold is not None and not (command.take_over or (owner is not None and owner.command.take_over)):
+    takes = command.take_over or (owner is not None and owner.command.take_over)
+    if hold is not None and (not takes or streams(hold, event)):
         return _held(hold, event)
     if not (state.estop or dated(state, event) > state.stopped):
         return "a stop came after this command"

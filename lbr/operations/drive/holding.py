@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from lbr.messages.drive import CommandReply
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals
-from lbr.operations.drive.acceptance import intent, notes, refusal, what
+from lbr.operations.drive.acceptance import intent, notes, refusal, streams, what
 from lbr.operations.drive.ending import Decision, drop_offers, end, end_all, result, tell_holder
 from lbr.operations.drive.freshness import dated, forget_insisting, insists, note_insisting, offset_s, quoted
 from lbr.operations.drive.state import Command, Hold, Outputs, Reply, Setpoint, State, Stop, offered
@@ -61,9 +61,9 @@ def _insisting(state: State, event: Command, now: float) -> str:
     """Return how a refused command goes on when it should not, or nothing."""
     if state.estop:
         return "commands went on through the emergency stop"
-    hold, lease = state.hold, event.command.lease
-    streams = hold is not None and hold.source == event.source and isnan(hold.renewed) and not lease
-    return "commands went on without quoting their lease" if streams else insists(state, event.source, now)
+    if state.hold is not None and streams(state.hold, event):
+        return "commands went on without quoting their lease"
+    return insists(state, event.source, now)
 
 
 def _renew(state: State, event: Command, now: float) -> Decision:

@@ -274,3 +274,31 @@ def test_an_unknown_command_is_refused(robot):
     call = robot.ctx.command(0.5)
     call.name = "fly"
     assert robot.send(call).answer.reason == "fly is not understood here"
+
+
+def test_a_command_from_afar_waits_for_its_confirmation_and_the_state_says_so(robot):
+    call = robot.ctx.command(0.5, source="page")
+    call.remote = True
+    robot.send(call)
+    robot.run(0.1)
+    assert robot.wheels == (0.0, 0.0)
+    assert robot.ctx.said("state")[-1].reason == "waiting for page to confirm"
+    again = robot.ctx.command(0.5, source="page", lease=call.answer.lease)
+    again.remote, again.answerable = True, False
+    assert robot.send(again).answer.accepted
+    robot.run(0.1)
+    assert robot.wheels != (0.0, 0.0)
+
+
+def test_changes_of_holder_are_events_in_words_and_as_data(robot):
+    robot.send(robot.ctx.command(0.5))
+    robot.run(0.4)
+    told = [
+        (text, data) for (kind, text), data in zip(robot.ctx.events, robot.ctx.data, strict=True) if kind == "holder"
+    ]
+    why = "it lapsed, not renewed within 0.3 s"
+    assert told == [
+        ("console took the base", {"took": "console"}),
+        (f"console lost the base: {why}", {"lost": "console", "why": why}),
+    ]
+    assert robot.ctx.said("state")[-1].reason == why

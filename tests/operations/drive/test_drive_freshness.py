@@ -113,6 +113,12 @@ def test_a_stream_that_never_quotes_its_lease_stops_and_stays_so(bench):
     assert bench.drive(0.5).accepted
 
 
+def test_a_stream_does_not_go_on_by_taking_over_from_itself(bench):
+    bench.run(1.0, lambda: bench.drive(0.5, take_over=True))
+    assert "commands went on without quoting their lease" in bench.replies[-1].reason
+    assert bench.wheels == STILL
+
+
 def test_who_quoted_a_lease_and_lets_go_may_ask_anew_as_often_as_it_likes(bench):
     reply = bench.drive(0.5)
     bench.run(0.2, lambda: bench.drive(0.5, lease=reply.lease))
