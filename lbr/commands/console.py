@@ -2,7 +2,7 @@
 
 import click
 
-from lbr.commands.options import robot_options
+from lbr.commands.options import Whom, robot_options
 
 
 @click.command("console")
@@ -15,7 +15,7 @@ from lbr.commands.options import robot_options
     help="For lines from a pipe: hold each unbounded motion so long. Without it a motion is held until a later line "
     "moves or stops the robot, or the input ends.",
 )
-def command(robot: str | None, connect: str | None, hold_s: float | None) -> int:
+def command(whom: Whom, hold_s: float | None) -> int:
     """Open a console on a running robot.
 
     End of input, Ctrl-C and a closed terminal stop what this console moves, and leave; the robot runs on. Lines may also
@@ -23,4 +23,4 @@ def command(robot: str | None, connect: str | None, hold_s: float | None) -> int
     """
     from lbr.console import local, target  # noqa: PLC0415 - prompt-toolkit is for those who have a console
 
-    return local.run_remote(target.find(robot, connect), hold_s=hold_s)
+    return local.run_remote(target.find(*whom), hold_s=hold_s)

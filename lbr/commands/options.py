@@ -1,21 +1,41 @@
 """Options that several commands share."""
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from functools import wraps
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
 
 import click
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+class Whom(NamedTuple):
+    """Which robot a command means, and what lets it in there."""
+
+    robot: str | None
+    connect: str | None
+    token_file: Path | None
+
+
 def robot_options(function: F) -> F:
-    """Add --robot and --connect."""
-    function = click.option("--robot", metavar="NAME", help="Which robot; the only one that runs here if left out.")(
-        function
+    """Add --robot, --connect and --token-file; the command gets them as `whom`."""
+
+    @click.option("--robot", metavar="NAME", help="Which robot; the only one that runs here if left out.")
+    @click.option("--connect", metavar="ENDPOINT", help="Reach a robot elsewhere, such as tls/192.168.1.7:7447.")
+    @click.option(
+        "--token-file",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help="Holds the token for --connect. Else it is LBR_TOKEN, a saved one, or asked for.",
     )
-    return click.option("--connect", metavar="ENDPOINT", help="Reach a robot elsewhere, such as tcp/192.168.1.7:7447.")(
-        function
-    )
+    @wraps(function)
+    def with_whom(
+        *arguments: Any, robot: str | None, connect: str | None, token_file: Path | None, **others: Any
+    ) -> Any:
+        return function(*arguments, whom=Whom(robot, connect, token_file), **others)
+
+    return with_whom  # type: ignore[return-value]  # click calls it by names only
 
 
 def json_option(function: F) -> F:

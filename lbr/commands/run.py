@@ -15,7 +15,7 @@ import click
     help="The rows; $LBR_HOME/robot.db if left out.",
 )
 @click.option(
-    "--listen", multiple=True, metavar="ENDPOINT", help="Also listen here, such as tcp/0.0.0.0:7447; may be repeated."
+    "--listen", multiple=True, metavar="ENDPOINT", help="Also listen here, such as tls/0.0.0.0:7447; may be repeated."
 )
 @click.option("--no-console", is_flag=True, help="No prompt: print one JSON line when the robot is ready.")
 def command(profile: str, database: Path | None, listen: tuple[str, ...], no_console: bool) -> int:

@@ -4,7 +4,7 @@ import sys
 
 import click
 
-from lbr.commands.options import json_option, print_json, robot_options
+from lbr.commands.options import Whom, json_option, print_json, robot_options
 
 
 @click.command("send", context_settings={"ignore_unknown_options": True})
@@ -20,7 +20,7 @@ from lbr.commands.options import json_option, print_json, robot_options
     help="How long to hold a motion that has no bounds of its own.",
 )
 @json_option
-def command(words: tuple[str, ...], robot: str | None, connect: str | None, hold_s: float, as_json: bool) -> int:
+def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) -> int:
     """Say one console LINE, such as /r/0.2/0 or stop.
 
     A motion without bounds is held for --hold seconds and then stopped; a bounded one lasts until its result. Ctrl-C
@@ -42,7 +42,7 @@ def command(words: tuple[str, ...], robot: str | None, connect: str | None, hold
         if not as_json:
             lines.show(result, sys.stdout, sys.stderr)
 
-    found = target.find(robot, connect)
+    found = target.find(*whom)
     with target.connected(found) as bus:
         said = operator.BusOperator(bus, found.robot, target.source("lbr send"), role=found.role, listen=False)
         try:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lbr.commands.options import json_option, print_json, robot_options
+from lbr.commands.options import Whom, json_option, print_json, robot_options
 
 if TYPE_CHECKING:
     from lbr.console.target import Target
@@ -18,11 +18,11 @@ PHASES = {"ready": "green", "degraded": "yellow", "failed": "red", "starting": "
 @click.command("status")
 @robot_options
 @json_option
-def command(robot: str | None, connect: str | None, as_json: bool) -> int:
+def command(whom: Whom, as_json: bool) -> int:
     """Show every capability of a running robot: state, process, restarts, rates and the reason if it is not ready."""
     from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
 
-    status = ask(target.find(robot, connect), "lbr status")
+    status = ask(target.find(*whom), "lbr status")
     if as_json:
         print_json(status)
     else:

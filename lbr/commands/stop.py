@@ -7,7 +7,7 @@ import time
 
 import click
 
-from lbr.commands.options import robot_options
+from lbr.commands.options import Whom, robot_options
 
 GONE_S = 15.0
 POLL_S = 0.05
@@ -15,13 +15,13 @@ POLL_S = 0.05
 
 @click.command("stop")
 @robot_options
-def command(robot: str | None, connect: str | None) -> int:
+def command(whom: Whom) -> int:
     """Shut a robot down in order, and wait until it is gone. (To stop driving only, say 'lbr send stop'.)"""
     from lbr import home  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console import operator, target  # noqa: PLC0415
     from lbr.errors import BusError  # noqa: PLC0415
 
-    found = target.find(robot, connect)
+    found = target.find(*whom)
     if found.running is not None:
         with contextlib.suppress(ProcessLookupError):
             os.kill(found.running.pid, signal.SIGTERM)
@@ -33,7 +33,7 @@ def command(robot: str | None, connect: str | None) -> int:
         click.echo(f"robot '{found.robot}' has shut down")
         return 0
     with target.connected(found) as bus:
-        said = operator.BusOperator(bus, found.robot, target.source("lbr stop"), listen=False)
+        said = operator.BusOperator(bus, found.robot, target.source("lbr stop"), role=found.role, listen=False)
         result = said.submit("Shutdown")
     click.echo(result.text, err=result.code != 0)
     return result.code

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lbr.commands.options import json_option, print_json, robot_options
+from lbr.commands.options import Whom, json_option, print_json, robot_options
 
 if TYPE_CHECKING:
     from lbr.bus.session import Session
@@ -31,11 +31,11 @@ def command() -> None:
 @command.command("list")
 @robot_options
 @json_option
-def list_topics(robot: str | None, connect: str | None, as_json: bool) -> int:
+def list_topics(whom: Whom, as_json: bool) -> int:
     """List streams and commands, with message types and rates; listens a second for streams that nobody describes."""
     from lbr.console import topics  # noqa: PLC0415 - the bus is for those who use it
 
-    with _bus(robot, connect) as (bus, name, source):
+    with _bus(whom) as (bus, name, source):
         found = topics.catalogue(bus, name, source)
         found = sorted([*found, *topics.heard(bus, name, found, LISTEN_S)], key=lambda topic: topic.name)
     if as_json:
@@ -52,11 +52,11 @@ def list_topics(robot: str | None, connect: str | None, as_json: bool) -> int:
 @click.argument("topic")
 @robot_options
 @json_option
-def info(topic: str, robot: str | None, connect: str | None, as_json: bool) -> int:
+def info(topic: str, whom: Whom, as_json: bool) -> int:
     """Describe a stream or command: its key, its message and what each field may be."""
     from lbr.console import topics  # noqa: PLC0415
 
-    with _bus(robot, connect) as (bus, name, source):
+    with _bus(whom) as (bus, name, source):
         key = topics.key_of(name, topic)
         there, wanted = _known(bus, name, source), key.partition("/")[2]
         if wanted not in {topic.name for topic in there}:
@@ -79,13 +79,13 @@ def info(topic: str, robot: str | None, connect: str | None, as_json: bool) -> i
 @click.option("--once", is_flag=True, help="Print one message, the latest there is, and leave.")
 @click.option("--raw", is_flag=True, help="Print the payload's bytes as they are.")
 @json_option
-def echo(topic: str, robot: str | None, connect: str | None, once: bool, raw: bool, as_json: bool) -> int:
+def echo(topic: str, whom: Whom, once: bool, raw: bool, as_json: bool) -> int:
     """Print what a stream says, until Ctrl-C. If nothing comes for 2 s, standard error says why that may be."""
     from lbr.bus import wire  # noqa: PLC0415
     from lbr.console import topics  # noqa: PLC0415
     from lbr.errors import BusError  # noqa: PLC0415
 
-    with _bus(robot, connect) as (bus, name, source):
+    with _bus(whom) as (bus, name, source):
         key = topics.key_of(name, topic)
         feed = wire.Subscription(bus, key, depth=1000)
         messages = _latest(bus, key, _known(bus, name, source), source) if once else []
@@ -111,7 +111,7 @@ def echo(topic: str, robot: str | None, connect: str | None, once: bool, raw: bo
 @robot_options
 @click.option("--seconds", type=click.FloatRange(0.1, 3600), default=5.0, show_default=True, help="How long to listen.")
 @json_option
-def hz(topic: str, robot: str | None, connect: str | None, seconds: float, as_json: bool) -> int:
+def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
     """Measure a stream: how often it is published, how often it arrives here, what is lost and how late it is.
 
     The publisher's rate is by its own numbering and clock, so a slow machine or network cannot make it look wrong.
@@ -120,7 +120,7 @@ def hz(topic: str, robot: str | None, connect: str | None, seconds: float, as_js
     from lbr.console import rates, topics  # noqa: PLC0415
     from lbr.errors import BusError  # noqa: PLC0415
 
-    with _bus(robot, connect) as (bus, name, _source):
+    with _bus(whom) as (bus, name, _source):
         key = topics.key_of(name, topic)
         heard = probe.Arrivals(bus, key)
         started = time.monotonic()
@@ -146,22 +146,26 @@ def hz(topic: str, robot: str | None, connect: str | None, seconds: float, as_js
 @robot_options
 @click.option("--rate", type=click.FloatRange(0.01, 1000), default=10.0, show_default=True, help="Messages a second.")
 @click.option("--count", type=click.IntRange(1), default=1, show_default=True, help="How many messages.")
-def pub(topic: str, message: str, robot: str | None, connect: str | None, rate: float, count: int) -> int:
+def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
     """Publish a message of JSON. What the robot refuses is printed, and the exit code is then 1."""
     import msgspec  # noqa: PLC0415
 
     from lbr.bus import keys, wire  # noqa: PLC0415
-    from lbr.console import topics  # noqa: PLC0415
-    from lbr.errors import InputError  # noqa: PLC0415
+    from lbr.console import target, topics  # noqa: PLC0415
+    from lbr.errors import BusError, InputError  # noqa: PLC0415
 
     try:
         payload = msgspec.json.decode(message)
     except msgspec.DecodeError as err:
         raise InputError(f"the message is not JSON: {err}") from None
-    with _bus(robot, connect) as (bus, name, source):
+    found = target.find(*whom)
+    name, source = found.robot, target.source("lbr topic")
+    with target.connected(found) as bus:
         key = topics.key_of(name, topic)
         if "*" in key:
             raise InputError("a message goes to one topic; leave out the *")
+        if found.certificate and (why_not := topics.why_not_publish(_known(bus, name, source), key, found.role)):
+            raise BusError(why_not)
         events = wire.Subscription(bus, keys.event(name), depth=256)
         due = time.monotonic()
         for _ in range(count):
@@ -176,10 +180,10 @@ def pub(topic: str, message: str, robot: str | None, connect: str | None, rate: 
 
 
 @contextmanager
-def _bus(robot: str | None, connect: str | None) -> "Iterator[tuple[Session, str, str]]":
+def _bus(whom: Whom) -> "Iterator[tuple[Session, str, str]]":
     from lbr.console import target  # noqa: PLC0415
 
-    found = target.find(robot, connect)
+    found = target.find(*whom)
     with target.connected(found) as bus:
         yield bus, found.robot, target.source("lbr topic")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import click
 
-from lbr.commands.options import robot_options
+from lbr.commands.options import Whom, robot_options
 
 if TYPE_CHECKING:
     from msgspec import Struct
@@ -26,15 +26,16 @@ WAIT_S = 5.0
 @robot_options
 @click.option("--png", type=click.Path(path_type=Path), metavar="FILE", help="Save one picture instead.")
 @click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is no terminal.")
-def command(robot: str | None, connect: str | None, png: Path | None, once: bool) -> int:
+def command(whom: Whom, png: Path | None, once: bool) -> int:
     """Watch a simulated robot from above, until Ctrl-C; it says when no news comes."""
     import sys  # noqa: PLC0415
 
     from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
 
-    found = target.find(robot, connect)
+    found = target.find(*whom)
     with target.connected(found) as bus:
         if png is not None:
+            target.need(found, "admin")
             return _picture(bus, found.robot, png)
         frame = _frames(bus, found.robot)
         _wait(frame)

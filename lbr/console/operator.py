@@ -16,10 +16,11 @@ from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
 from lbr.messages.motors import MotorsState
 from lbr.messages.sensing import Ranges
-from lbr.messages.system import ConsoleResult, Event, Role, Status
+from lbr.messages.system import ConsoleResult, Event, Hold, Role, Status
 
 LINE_TIMEOUT_S = 600.0
 SETTLE_S = 0.6
+LATE_ANSWER_S = 1.0
 STOPS = frozenset({"s", "stop", "estop"})  # after these, the end of a motion is no news
 LET_GO = "the operator let go"
 
@@ -110,7 +111,11 @@ class BusOperator:
         with self._lock:
             self._said += 1
             turn = self._said
+        began = time.monotonic()
         result = self._submit(line)
+        late_s = time.monotonic() - began
+        if result.hold is not None and not late_s < LATE_ANSWER_S:
+            return self._too_late(result.hold, late_s)
         if result.hold is not None:
             self._take(line, turn, result)
         elif result.code == 0 and is_stop(line):
@@ -175,6 +180,13 @@ class BusOperator:
         if before is not None:
             before.drop()
         holder.start()
+
+    def _too_late(self, hold: Hold, late_s: float) -> ConsoleResult:
+        """What somebody wanted a while ago may be wrong by now."""
+        stop(self._session, hold.stop_key, self._source, "the answer came too late")
+        return ConsoleResult(
+            code=1, text=f"the answer came {late_s:.1f} s after the line, so nothing moves; say it again"
+        )
 
     def _ended(self, line: str, ending: Ending) -> None:
         expected = ending.text == "superseded" or time.monotonic() < self._quiet_until

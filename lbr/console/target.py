@@ -4,28 +4,31 @@ import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from msgspec import Struct
 
 from lbr import home
-from lbr.bus import probe, session, wire
+from lbr.bus import keys, probe, session, wire
 from lbr.bus.access import TOOLS, Credentials
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
+from lbr.console import remote
 from lbr.console.printable import listed, shown
 from lbr.errors import BusError, InputError, MalformedError
-from lbr.messages.system import Role, Status
+from lbr.messages.system import RANKS, Role, Status
 
 
 class Target(Struct, frozen=True, kw_only=True):
     """A robot to talk to, and how to get in; `running` is its record if it runs on this machine.
 
-    `role` is the one whose console lines it takes from us.
+    `role` is the most that it lets us do; `certificate` is set for a robot that is reached from another machine.
     """
 
     robot: str
     endpoints: tuple[str, ...]
     credentials: Credentials | None = None
+    certificate: str = ""
     role: Role = "operate"
     running: home.Running | None = None
 
@@ -35,9 +38,11 @@ def source(what: str) -> str:
     return f"{what}@{socket.gethostname()[:40]}:{os.getpid()}"
 
 
-def find(robot: str | None, connect: str | None) -> Target:
+def find(robot: str | None, connect: str | None, token_file: Path | None = None) -> Target:
     """Return the robot that is meant: the named one, the one behind `connect`, or the only one that runs here."""
     here = home.running()
+    if connect and connect.startswith(remote.PROTOCOL):
+        return _afar(connect, robot, remote.enter(connect, token_file))
     if connect:
         return _behind(connect, robot, here)
     wanted = [one for one in here if robot in {None, one.robot}]
@@ -53,10 +58,16 @@ def find(robot: str | None, connect: str | None) -> Target:
     raise InputError(f"several robots run here: {names}; say which with --robot NAME")
 
 
+def need(target: Target, role: Role) -> None:
+    """Raise BusError if a robot would drop in silence what needs this role."""
+    if target.certificate and RANKS[target.role] < RANKS[role]:
+        raise BusError(f"this needs the role '{role}', and you have '{target.role}'")
+
+
 @contextmanager
 def connected(target: Target) -> Iterator[Session]:
     """Open a session to a robot for the time of a `with`."""
-    bus = session.open_client(target.endpoints, target.credentials)
+    bus = session.open_client(target.endpoints, target.credentials, certificate=target.certificate)
     try:
         yield bus
     finally:
@@ -70,10 +81,25 @@ def _behind(connect: str, robot: str | None, here: list[home.Running]) -> Target
     if robot:
         return Target(robot=robot, endpoints=(connect,))
     with session.open_client([connect]) as bus:
-        answers = probe.survey(bus, "*/@status", source=source("lbr"))
+        return Target(robot=_only_robot(bus, connect), endpoints=(connect,))
+
+
+def _afar(connect: str, robot: str | None, entry: remote.Entry) -> Target:
+    with session.open_client([connect], entry.credentials, certificate=entry.certificate) as bus:
+        name = _only_robot(bus, connect)
+        if robot not in {None, name}:
+            raise InputError(f"the robot at {shown(connect)} is '{name}', not '{shown(robot)}'")
+        role = remote.role_at(bus, name, source("lbr"))
+    return Target(
+        robot=name, endpoints=(connect,), credentials=entry.credentials, certificate=entry.certificate, role=role
+    )
+
+
+def _only_robot(bus: Session, connect: str) -> str:
+    answers = probe.survey(bus, keys.ANY_STATUS, source=source("lbr"))
     names = sorted({name for name in map(_robot_of, answers) if name})
     if len(names) == 1:
-        return Target(robot=names[0], endpoints=(connect,))
+        return names[0]
     if not names:
         raise BusError(f"something listens at {shown(connect)}, but no robot answers there")
     raise InputError(f"several robots are behind {shown(connect)}: {listed(names, 'and')}; say which with --robot NAME")

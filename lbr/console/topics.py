@@ -15,7 +15,7 @@ from lbr.bus.session import Session
 from lbr.console.fields import Field, properties
 from lbr.console.printable import listed, shown
 from lbr.errors import InputError, MalformedError
-from lbr.messages.system import EstopRequest, Event, Status
+from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status
 
 UNDESCRIBED = "(heard; no schema)"
 
@@ -42,7 +42,7 @@ def catalogue(bus: Session, robot: str, source: str) -> list[Topic]:
         topic = f"{capability}/{name}"
         found[topic] = Topic(
             name=topic,
-            role="stream" if topic in rates else "command",
+            role="stream" if topic in rates else "command" if "x-role" in schema else "setpoint",
             message=str(schema.get("$ref", "")).rpartition("/")[2] or str(schema.get("title", "?")),
             rate_hz=rates.get(topic),
             json_schema=schema,
@@ -89,6 +89,18 @@ def silence(topics: Iterable[Topic], key: str, seconds: float) -> str:
     if known[name].role == "command":
         return f"{nothing}: it is a command, which says nothing by itself; 'lbr topic info {name}' shows what it takes"
     return nothing
+
+
+def why_not_publish(topics: Iterable[Topic], key: str, role: Role) -> str:
+    """Say why a robot drops in silence what somebody with this role publishes there from another machine, or nothing."""
+    name = key.partition("/")[2]
+    known = {topic.name: topic for topic in topics}
+    needed: Role | None = (
+        "view" if name == "@estop" else known[name].json_schema.get("x-role") if name in known else None
+    )
+    if needed in RANKS:
+        return "" if RANKS[role] >= RANKS[needed] else f"this needs the role '{needed}', and you have '{role}'"
+    return f"from another machine one may publish commands and the emergency stop, and '{shown(name)}' is neither"
 
 
 def choose(topics: Iterable[Topic], name: str) -> Topic:

@@ -3,9 +3,12 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import msgspec
 from msgspec import Struct
 
 from lbr.database.rows import RobotRows
+from lbr.errors import MalformedError
+from lbr.messages.system import Status
 
 
 class Node(Struct, frozen=True, kw_only=True):
@@ -55,6 +58,12 @@ def graph(rows: RobotRows, states: Mapping[str, str], rates: Mapping[str, float]
     )
 
 
+def running(status: Status) -> tuple[dict[str, str], dict[str, float]]:
+    """Return the states and rates that a running robot's graph shows."""
+    states = {one.name: str(one.phase) for one in status.capabilities}
+    return states, {f"{one.name}.{out}": hz for one in status.capabilities for out, hz in one.rates_hz.items()}
+
+
 def tree(of: Graph) -> list[str]:
     """Return the graph as lines: under each capability what it sends, and to whom."""
     lines = [of.robot]
@@ -88,6 +97,14 @@ def plain(of: Graph) -> dict[str, Any]:
             {"source": e.source, "target": e.target, "enabled": e.enabled, "rate_hz": e.rate_hz} for e in of.edges
         ],
     }
+
+
+def from_plain(data: Any) -> Graph:
+    """Return the graph that plain data describes; raise MalformedError if it describes none."""
+    try:
+        return msgspec.convert(data, Graph)
+    except msgspec.ValidationError as err:
+        raise MalformedError(f"this is no graph: {err}") from err
 
 
 def _state(node: Node) -> str:

@@ -13,15 +13,15 @@ import msgspec
 
 from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
+from lbr.console import wiring
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall, Vocabulary
 from lbr.errors import InputError, LbrError, MalformedError
 from lbr.executive.plan import Plan
 from lbr.messages.drive import DriveCommand
-from lbr.messages.system import ConsoleResult, Event, Hold, Role, Status
+from lbr.messages.system import RANKS, ConsoleResult, Event, Hold, Role, Status
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
-RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
-REPORTS = ("telemetry", "settings", "statistics", "health", "events")
+REPORTS = ("telemetry", "settings", "statistics", "health", "events", "wiring")
 MAX_RUN_S = 30.0
 MOST_LEASES = 256
 DEAD_LEASE = "lease is dead"
@@ -211,11 +211,17 @@ class Dispatcher:
             "statistics": self._statistics,
             "health": lambda: msgspec.to_builtins(self._robot.status()),
             "events": lambda: [msgspec.to_builtins(event) for event in self._robot.recent_events()],
+            "wiring": self._wiring,
         }
         if name not in makers:
             raise InputError(f"there is no report '{name}': {', '.join(REPORTS)}")
         data = makers[name]()
-        text = self._health() if name == "health" else _events_text(data) if name == "events" else _flat(data)
+        texts: dict[str, Callable[[], str]] = {
+            "health": self._health,
+            "events": lambda: _events_text(data),
+            "wiring": lambda: "\n".join(wiring.tree(wiring.from_plain(data))),
+        }
+        text = texts[name]() if name in texts else _flat(data)
         return ConsoleResult(code=DONE, text=text, data=data)
 
     def _telemetry(self) -> dict[str, Any]:
@@ -228,6 +234,9 @@ class Dispatcher:
                 if isinstance(value, dict):
                     found[raw.key.partition("/")[2]] = value | ({"age_s": round(age, 3)} if age is not None else {})
         return dict(sorted(found.items()))
+
+    def _wiring(self) -> dict[str, Any]:
+        return wiring.plain(wiring.graph(self._robot.plan.rows, *wiring.running(self._robot.status())))
 
     def _settings(self) -> dict[str, Any]:
         units = self._robot.plan.units.values()

@@ -5,6 +5,8 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta, Struct
 
 Role = Literal["view", "operate", "admin"]
+RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
+"""A role may do what those below it may."""
 Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping", "stopped", "failed"]
 

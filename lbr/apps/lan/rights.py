@@ -3,14 +3,13 @@
 from lbr.bus import keys
 from lbr.bus.access import Limits, Rights, everything
 from lbr.capability.config import LanConfig
-from lbr.messages.system import Role
+from lbr.messages.system import RANKS, Role
 
 RELAY = "@relay"
 LARGEST_BYTES = 64 * 1024
 MOST_SESSIONS = 64
 COMMANDS_HZ = 100.0
 STOPS_HZ = 200.0
-RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
 
 
 def of_role(robot: str, lan: LanConfig, role: Role) -> Rights:

@@ -1,0 +1,117 @@
+"""Reaching a robot on another machine: is it the robot that the token is for, does it let us in, and as what?"""
+
+import socket
+import ssl
+import time
+from pathlib import Path
+from typing import get_args
+
+from msgspec import Struct
+
+from lbr.bus import keys, session, tokens, wire
+from lbr.bus.access import Credentials
+from lbr.bus.session import Session
+from lbr.bus.tokens import Token
+from lbr.console import wallet
+from lbr.console.printable import shown
+from lbr.console.wallet import Offered
+from lbr.errors import BusError, InputError
+from lbr.messages.system import Role
+
+HANDSHAKE_S = 3.0
+AGAIN_S = 0.5
+ROLE_S = 2.0
+PROTOCOL = "tls/"
+HOW = "'lbr token add NAME' at the robot makes one"
+
+
+class Entry(Struct, frozen=True, kw_only=True):
+    """What lets us in somewhere: who we are, and the only certificate that may be shown there (PEM)."""
+
+    credentials: Credentials
+    certificate: str
+
+
+def enter(endpoint: str, token_file: Path | None) -> Entry:
+    """Return what lets us in at an endpoint; raise BusError or InputError with one sentence that says why nothing does.
+
+    A token that somebody typed is saved once it has let us in.
+    """
+    der = certificate_at(endpoint)
+    refused = ""
+    for one in wallet.offered(endpoint, token_file):
+        refused = _why_not(endpoint, one, der)
+        if not refused:
+            if one.typed:
+                wallet.save(endpoint, one.token)
+            return _entry(one.token, der)
+        if one.typed:
+            break
+    raise BusError(refused or f"{shown(endpoint)} wants a token: set {wallet.VARIABLE}, or use --token-file; {HOW}")
+
+
+def role_at(bus: Session, robot: str, source: str) -> Role:
+    """Return the most that a robot lets us do, by where it takes our console lines."""
+    asked: dict[Role, wire.Question] = {
+        role: wire.Question(bus, keys.console(robot, role), b"", timeout_s=ROLE_S, source=source)
+        for role in reversed(get_args(Role))
+    }
+    end = time.monotonic() + ROLE_S
+    for role, question in asked.items():
+        while not (question.replies or question.done) and time.monotonic() < end:
+            time.sleep(0.001)
+        if question.replies:
+            return role
+    raise BusError(f"robot '{shown(robot)}' lets this token in, but does not answer; 'lbr status' there shows why")
+
+
+def certificate_at(endpoint: str) -> bytes:
+    """Return the certificate that is shown at an endpoint."""
+    host, port = _place(endpoint)
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname = False
+    context.verify_mode = ssl.CERT_NONE  # what is shown is compared with the token's fingerprint
+    try:
+        with (
+            socket.create_connection((host, port), timeout=HANDSHAKE_S) as plain,
+            context.wrap_socket(plain, server_hostname=host) as secure,
+        ):
+            return secure.getpeercert(binary_form=True) or b""
+    except ssl.SSLError as err:
+        raise BusError(f"what listens at {shown(endpoint)} does not speak TLS; is it another program's port?") from err
+    except TimeoutError as err:
+        raise BusError(f"nobody answers at {shown(endpoint)} within {HANDSHAKE_S:g} s") from err
+    except socket.gaierror as err:
+        raise BusError(f"there is no machine '{shown(host)}' ({err.strerror})") from err
+    except OSError as err:
+        raise BusError(f"nobody is there at {shown(endpoint)} ({err.strerror or err})") from err
+
+
+def _why_not(endpoint: str, one: Offered, der: bytes) -> str:
+    """Return why a token does not let us in, or nothing."""
+    if tokens.fingerprint(der) != one.token.fingerprint:
+        return (
+            f"{shown(endpoint)} shows another certificate ({tokens.fingerprint(der)}) than the token is for, "
+            f"{one.origin}: this is another robot, or someone in between"
+        )
+    for patience_s in (AGAIN_S, 0.0):
+        try:
+            entry = _entry(one.token, der)
+            session.open_client([endpoint], entry.credentials, certificate=entry.certificate, timeout_s=0.0).close()
+        except BusError:
+            time.sleep(patience_s)  # a door that just opens anew would refuse nobody
+            certificate_at(endpoint)
+        else:
+            return ""
+    return f"{shown(endpoint)} refuses the token, {one.origin}: it is unknown, revoked or expired; {HOW}"
+
+
+def _entry(token: Token, der: bytes) -> Entry:
+    return Entry(credentials=token.credentials, certificate=ssl.DER_cert_to_PEM_cert(der))
+
+
+def _place(endpoint: str) -> tuple[str, int]:
+    host, _, port = endpoint.removeprefix(PROTOCOL).rpartition(":")
+    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        raise InputError(f"'{shown(endpoint)}' is no endpoint; one looks like tls/192.168.1.7:7447")
+    return host.strip("[]"), int(port)

@@ -1,0 +1,72 @@
+"""Where a token for a robot elsewhere comes from: a file, the environment, what was saved, or who sits there."""
+
+import getpass
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+from msgspec import Struct
+
+from lbr import home
+from lbr.bus import tokens
+from lbr.bus.tokens import Token
+from lbr.errors import InputError
+
+VARIABLE = "LBR_TOKEN"
+LARGEST_BYTES = 4096
+
+
+class Offered(Struct, frozen=True, kw_only=True):
+    """A token and where it came from, in words; `typed` if somebody just typed it."""
+
+    token: Token
+    origin: str
+    typed: bool = False
+
+
+def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
+    """Yield the tokens to try: the one that is named, or else the saved one, and then what somebody types."""
+    if token_file is not None:
+        yield Offered(token=tokens.parse(_read(token_file)), origin=f"the one in {token_file}")
+        return
+    if text := os.environ.get(VARIABLE):
+        yield Offered(token=tokens.parse(text), origin=f"the one in {VARIABLE}")
+        return
+    if text := _saved().get(endpoint):
+        yield Offered(token=tokens.parse(text), origin=f"the one saved in {_path()}")
+    while sys.stdin.isatty() and sys.stderr.isatty():
+        typed = getpass.getpass(f"token for {endpoint} (empty to leave): ", stream=sys.stderr)
+        if not typed.strip():
+            return
+        yield Offered(token=tokens.parse(typed), origin="this one", typed=True)
+
+
+def save(endpoint: str, token: Token) -> None:
+    """Keep a token that let us in, for our eyes only."""
+    path = _path()
+    new = path.with_suffix(f".new-{os.getpid()}")
+    content = msgspec.json.format(msgspec.json.encode(_saved() | {endpoint: str(token)}))
+    with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
+        file.write(content)
+    new.replace(path)
+
+
+def _saved() -> dict[str, str]:
+    try:
+        return msgspec.json.decode(_path().read_bytes(), type=dict[str, str])
+    except (OSError, msgspec.DecodeError):
+        return {}
+
+
+def _path() -> Path:
+    return home.directory("credentials") / "robots.json"
+
+
+def _read(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            return file.read(LARGEST_BYTES).decode(errors="replace")
+    except OSError as err:
+        raise InputError(f"the token's file {path} cannot be read ({err.strerror})") from err
