@@ -179,3 +179,26 @@ def test_a_new_listener_costs_its_publisher_nothing(rows):
     wire = ChannelRow(source="world.pose", target="ear.pose")
     new = replace(rows, capabilities=(*rows.capabilities, ear), channels=(*rows.channels, wire))
     assert plans.difference(planned(rows), planned(new)) == Change(start=("ear",))
+
+
+def test_a_robots_row_opens_a_door_to_other_machines(rows):
+    opened = replace(rows, robot=replace(rows.robot, listen=("tls/0.0.0.0:7447",)))
+    change = plans.difference(planned(rows), planned(opened))
+    assert change.start == ("lan",)
+    clear = replace(rows, robot=replace(rows.robot, listen=("tcp/0.0.0.0:7447",)))
+    assert "would talk to other machines in clear text" in problems(clear)[0]
+
+
+@pytest.mark.parametrize("settings", [{"no_such": 1}, {"faults": {"drop": 2}}, {"left_channel": 3}])
+def test_what_a_device_row_sets_for_its_twin_is_validated(rows, settings):
+    (text,) = problems(edited(rows, "devices", "motor_controller", settings=settings))
+    assert text.startswith("device 'lbr/motor_controller', settings: ")
+
+
+def test_a_verb_of_the_executives_has_only_the_fields_it_takes(rows):
+    (text,) = problems(edited_verb(rows, "help", payload={"nothing": 1}))
+    assert "executive.help has no field 'nothing'; it has none" in text
+
+
+def edited_verb(rows, word, **fields):
+    return replace(rows, verbs=tuple(replace(v, **fields) if v.word == word else v for v in rows.verbs))
