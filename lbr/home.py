@@ -87,11 +87,14 @@ class RunLock:
             )
 
     def publish(self, record: Running) -> None:
-        """Say how to reach the robot; readable by the owner alone."""
+        """Say how to reach the robot; readable by the owner alone. InputError says why that cannot be."""
         new = self._record.with_suffix(".new")
-        with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
-            file.write(msgspec.json.encode(record))
-        new.replace(self._record)
+        try:
+            with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
+                file.write(msgspec.json.encode(record))
+            new.replace(self._record)
+        except OSError as err:
+            raise InputError(f"{self._record} cannot be written ({err.strerror}): check the disk") from err
 
     def release(self) -> None:
         """Let go."""
