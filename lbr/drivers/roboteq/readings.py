@@ -81,19 +81,19 @@ def _volts(text: str) -> Volts:
     if len(numbers) != 3:
         return Volts(None, None, None)
     internal, battery, output = numbers
-    return Volts(_scaled(internal, 0.1), _scaled(battery, 0.1), _scaled(output, 0.001))
+    return Volts(_scaled(internal, 0.1, _SUPPLY_V), _scaled(battery, 0.1, _SUPPLY_V), _scaled(output, 0.001, _OUTPUT_V))
 
 
 def _amps(text: str) -> Amps:
-    return Amps(tuple(_scaled(number, 0.1) for number in _numbers(text)))
+    return Amps(tuple(_scaled(number, 0.1, _MOTOR_A) for number in _numbers(text)))
 
 
 def _temperatures(text: str) -> Temperatures:
-    return Temperatures(tuple(_scaled(number, 1.0) for number in _numbers(text)))
+    return Temperatures(tuple(_scaled(number, 1.0, _HEAT_C) for number in _numbers(text)))
 
 
 def _channels(text: str) -> Channels:
-    return Channels(_numbers(text))
+    return Channels(tuple(n if n is not None and -(2**31) <= n < 2**31 else None for n in _numbers(text)))
 
 
 def _faults(text: str) -> Flags:
@@ -124,10 +124,14 @@ def _numbers(text: str) -> tuple[int | None, ...]:
     return tuple(int(field) if _INTEGER.fullmatch(field) else None for field in text.strip().split(":"))
 
 
-def _scaled(number: int | None, unit: float) -> float | None:
-    return None if number is None else round(number * unit, 4)
+def _scaled(number: int | None, unit: float, bounds: tuple[float, float]) -> float | None:
+    """A value that no controller of this family can measure is a misread digit, and not measured."""
+    value = None if number is None else round(number * unit, 4)
+    return value if value is not None and bounds[0] <= value <= bounds[1] else None
 
 
+_SUPPLY_V, _OUTPUT_V = (0.0, 65.0), (0.0, 10.0)
+_MOTOR_A, _HEAT_C = (-300.0, 300.0), (-50.0, 150.0)
 _INTEGER = re.compile(r"[+-]?[0-9]{1,10}")
 _DECODERS: dict[str, Callable[[str], Reading]] = {
     "V": _volts,
