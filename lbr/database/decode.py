@@ -61,7 +61,7 @@ def _listen(reader: RowReader) -> tuple[str, ...]:
     endpoints = reader.json_texts("listen")
     for endpoint in endpoints:
         if not _ENDPOINT.fullmatch(endpoint):
-            reader.wrong("listen", f"'{shown(endpoint)}' is not an endpoint such as tcp/0.0.0.0:7447")
+            reader.wrong("listen", f"'{shown(endpoint)}' is not an endpoint such as tls/0.0.0.0:7447")
     return endpoints
 
 
