@@ -1,0 +1,1 @@
+"""Inputs made by chance, from a seed, for every way into a robot."""
