@@ -90,6 +90,11 @@ PROMISES: dict[str, Promise] = {
         target=1.1,
         statistic="p50",
     ),
+    "P3": Promise(
+        what="random signals while three people use the robot: no motion while latched, nothing lost or left"
+    ),
+    "P3 ready": Promise(what="last signal to all ready", target=5000, hard=10000),
+    "P3 memory": Promise(what="growth of resident memory, of any process", unit="%", target=10),
     "P4 stop": Promise(what="shutdown (5 ways), to motor zero", target=100, hard=STOP_HARD_MS),
     "P4 gone": Promise(what="shutdown (5 ways), to all gone", target=1500, hard=3000),
     "P4 gone, one frozen": Promise(what="shutdown with one process frozen, to all gone", target=3000, hard=5000),
