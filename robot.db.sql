@@ -33,7 +33,7 @@ CREATE TABLE robot (
     estop_engaged INTEGER NOT NULL DEFAULT 0    -- 1: the emergency stop is latched, and stays so over restarts
         CHECK (estop_engaged IN (0, 1)),
     estop_reason  TEXT    NOT NULL DEFAULT '',  -- why it was latched
-    listen        TEXT    NOT NULL DEFAULT '[]' -- JSON list of Zenoh endpoints for other machines, such as tls/0.0.0.0:7447
+    listen        TEXT    NOT NULL DEFAULT '[]' -- JSON list of endpoints for other machines: tls/0.0.0.0:7447
         CHECK (json_valid(listen) AND json_type(listen) = 'array')
 ) STRICT;
 
