@@ -98,11 +98,13 @@ def environment(home: Path) -> dict[str, str]:
     return os.environ | {"LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"}
 
 
-def start(home: Path, *arguments: str, profile: str = "lbr-sim", limit_s: float = 9.0) -> Robot:
-    """Run a robot and wait for its ready line."""
+def start(
+    home: Path, *arguments: str, profile: str = "lbr-sim", limit_s: float = 9.0, prefix: tuple[str, ...] = ()
+) -> Robot:
+    """Run a robot, by the program `prefix` if there is one, and wait for its ready line."""
     with (home / "stderr.txt").open("ab") as errors:
         popen = subprocess.Popen(
-            [*LBR, "run", profile, "--no-console", *arguments],
+            [*prefix, *LBR, "run", profile, "--no-console", *arguments],
             env=environment(home),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,

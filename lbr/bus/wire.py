@@ -201,11 +201,7 @@ class Served:
 
 
 class Question:
-    """A query under way; its answers arrive on Zenoh's thread.
-
-    `attachment` passes on a stamp instead of our own. With `patient` false it is rather lost than waits for a receiver
-    that takes nothing.
-    """
+    """A query under way; its answers arrive on Zenoh's thread. `attachment` passes on a stamp instead of our own."""
 
     def __init__(
         self,
@@ -216,7 +212,6 @@ class Question:
         timeout_s: float,
         source: str,
         attachment: bytes = b"",
-        patient: bool = True,
         wake: Callable[[], None] = lambda: None,
     ) -> None:
         self.key = key
@@ -231,7 +226,7 @@ class Question:
                 encoding=JSON,
                 attachment=attachment or stamps.make(source, 0),
                 timeout=timeout_s,
-                congestion_control=zenoh.CongestionControl.BLOCK if patient else zenoh.CongestionControl.DROP,
+                congestion_control=zenoh.CongestionControl.BLOCK,
                 priority=zenoh.Priority.REAL_TIME,
                 express=True,
             )

@@ -16,8 +16,8 @@ from lbr.messages.system import ConsoleResult, Role
 
 COMMAND_S = 3.0
 LINE_S = 600.0
-MOST_UNDER_WAY = 64
-MOST_UNDER_WAY_IN_ALL = 256
+MOST_UNDER_WAY = 32
+MOST_UNDER_WAY_IN_ALL = 128
 PER_KEY_HZ = 150.0
 IN_ALL_HZ = 400.0
 POLL_S = 0.2
@@ -119,7 +119,6 @@ class Relay:
             timeout_s=LINE_S if lane.line else COMMAND_S,
             source=self._via,
             attachment=attachment,
-            patient=lane.line,
             wake=self._wake.set,
         )
         lane.under_way.append((request, question))

@@ -1,0 +1,37 @@
+"""Robots whose door is open: one for all tests of a module that leave it standing, with its tokens as they were."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.lan import netns
+from tests.lan.door import Door, opened
+
+
+@pytest.fixture(scope="module")
+def door(shared_home: Path) -> Iterator[Door]:
+    with opened(shared_home) as found:
+        yield found
+
+
+@pytest.fixture
+def own_door(home: Path) -> Iterator[Door]:
+    """One whose tokens and rows a test may change."""
+    with opened(home) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def network() -> Iterator[netns.Network]:
+    if why_not := netns.why_not():
+        pytest.skip(why_not)
+    with netns.network() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def far_door(network: netns.Network, shared_home: Path) -> Iterator[Door]:
+    """A robot on one machine, and whoever connects on another."""
+    with opened(shared_home, network.address, prefix=network.robot, elsewhere=network.client) as found:
+        yield found

@@ -1,0 +1,154 @@
+"""Coming in with a token by our own tools: what works, and the one sentence that says why something does not."""
+
+import os
+import pty
+import select
+import socket
+import stat
+import subprocess
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from tests.lan.door import Door
+from tests.robot import LBR, until
+
+pytestmark = pytest.mark.timeout(30)
+
+
+def said(done: "subprocess.CompletedProcess[str]") -> str:
+    """The one line of a refusal."""
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+    return done.stderr
+
+
+def test_an_operator_drives_and_a_console_stops_when_its_input_ends(door: Door):
+    done = door.by("phone", "send", "/r/0.1/90", "--hold", "0.4")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[0] == "accepted"
+    done = door.by("phone", "console", stdin="/r/0.1/90\n")
+    assert done.returncode == 0, done.stderr
+    door.rest()
+
+
+def test_a_viewer_looks_and_stops_and_does_not_drive(door: Door):
+    refused = door.by("eye", "send", "/r/0.1/90")
+    assert refused.returncode == 1
+    assert said(refused) == "this needs the role 'operate', and you have 'view'\n"
+    assert door.by("eye", "send", "stop").stdout == "stopped\n"
+    assert '"robot":"lbr"' in door.by("eye", "status", "--json").stdout
+
+
+def test_topics_can_be_seen_and_published_within_the_role(door: Door):
+    assert "forward_m" in door.by("eye", "topic", "echo", "ranges/readings", "--once").stdout
+    assert "published" in door.by("eye", "topic", "hz", "drive/state", "--seconds", "0.5").stdout
+    needs = door.by("eye", "topic", "pub", "drive/command", '{"power": 0.1}')
+    assert said(needs) == "lbr: this needs the role 'operate', and you have 'view'\n"
+    never = door.by("boss", "topic", "pub", "motors/setpoint", '{"left": 1, "right": 1}')
+    assert "'motors/setpoint' is neither" in said(never)
+    unleased = door.by("phone", "topic", "pub", "drive/command", '{"power": 0.1}')
+    assert "begins with a query" in said(unleased)
+
+
+def test_graph_and_view_come_from_the_robot(door: Door):
+    assert "drive.command" in door.by("eye", "graph").stdout
+    assert "ranges  forward" in door.by("eye", "view", "--once").stdout
+    assert said(door.by("eye", "view", "--png", "x.png")) == "lbr: this needs the role 'admin', and you have 'view'\n"
+
+
+def test_a_token_can_be_in_a_file(door: Door):
+    path = door.away / "token"
+    path.write_text(f"{door.tokens['eye']}\n")
+    assert door.lbr("send", "stop", "--token-file", str(path)).returncode == 0
+    assert "cannot be read" in said(door.lbr("send", "stop", "--token-file", str(path) + "x"))
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "words"),
+    [
+        (lambda token: "", 1, "wants a token: set LBR_TOKEN, or use --token-file"),
+        (lambda token: "secret", 2, "this is no token: tokens look like NAME.SECRET.FINGERPRINT"),
+        (lambda token: "x" + token, 1, "refuses the token, the one in LBR_TOKEN: it is unknown, revoked or expired"),
+        (lambda token: token.replace(".", ".A", 1)[:-1] + "A", 2, "this is no token"),
+        (lambda token: token[:-4] + "AAAA", 1, "shows another certificate"),
+    ],
+    ids=["none", "malformed", "unknown", "too long", "another robot's"],
+)
+def test_who_may_not_come_in_is_told_why_in_one_sentence(door: Door, change, code, words):
+    done = door.lbr("send", "stop", token=change(str(door.tokens["phone"])))
+    assert words in said(done)
+    assert done.returncode == code
+    assert door.tokens["phone"].secret not in done.stderr
+
+
+@contextmanager
+def listening(greeting: bytes) -> Iterator[str]:
+    """A server that speaks no TLS."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve() -> None:
+            connection, _ = server.accept()
+            with connection:
+                connection.sendall(greeting)
+                connection.recv(1000)
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        yield f"tls/127.0.0.1:{server.getsockname()[1]}"
+        thread.join()
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "code", "words"),
+    [
+        ("tls/127.0.0.1:1", 1, "nobody is there at tls/127.0.0.1:1"),
+        ("tls/robot.invalid:7447", 1, "there is no machine 'robot.invalid'"),
+        ("tls/robot", 2, "is no endpoint; one looks like tls/192.168.1.7:7447"),
+        ("tls/[::1]:99999", 2, "is no endpoint"),
+    ],
+)
+def test_where_no_robot_is_one_sentence_says_so(door: Door, endpoint, code, words):
+    door = Door(door.robot, endpoint, door.tokens)
+    done = door.by("phone", "status")
+    assert words in said(done)
+    assert done.returncode == code
+
+
+def test_another_programs_port_is_recognised(door: Door):
+    with listening(b"SSH-2.0-server\r\n") as endpoint:
+        assert "does not speak TLS" in said(Door(door.robot, endpoint, door.tokens).by("phone", "status"))
+
+
+def test_a_terminal_is_asked_for_the_token_once_and_shows_none_of_it(door: Door):
+    away = door.away.with_name("asked")
+    away.mkdir()
+    environment = {name: value for name, value in os.environ.items() if name != "LBR_TOKEN"} | {"LBR_HOME": str(away)}
+    ours, theirs = pty.openpty()
+    command = [*LBR, "send", "stop", "--connect", door.endpoint]
+    popen = subprocess.Popen(
+        command, env=environment, stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True
+    )
+    os.close(theirs)
+    shown = b""
+
+    def read(words: bytes) -> bool:
+        nonlocal shown
+        if select.select([ours], [], [], 0.05)[0]:
+            shown += os.read(ours, 4096)
+        return words in shown
+
+    until(lambda: read(b"token for"), what="it asks")
+    os.write(ours, f"{door.tokens['eye']}\n".encode())
+    until(lambda: read(b"stopped"), what="it says")
+    assert popen.wait(5) == 0
+    os.close(ours)
+    assert door.tokens["eye"].secret.encode() not in shown
+    saved = away / "credentials" / "robots.json"
+    assert stat.S_IMODE(saved.stat().st_mode) == 0o600
+    again = subprocess.run(
+        command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+    )
+    assert again.stdout == "stopped\n", again.stderr

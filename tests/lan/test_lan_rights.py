@@ -1,0 +1,190 @@
+"""What each role can do at the door with nothing but Zenoh, and what nobody can."""
+
+import json
+import time
+
+import pytest
+import zenoh
+
+from lbr.bus import access, keys, session, wire
+from lbr.errors import BusError
+from tests.lan.door import Door, answer
+from tests.robot import until
+
+pytestmark = pytest.mark.timeout(20)
+TURN = {"power": 0.1, "angle_deg": 90}
+
+
+def settle(door: Door) -> None:
+    """Whatever was sent before has been decided once this is answered."""
+    with door.client("phone") as bus:
+        assert answer(bus, "lbr/drive/stop", {}) is not None
+
+
+@pytest.fixture(autouse=True)
+def at_rest(door: Door):
+    yield
+    door.rest()
+    assert not door.robot.status()["estop"]["engaged"]
+
+
+def test_a_motion_from_afar_begins_when_its_lease_is_quoted_and_lapses(door: Door):
+    with door.client("phone") as bus:
+        offered = answer(bus, "lbr/drive/command", TURN)
+        assert offered["accepted"]
+        assert not door.moving()
+        for _ in range(6):
+            wire.put(bus, "lbr/drive/command", {**TURN, "lease": offered["lease"]}, source="afar")
+            time.sleep(0.05)
+        until(door.moving, what="it moves")
+        until(lambda: not door.moving(), limit_s=0.6, what="it lapsed")
+
+
+@pytest.mark.parametrize("message", [TURN, {**TURN, "take_over": True}, {"power": 0}])
+def test_a_viewer_cannot_drive_by_query_or_put(door: Door, message):
+    with door.client("eye") as bus:
+        assert answer(bus, "lbr/drive/command", message) is None
+        wire.put(bus, "lbr/drive/command", message, source="afar")
+        for role in ("operate", "admin"):
+            assert answer(bus, keys.console("lbr", role), None) is None
+        assert answer(bus, "lbr/@estop/reset", {}) is None
+        settle(door)
+    assert not door.moving()
+
+
+def test_a_viewer_can_stop_who_drives(door: Door):
+    lease = door.robot.ask("drive/command", TURN)["lease"]
+    door.robot.put("drive/command", {**TURN, "lease": lease})
+    until(door.moving, what="somebody here drives")
+    with door.client("eye") as bus:
+        assert answer(bus, "lbr/drive/stop", {})["accepted"]
+    until(lambda: not door.moving(), limit_s=0.3, what="it stopped")
+
+
+def test_a_viewer_can_press_the_emergency_stop_and_not_reset_it(door: Door):
+    with door.client("eye") as bus:
+        bus.put("lbr/@estop", json.dumps({"engaged": True, "reason": "a ladder"}))
+        until(lambda: door.robot.status()["estop"]["engaged"], limit_s=1.0, what="it latched")
+        assert answer(bus, "lbr/@estop/reset", {}) is None
+    assert door.robot.status()["estop"]["engaged"]
+    with door.client("phone") as bus:
+        assert answer(bus, "lbr/@estop/reset", {}, timeout_s=3.0)["accepted"]
+
+
+def test_only_an_administrator_has_what_changes_the_machine(door: Door):
+    message = {"path": str(door.away / "map.png")}
+    for name, allowed in (("eye", False), ("phone", False), ("boss", True)):
+        with door.client(name) as bus:
+            found = answer(bus, "lbr/world/picture", message, timeout_s=3.0)
+            assert (found is not None) == allowed
+            assert (answer(bus, "lbr/@console/admin", None) is not None) == allowed
+
+
+@pytest.mark.parametrize("name", ["eye", "phone", "boss"])
+def test_nobody_can_write_what_a_capability_says(door: Door, name):
+    here = {key: wire.Subscription(door.robot.bus, f"lbr/{key}", depth=512) for key in ("**", "@event", "@status")}
+    with door.client(name) as bus:
+        for key in ("motors/setpoint", "motors/state", "ranges/readings", "drive/state", "drive/result", "lan/x"):
+            wire.put(bus, f"lbr/{key}", {"left": 1.0, "right": 1.0, "forged": True}, source="motors")
+        for key in ("@event", "@status", "@estop/release/motors", "@estop/ack/motors", "@alive/motors", "@schema/a/b"):
+            bus.put(f"lbr/{key}", '{"forged": true}')
+        assert answer(bus, "lbr/@estop/release/motors", {"engaged": False}) is None
+        settle(door)
+    heard = [raw for feed in here.values() for raw in feed.take()]
+    assert heard
+    assert not [raw for raw in heard if b"forged" in raw.payload]
+    assert not door.moving()
+
+
+@pytest.mark.parametrize("name", ["phone", "boss"])
+def test_nobody_can_pretend_to_be_a_capability(door: Door, name):
+    came = wire.Presence(door.robot.bus, "lbr")
+    until(lambda: "motors" in came.names, what="those who are there")
+    asked: list[str] = []
+    with door.client(name) as bus:
+        token = bus.liveliness().declare_token("lbr/@alive/ghost")
+        for key in ("drive/command", "drive/stop", "@console", "@status", "@estop/reset", "motors/state"):
+            bus.declare_queryable(f"lbr/{key}", lambda query: asked.append(str(query.key_expr)), complete=True)
+        settle(door)
+        assert door.robot.ask("drive/stop", {})["accepted"]
+        assert door.robot.line("s")["code"] == 0
+        assert door.robot.status()["robot"] == "lbr"
+        with door.client("eye") as other:
+            assert answer(other, "lbr/drive/stop", {})["accepted"]
+            assert answer(other, "lbr/@status")["robot"] == "lbr"
+        token.undeclare()
+    assert "ghost" not in came.names
+    assert not asked
+    came.close()
+
+
+def test_what_others_here_send_is_not_sent_again(door: Door):
+    heard = wire.Subscription(door.robot.bus, "lbr/drive/command", depth=64)
+    door.robot.put("drive/command", {"power": 0})
+    settle(door)
+    assert len(heard.take()) == 1
+    heard.close()
+
+
+def test_the_insides_of_the_routers_are_closed(door: Door):
+    with door.client("boss") as bus:
+        assert not list(bus.get("@/**", timeout=0.5, allowed_destination=zenoh.Locality.REMOTE))
+        assert not list(bus.get("lbr/@alive/**", timeout=0.5))
+
+
+@pytest.mark.parametrize("mode", ["peer", "router"])
+@pytest.mark.parametrize("name", ["", "eye"])
+def test_a_peer_or_router_gets_no_more_than_a_client(door: Door, mode, name):
+    settings = door.settings(door.tokens["eye"])
+    settings["mode"] = mode
+    settings["scouting"] = {"multicast": {"enabled": False}, "gossip": {"enabled": True}}
+    settings["listen"] = {"endpoints": []}
+    settings["connect"] |= {"exit_on_failure": False, "timeout_ms": 0}
+    if not name:
+        del settings["transport"]["auth"]
+    with zenoh.open(zenoh.Config.from_json5(json.dumps(settings))) as bus:
+        until(lambda: not name or answer(bus, "lbr/@status") is not None, what="whoever has a token sees")
+        assert answer(bus, "lbr/drive/command", TURN, timeout_s=0.3) is None
+        wire.put(bus, "lbr/motors/setpoint", {"left": 1.0, "right": 1.0}, source="drive")
+        if not name:
+            assert answer(bus, "lbr/@status", timeout_s=0.3) is None
+        settle(door)
+    assert not door.moving()
+
+
+def test_without_the_right_password_nobody_is_let_in(door: Door):
+    for credentials in (
+        None,
+        access.Credentials(user="phone", password="x"),
+        access.Credentials(user="@relay", password=""),
+    ):
+        with pytest.raises(BusError, match="Unable to connect"):
+            session.open_client([door.endpoint], credentials, certificate=door.certificate, timeout_s=0.0)
+
+
+def test_what_is_too_large_or_too_much_is_refused_aloud_and_delays_no_stop(door: Door):
+    with door.client("phone") as bus, door.client("eye") as other:
+        large = answer(bus, "lbr/drive/command", {**TURN, "lease": "x" * 60_000})
+        assert not large["accepted"]
+        assert answer(bus, "lbr/drive/command", {**TURN, "lease": "x" * 100_000}, timeout_s=0.3) is None
+        asked = [
+            wire.Question(bus, "lbr/drive/command", b'{"power": 0}', timeout_s=2.0, source="flood") for _ in range(300)
+        ]
+        assert answer(other, "lbr/drive/stop", {})["accepted"]
+        until(lambda: all(question.replies for question in asked), what="each is answered")
+        answers = [json.loads(question.replies[0].payload) for question in asked]
+    assert any("from other machines" in one.get("reason", "") for one in answers)
+
+
+def test_a_name_from_afar_is_never_that_of_somebody_here(door: Door):
+    lease = door.robot.ask("drive/command", TURN, source="console")["lease"]
+    door.robot.put("drive/command", {**TURN, "lease": lease}, source="console")
+    with door.client("phone") as bus:
+        found = bus.get("lbr/@console", payload="/r/0.3/0", timeout=2.0, attachment=stamp("console"))
+        result = json.loads(next(iter(found)).ok.payload.to_bytes())
+    assert result["code"] == 1
+    assert "held by console" in result["text"]
+
+
+def stamp(source: str) -> str:
+    return json.dumps({"source": source, "seq": 1, "mono_ns": 0, "wall_ns": 0})
