@@ -43,8 +43,6 @@ class Child:
         self.unit = unit
         self.reports_fd = -1
         self._buffer = b""
-        self._nice = scheduling.niceness(unit)
-        self._ranked = False
         self._popen = self._start_program(unit.program, config, log) if unit.program else self._start(config, log)
         self.pid = self._popen.pid
         try:
@@ -52,6 +50,7 @@ class Child:
         except OSError:
             self.kill()
             self._popen.wait()
+            self._rank.close()
             raise
 
     @property
@@ -81,7 +80,7 @@ class Child:
         finally:
             os.close(report_fd)
         assert popen.stdin is not None
-        self._ranked = scheduling.rank(popen.pid, self._nice)
+        self._take_rank(popen.pid)
         fcntl.fcntl(popen.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)  # so that writing never waits for a reader
         with contextlib.suppress(BrokenPipeError):  # it died at once; its end is seen where every end is
             popen.stdin.write(document)
@@ -99,12 +98,20 @@ class Child:
             env=_environment(config) | program_environment(program, config) | {"LBR_CONFIG": str(_way_in(config))},
             start_new_session=True,
         )
-        self._ranked = scheduling.rank(popen.pid, self._nice)
+        self._take_rank(popen.pid)
         return popen
+
+    def _take_rank(self, pid: int) -> None:
+        self._rank = scheduling.Rank(pid)
+        self._rank.set(min(scheduling.niceness(self.unit), scheduling.USUAL))
+
+    def settle(self) -> None:
+        """Let it fall back to its rank: starting takes a busy machine long enough as it is."""
+        self._rank.set(scheduling.niceness(self.unit))
 
     def reports(self) -> list[Report]:
         """Return what the process has said since the last call; an empty report is a heartbeat."""
-        self._ranked = self._ranked or scheduling.rank(self.pid, self._nice)
+        self._rank.retry()
         if self.reports_fd < 0:
             return []
         try:
@@ -139,6 +146,7 @@ class Child:
         if self.reports_fd >= 0:
             os.close(self.reports_fd)
         os.close(self.pid_fd)
+        self._rank.close()
 
     def _signal(self, number: int) -> None:
         with contextlib.suppress(ProcessLookupError):

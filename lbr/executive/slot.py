@@ -15,6 +15,9 @@ class Started(Protocol):
     def reports(self) -> list[Report]:
         """Return what it has said since the last call."""
 
+    def settle(self) -> None:
+        """Hear that it is ready for the first time."""
+
     def terminate(self) -> None:
         """Ask it to end."""
 

@@ -171,6 +171,8 @@ class Supervisor:
         if slot.phase == phase and slot.reason == reason:
             return
         first = slot.phase == "starting"
+        if first and phase == "ready" and slot.child is not None:
+            slot.child.settle()
         slot.phase, slot.reason = phase, reason  # type: ignore[assignment]
         if phase == "ready":
             self._tell("started" if first else "recovered", slot, reason or "ready", "info")

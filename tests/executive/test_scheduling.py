@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from lbr.executive import scheduling
-from tests.robot import running
+from tests.robot import running, until
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def sleeper():
 
 
 def test_niceness_is_given_to_the_process_and_to_its_session(sleeper):
-    assert scheduling.rank(sleeper.pid, scheduling.BACKGROUND)
+    scheduling.rank(sleeper.pid, scheduling.BACKGROUND)
     assert os.getpriority(os.PRIO_PROCESS, sleeper.pid) == scheduling.BACKGROUND
     autogroup = Path(f"/proc/{sleeper.pid}/autogroup")
     if autogroup.exists() and autogroup.read_text():
@@ -27,7 +27,7 @@ def test_niceness_is_given_to_the_process_and_to_its_session(sleeper):
 
 
 def test_what_is_gone_or_not_allowed_is_no_error():
-    assert scheduling.rank(2**22 - 1, scheduling.MOTION)
+    scheduling.rank(2**22 - 1, scheduling.MOTION)
 
 
 def test_movers_and_drivers_outrank_programs(home):
@@ -39,3 +39,6 @@ def test_movers_and_drivers_outrank_programs(home):
         assert nice["world"] == scheduling.USUAL
         threads = Path(f"/proc/{robot.capability('motors')['pid']}/task")
         assert {os.getpriority(os.PRIO_PROCESS, int(task.name)) for task in threads.iterdir()} == {nice["motors"]}
+        settings = '{"argv": ["/bin/sleep", "60"]}'
+        robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'nap', 'exec', ?)", settings)
+        until(lambda: robot.capability("nap").get("nice") == scheduling.BACKGROUND)

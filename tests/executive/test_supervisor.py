@@ -32,6 +32,9 @@ class FakeProcess:
         self.said.clear()
         return said
 
+    def settle(self):
+        pass
+
     def terminate(self):
         self.log.append(("term", self.unit.name))
         if self.obeys:
