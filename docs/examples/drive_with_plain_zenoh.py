@@ -1,8 +1,9 @@
-"""Drive the robot with nothing but Zenoh: python drive_with_plain_zenoh.py [ENDPOINT] [SECONDS] [ROBOT]
+"""Drive the robot with nothing but Zenoh: python drive_with_plain_zenoh.py [WHERE] [SECONDS] [ROBOT]
 
-ENDPOINT is where the robot listens, such as tcp/192.168.1.7:7447, or an endpoint of the ready line of
-`lbr run --no-console`; without it, the robot that runs on this machine is meant. It asks for a motion, keeps it alive by repeating it ten times a second with its lease, reads
-the ranges meanwhile, and stops. Kill it at any moment: the lease lapses, and the robot stops by itself.
+WHERE is a file that `lbr token add phone --file phone.json5` wrote, for a robot on another machine, or an endpoint of
+the ready line of `lbr run --no-console`; without it, the robot that runs on this machine is meant. It asks for a motion,
+keeps it alive by repeating it ten times a second with its lease, reads the ranges meanwhile, and stops. Kill it at any
+moment: the lease lapses, and the robot stops by itself.
 """
 
 import json
@@ -32,21 +33,28 @@ def robot_here() -> tuple[str, str]:
     sys.exit(f"no robot runs here ({home / 'run'} names none); 'lbr run' starts one, or name its endpoint")
 
 
-def connected(endpoint: str) -> zenoh.Session:
-    """Open a session to a robot, or end with one sentence."""
+def configuration(where: str) -> zenoh.Config:
+    """Return what is in a file, or what leads to an endpoint of this machine."""
+    if where.endswith(".json5"):
+        return zenoh.Config.from_file(where)
     config = zenoh.Config()
+    config.insert_json5("mode", '"client"')
+    config.insert_json5("connect/endpoints", json.dumps([where]))
+    config.insert_json5("scouting/multicast/enabled", "false")
+    return config
+
+
+def connected(where: str) -> zenoh.Session:
+    """Open a session to a robot, or end with one sentence."""
     try:
-        config.insert_json5("mode", '"client"')
-        config.insert_json5("connect/endpoints", json.dumps([endpoint]))
-        config.insert_json5("scouting/multicast/enabled", "false")
-        return zenoh.open(config)
+        return zenoh.open(configuration(where))
     except zenoh.ZError:
-        sys.exit(f"no robot can be reached at '{endpoint}'; an endpoint looks like tcp/192.168.1.7:7447")
+        sys.exit(f"no robot can be reached at '{where}'; name a file of 'lbr token add --file', or a local endpoint")
 
 
-def main(endpoint: str, seconds: float = 2.0, robot: str = "lbr") -> None:
+def main(where: str, seconds: float = 2.0, robot: str = "lbr") -> None:
     """Drive ahead slowly for some seconds."""
-    with connected(endpoint) as session:
+    with connected(where) as session:
         answer = ask(session, f"{robot}/drive/command", {"power": 0.2, "angle_deg": 0})
         if not answer["accepted"]:
             sys.exit(f"refused: {answer['reason']}")

@@ -20,10 +20,6 @@ from tests.robot import Robot, running, until
 
 EXAMPLES = ROOT / "docs" / "examples"
 SCRIPT = EXAMPLES / "drive_with_plain_zenoh.py"
-PORT = 47447
-PID = os.getpid()
-HERE, THERE = (f"10.{190 + PID // 250 % 60}.{PID % 250}.{host}" for host in (1, 2))
-"""Tests that run at the same time have networks of their own."""
 
 
 @pytest.fixture
@@ -152,54 +148,3 @@ def test_a_program_without_our_package_joins_by_its_environment(started):
         min(readings[key] for key in readings if key.endswith("_m") and readings[key]), abs=0.3
     )
     until(ready(started, "beacon"), what="its token makes it ready")
-
-
-@pytest.fixture
-def neighbour() -> Iterator[tuple[str, ...]]:
-    """A network namespace joined to ours by a cable; the prefix that runs a program in it, and our address."""
-    if os.geteuid() != 0 or shutil.which("ip") is None:
-        pytest.skip("needs root and the program ip")
-    space, here, there = f"lbr{PID}", f"lbr{PID}a", f"lbr{PID}b"
-
-    def ip(*arguments: str) -> "subprocess.CompletedProcess[str]":
-        return subprocess.run(["ip", *arguments], capture_output=True, text=True, check=False)
-
-    ip("netns", "delete", space)
-    made = ip("netns", "add", space)
-    if made.returncode != 0:
-        pytest.skip(f"no network namespaces here: {made.stderr.strip()}")
-    try:
-        for arguments in (
-            ("link", "add", here, "type", "veth", "peer", "name", there, "netns", space),
-            ("addr", "add", f"{HERE}/30", "dev", here),
-            ("link", "set", here, "up"),
-            ("-n", space, "addr", "add", f"{THERE}/30", "dev", there),
-            ("-n", space, "link", "set", there, "up"),
-        ):
-            done = ip(*arguments)
-            assert done.returncode == 0, f"ip {' '.join(arguments)}: {done.stderr}"
-        yield ("ip", "netns", "exec", space)
-    finally:
-        ip("netns", "delete", space)
-        ip("link", "delete", here)
-
-
-@pytest.mark.slow_start
-@pytest.mark.timeout(30)
-def test_a_plain_client_on_another_machine_drives_where_the_robot_listens(home, neighbour):
-    endpoint = f"tcp/{HERE}:{PORT}"
-    with running(home, "--listen", endpoint) as robot:
-        assert endpoint in robot.endpoints
-        measured(robot)
-        before = robot.ask("world/pose")["x_m"]
-        done = drive_elsewhere(endpoint, *neighbour)
-        assert done.returncode == 0, done.stderr
-        assert done.stdout.splitlines()[-1] == "stopped"
-        assert robot.ask("world/pose")["x_m"] > before + 0.05
-
-
-@pytest.mark.slow_start
-@pytest.mark.timeout(30)
-def test_without_listen_nothing_is_reachable_from_another_machine(home, neighbour):
-    with running(home):
-        assert drive_elsewhere(f"tcp/{HERE}:{PORT}", *neighbour).returncode != 0

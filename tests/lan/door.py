@@ -19,6 +19,7 @@ from lbr.bus import session, tokens, wire
 from lbr.bus.session import Session
 from lbr.bus.tokens import Token
 from lbr.database import store
+from lbr.errors import BusError
 from lbr.executive import credentials
 from tests.robot import LBR, Robot, running, until
 
@@ -101,6 +102,20 @@ class Door:
         self.robot.ask("drive/stop", {})
         until(lambda: not self.moving(), what="the motors stand")
         until(lambda: self.robot.ask("drive/state")["holder"] is None, what="nobody holds")
+
+    def add(self, name: str, role: str, expires_at: str | None = None) -> None:
+        """Make one more token, and wait until it is let in."""
+        self.tokens[name] = add_token(self.robot.home, name, role, expires_at)
+        until(lambda: self.refuses(name) == "", what=f"{name} is let in")
+
+    def refuses(self, name: str) -> str:
+        """Return why a token's holder does not get in, or nothing."""
+        credentials = self.tokens[name].credentials
+        try:
+            session.open_client([self.endpoint], credentials, certificate=self.certificate, timeout_s=0.0).close()
+        except BusError as err:
+            return str(err)
+        return ""
 
     def ready(self) -> None:
         until(lambda: self.robot.capability("lan")["phase"] == "ready", what="the door is open")
