@@ -49,11 +49,12 @@ def _tell(under_test: Bench, number: int, dice: random.Random) -> list[tuple[str
             robot.line("reset")
             return [("estop", text), ("estop_reset", "released")]
         case "drive":
+            began = time.time_ns()
             mover = under_test.drive()
             mover.cease()
             robot.ask("drive/stop", {})
-            under_test.until(lambda: _heard(robot, "stopped"), 2.0, "the stop told")
-            return [("holder", "took the base"), ("stopped", "stopped by")]
+            under_test.until(lambda: _left(robot, began), 5.0, "the end of the drive told", every_s=0.02)
+            return [("holder", "took the base"), ("holder", "lost the base")]
         case "edit":
             owner = f"owner {time.monotonic_ns()}"
             robot.edit("UPDATE robot SET owner = ?", owner)
@@ -68,8 +69,8 @@ def _tell(under_test: Bench, number: int, dice: random.Random) -> list[tuple[str
             return [("rows_refused", "verb 'lbr/help")]
 
 
-def _heard(robot: Robot, kind: str) -> bool:
-    return any(event["kind"] == kind for event in robot.events())
+def _left(robot: Robot, since_ns: int) -> bool:
+    return any("lost the base" in event["text"] and event["wall_ns"] >= since_ns for event in robot.events())
 
 
 def _judged(results: Results, home: Path, known: int, told: list[tuple[str, str]]) -> int:
