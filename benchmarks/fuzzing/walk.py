@@ -36,6 +36,7 @@ def walks(results: Results, n: int, dice: random.Random) -> None:
     with bench(results) as under_test:
         for number in range(n):
             _rest(under_test)
+            under_test.trace.entries.clear()
             walk = Walk(under_test, random.Random(dice.getrandbits(32)))
             for _ in range(STEPS):
                 walk.step()
@@ -44,7 +45,6 @@ def walks(results: Results, n: int, dice: random.Random) -> None:
                 if wrong:
                     break
             walk.end()
-            under_test.trace.entries.clear()
         results.check("Z7", _told_traceback(under_test))
 
 

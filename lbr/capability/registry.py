@@ -71,7 +71,8 @@ def fingerprint(name: str, home: Path) -> str:
 
 
 def _refuse_if_others_may_write(path: Path) -> None:
-    for place in (path, path.parent):
+    real = path.resolve()
+    for place in (path, path.parent, real.parent):
         found = place.stat()
         if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid not in {os.getuid(), 0}:
             raise KindError(f"{place} could be changed by others; 'chmod go-w {place}' and own it")

@@ -410,8 +410,10 @@ class Executive:
     def _start_terminal(self) -> None:
         from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console
 
+        at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # what a pipe says, somebody else may have written
+
         def submit(line: str) -> ConsoleResult:
-            return self.dispatcher.execute(line, source="console", role="admin", local=True)
+            return self.dispatcher.execute(line, source="console", role="admin", local=at_terminal)
 
         def talk() -> None:
             why = "console closed"

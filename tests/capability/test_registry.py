@@ -67,3 +67,16 @@ def test_a_file_that_others_may_change_is_never_loaded(folder, tmp_path, place):
     (folder / "own.py" if place == "file" else folder).chmod(0o777)
     with pytest.raises(KindError, match="could be changed by others"):
         registry.find("own", tmp_path)
+
+
+def test_a_link_to_where_others_may_put_another_file_is_refused(folder, tmp_path):
+    loose = tmp_path / "loose"
+    loose.mkdir()
+    (loose / "own.py").write_text(OWN)
+    (loose / "own.py").chmod(0o600)
+    (folder / "own.py").symlink_to(loose / "own.py")
+    loose.chmod(0o777)
+    with pytest.raises(KindError, match="could be changed by others"):
+        registry.find("own", tmp_path)
+    loose.chmod(0o700)
+    assert registry.find("own", tmp_path).name == "own"
