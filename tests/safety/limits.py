@@ -28,7 +28,7 @@ def holds(scenario: Callable[[Results], None]) -> Results:
     for _ in range(TRIES):
         results = Results(PROMISES)
         scenario(results)
-        assert not results.violations()
+        assert not results.violations(), results.violations()
         assert results.by_figure, "the scenario measured nothing"
         complaints = [*over_their_limit(results), *results.disturbed]
         if not complaints:

@@ -1,5 +1,6 @@
 """Whatever stands still instead of dying, or takes its guard along: the motors stand and stay so."""
 
+import os
 from collections.abc import Callable
 
 import pytest
@@ -14,6 +15,8 @@ pytestmark = pytest.mark.timeout(30)
 
 @pytest.mark.parametrize("way", freezes.WAYS, ids=lambda way: way.__name__)
 def test_the_motors_stand_and_nothing_moves_when_it_is_over(held: Callable[[Callable[[Bench], None]], Results], way):
+    if way is freezes.links_broken and os.geteuid() != 0:
+        pytest.skip("only root may shut another process's sockets down")
     assert held(way).by_figure
 
 
