@@ -174,8 +174,8 @@ class Bench:
 
     def stopped_after(self, figure: str, fault_ns: int, *, limit_s: float = 2.0) -> Output | None:
         """Measure from a fault to both outputs zero."""
-        before = self.trace.at(fault_ns)
         zero = self.trace.first_zero(fault_ns, limit_s)
+        before = self.trace.at(fault_ns)  # now that all until then is read
         if not before.least >= ALMOST:
             self.results.disturbed.append(f"{figure}: the motors were at {before.left:g} {before.right:g} before")
         elif zero is None:

@@ -1,13 +1,14 @@
 """What was measured, against what was promised: samples, percentiles, violations, verdicts, a table."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Literal
 
 from msgspec import Struct, field
 
 Verdict = Literal["met", "missed", "broken"]
 Statistic = Literal["max", "p99", "p95", "p50"]
+STATISTICS: tuple[Statistic, ...] = ("p50", "p99", "max")
 
 
 class Promise(Struct, frozen=True, kw_only=True):
@@ -83,6 +84,19 @@ class Results:
         """Return a view for scenarios under a load: `S1` counts as `S1 H`; a time that has no such figure is let go."""
         return _Loaded(self, load)
 
+    def add(self, results: Iterable[Result], disturbed: Iterable[str] = ()) -> None:
+        """Take in what was measured elsewhere."""
+        for found in results:
+            own = self.of(found.figure)
+            own.samples += found.samples
+            own.checks += found.checks
+            own.violations += found.violations
+        self.disturbed += disturbed
+
+    def ordered(self) -> list[Result]:
+        """Return the results in the order of the promises."""
+        return [self.by_figure[figure] for figure in self.promises if figure in self.by_figure]
+
     def violations(self) -> list[str]:
         """Return everything that must not have been."""
         return [f"{result.figure}: {text}" for result in self.by_figure.values() for text in result.violations]
@@ -115,20 +129,75 @@ def percentile(samples: list[float], statistic: Statistic) -> float:
 
 def table(results: Iterable[Result]) -> str:
     """Return a Markdown table, one row for each figure."""
-    rows = [
-        "| figure | what | N | p50 | p99 | max | target | hard | verdict |",
-        "|---|---|--:|--:|--:|--:|---|---|---|",
-    ]
-    for result in results:
-        promise, samples = result.promise, result.samples
-        cells = [_number(percentile(samples, s)) if samples else "" for s in ("p50", "p99", "max")]
+    return rows(summary(result) for result in results)
+
+
+class Summary(Struct, kw_only=True, omit_defaults=True):
+    """What is kept of a figure: few enough numbers to read; `measured` says when, on what, beside what."""
+
+    figure: str
+    promise: Promise
+    n: int
+    verdict: Verdict
+    p50: float | None = None
+    p99: float | None = None
+    max: float | None = None
+    failures: int = 0
+    example: str = ""
+    measured: str = ""
+
+
+def summary(result: Result, measured: str = "") -> Summary:
+    """Return what is kept of a result."""
+    samples = result.samples
+    p50, p99, most = (round(percentile(samples, s), 3) if samples else None for s in STATISTICS)
+    return Summary(
+        figure=result.figure,
+        promise=result.promise,
+        n=result.n,
+        verdict=result.verdict,
+        p50=p50,
+        p99=p99,
+        max=most,
+        failures=len(result.violations) + _too_long(result),
+        example=result.violations[0][:200] if result.violations else "",
+        measured=measured,
+    )
+
+
+def rows(summaries: Iterable[Summary], anchor: Callable[[str], str] | None = None) -> str:
+    """Return a Markdown table; the bound is what N tries without a failure leave possible, at 95 %."""
+    head = ["figure", "what", "N", "p50", "p99", "max", "target", "hard", "fails at most", "anchor", "verdict", "load"]
+    lines = ["| " + " | ".join(head) + " |", "|---|---|--:|--:|--:|--:|---|---|--:|---|---|---|"]
+    for found in summaries:
+        promise = found.promise
+        numbers = ["" if value is None else _number(value) for value in (found.p50, found.p99, found.max)]
         target = f"{promise.statistic} {promise.target:g} {promise.unit}" if promise.target is not None else ""
-        hard = f"{promise.hard:g} {promise.unit}" if promise.hard is not None else "" if samples else "0 violations"
-        verdict = result.verdict + (f": {len(result.violations)} of {result.n}" if result.violations else "")
-        rows.append(
-            "| " + " | ".join([result.figure, promise.what, str(result.n), *cells, target, hard, verdict]) + " |"
-        )
-    return "\n".join(rows)
+        zero = "" if found.max is not None else "0 violations"
+        hard = f"{promise.hard:g} {promise.unit}" if promise.hard is not None else zero
+        cells = [found.figure, promise.what, str(found.n), *numbers, target.strip(), hard.strip(), _bound(found)]
+        verdict = found.verdict + (f": {found.failures} of {found.n}" if found.failures else "")
+        cells += [anchor(found.figure) if anchor else "", verdict, _load(found.figure)]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _too_long(result: Result) -> int:
+    hard = result.promise.hard
+    return 0 if hard is None else sum(not value <= hard for value in result.samples)
+
+
+def _bound(found: Summary) -> str:
+    """Return 3/N in percent for a figure that may never fail and has not."""
+    if found.failures or not found.n or (found.promise.hard is None and found.max is not None):
+        return ""
+    share = min(100.0, 300 / found.n)
+    return f"{share:.0f} %" if share >= 10 else f"{share:.2g} %"
+
+
+def _load(figure: str) -> str:
+    last = figure.rpartition(" ")[2]
+    return last if last in {"H", "G", "clock"} else "I"
 
 
 def _number(value: float) -> str:

@@ -1,78 +1,49 @@
 """Measures how soon the motors stand after every kind of fault, and how the robot recovers.
 
-`python -m benchmarks.safety --n 30 --json benchmarks/results.json --table`; `--only S1,S3` runs a few scenarios,
-`--write-docs` puts the table of a JSON result into docs/safety.md. Exit code 1 if a hard value is broken.
+`python -m benchmarks.safety --n 30 --table` is about a tenth of the full amount; `--only S1,S3` runs a few scenarios.
+`--gate` tries everything in under five minutes, several at a time, for hard values only. `--full` is the whole amount
+in ten rounds, `--minutes 120` as many of them as fit. `--merge FILE` keeps what any benchmark has written with `--json`
+in benchmarks/results.json, and `--write-docs` makes the table in docs/safety.md of that. Exit code 1 if a hard value
+is broken.
 """
 
 import argparse
+import multiprocessing
 import os
 import platform
 import sys
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
+from msgspec import Struct
 
 from benchmarks.figures import Report, Result, Results, table
+from benchmarks.ledger import Ledger
 from benchmarks.promises import PROMISES
-from benchmarks.scenarios import (
-    bounds,
-    clients,
-    crashes,
-    devices,
-    edits,
-    estop,
-    freezes,
-    kills,
-    load,
-    shutdown,
-    starts,
-    writers,
-)
+from benchmarks.schedule import FIGURE_OF, SCENARIOS
 
-ROOT = Path(__file__).resolve().parent.parent
-DOCS = ROOT / "docs" / "safety.md"
-RESULTS = ROOT / "benchmarks" / "results.json"
-BEGIN, END = "<!-- figures:begin -->", "<!-- figures:end -->"
-EDIT_SECONDS = 60
+ROUNDS = 10
+GATE_JOBS = 3
 
-Scenario = Callable[[Results, int], None]
-SCENARIOS: dict[str, tuple[Scenario, float]] = {
-    "S1": (kills.kill_motor_driver, 1.0),
-    "S2": (freezes.repeated(freezes.motor_driver_frozen), 1.0),
-    "S3": (kills.kill_drive, 1.0),
-    "S4": (freezes.repeated(freezes.drive_frozen), 1.0),
-    "S5": (freezes.repeated(freezes.links_broken), 1.0),
-    "S6": (kills.kill_executive, 0.5),
-    "S7": (freezes.repeated(freezes.executive_frozen, freezes.client_frozen), 0.5),
-    "S11": (freezes.repeated(freezes.everything_frozen), 0.5),
-    "S12": (freezes.repeated(freezes.driver_and_guard_killed), 0.5),
-    "S8": (clients.clients_gone, 0.3),
-    "S13": (crashes.crashes, 0.1),
-    "S15": (devices.range_board, 0.2),
-    "S16": (devices.motor_line, 0.3),
-    "S18": (bounds.bounds, 1.0),
-    "E1": (estop.estop, 1.5),
-    "B1": (load.steady, 0.1),
-    "F7": (writers.one_writer, 0.1),
-    "P1": (kills.kill_others, 0.2),
-    "P4": (shutdown.shutdowns, 0.15),
-    "P5": (crashes.hangs, 0.1),
-    "P6": (starts.starts, 0.3),
-    "P7": (starts.hardware, 0.1),
-    "P8": (edits.edits, EDIT_SECONDS / 30),
-}
-"""Each with its share of `--n`: some take ten times as long as others, or try ten ways each time. P8 counts seconds."""
+
+class Run(NamedTuple):
+    """One scenario, some times."""
+
+    name: str
+    n: int
 
 
 def main() -> int:
     """Measure, print, and say whether a hard value was broken."""
     arguments = _arguments()
-    if arguments.write_docs:
-        return _write_docs(arguments.json or RESULTS)
-    report = measure(arguments.only or list(SCENARIOS), arguments.n, arguments.load)
+    if arguments.merge or arguments.write_docs:
+        return _keep(arguments.merge, write_docs=arguments.write_docs)
+    report = measure(_rounds(arguments), arguments.load, jobs=arguments.jobs or (GATE_JOBS if arguments.gate else 1))
     if arguments.json:
         arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
     if arguments.table or not arguments.json:
@@ -80,29 +51,97 @@ def main() -> int:
     return _tell(report.results)
 
 
-def measure(names: list[str], n: int, load: str) -> Report:
-    """Run scenarios one after the other; one that cannot go on counts as a violation, and the next begins."""
+def measure(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1) -> Report:
+    """Run all rounds; with several jobs, what need not be alone runs beside others."""
     results = Results(PROMISES)
     began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
-    for name in names:
-        scenario, share = SCENARIOS[name]
-        since = time.monotonic()
-        try:
-            scenario(results, max(1, round(n * share)))
-        except Exception as err:  # noqa: BLE001 - what went wrong is a finding, and the others are still wanted
-            traceback.print_exc()
-            figure = next(figure for figure in PROMISES if figure.split()[0] == name)
-            results.check(figure, [f"the scenario could not go on: {err}"])
-        print(f"{name}: {time.monotonic() - since:.0f} s", file=sys.stderr, flush=True)
+    for runs in rounds:
+        shared = [run for run in runs if not SCENARIOS[run.name].alone] if jobs > 1 else []
+        _together(results, shared, jobs)
+        for run in runs:
+            if run not in shared:
+                _take(results, run_alone(run))
     for text in results.disturbed:
         print(f"not counted: {text}", file=sys.stderr)
-    ordered = [results.by_figure[figure] for figure in PROMISES if figure in results.by_figure]
     machine = (
         f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}, Python {sys.version.split()[0]}"
     )
-    return Report(
-        machine=machine, load=load, started=started, took_s=round(time.monotonic() - began, 1), results=ordered
-    )
+    took_s = round(time.monotonic() - began, 1)
+    return Report(machine=machine, load=load, started=started, took_s=took_s, results=results.ordered())
+
+
+class Outcome(Struct, frozen=True):
+    """What a run has measured, and how it looked on a machine that had more to do."""
+
+    results: list[Result]
+    disturbed: list[str]
+    gave_up: bool
+
+    @property
+    def may_be_the_machine(self) -> bool:
+        """Nothing is wrong but that it could not go on, or that it took too long."""
+        broken = [result for result in self.results if result.verdict == "broken"]
+        return self.gave_up or (bool(broken) and not any(result.violations for result in broken))
+
+
+def run_alone(run: Run) -> bytes:
+    """Run a scenario; one that cannot go on counts as a violation. Returns an encoded Outcome."""
+    results = Results(PROMISES)
+    since = time.monotonic()
+    gave_up = False
+    try:
+        SCENARIOS[run.name].run(results, run.n)
+    except Exception as err:  # noqa: BLE001 - what went wrong is a finding, and the others are still wanted
+        traceback.print_exc()
+        gave_up = True
+        figure = FIGURE_OF.get(run.name) or next(figure for figure in PROMISES if figure.split()[0] == run.name)
+        results.check(figure, [f"the scenario could not go on: {err}"])
+    print(f"{run.name}: {run.n}, {time.monotonic() - since:.0f} s", file=sys.stderr, flush=True)
+    return msgspec.json.encode(Outcome(results.ordered(), results.disturbed, gave_up))
+
+
+def _together(results: Results, runs: list[Run], jobs: int) -> None:
+    """Run several at a time; what may be the machine's fault is tried again by itself, and that counts."""
+    if not runs:
+        return
+    again: list[Run] = []
+    with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+        for run, encoded in zip(runs, pool.map(run_alone, runs), strict=True):
+            if msgspec.json.decode(encoded, type=Outcome).may_be_the_machine:
+                again.append(run)
+            else:
+                _take(results, encoded)
+    for run in again:
+        print(f"{run.name}: too much for this machine among others, once more", file=sys.stderr, flush=True)
+        _take(results, run_alone(run))
+
+
+def _take(results: Results, encoded: bytes) -> None:
+    outcome = msgspec.json.decode(encoded, type=Outcome)
+    results.add(outcome.results, outcome.disturbed)
+
+
+def _rounds(arguments: argparse.Namespace) -> Iterator[list[Run]]:
+    """Give what to run: one round, or the full amount in tenths until the time is over."""
+    names = arguments.only or list(SCENARIOS)
+    if arguments.gate:
+        yield [Run(name, SCENARIOS[name].gate) for name in names]
+        return
+    if not arguments.full:
+        yield [Run(name, SCENARIOS[name].amount(arguments.n)) for name in names]
+        return
+    end, longest_s = time.monotonic() + arguments.minutes * 60, 0.0
+    for turn in range(ROUNDS):
+        began = time.monotonic()
+        if began + longest_s > end:
+            print(f"{turn} of {ROUNDS} rounds in {arguments.minutes:g} minutes", file=sys.stderr)
+            return
+        yield [Run(name, _tenth(SCENARIOS[name].full, turn)) for name in names if _tenth(SCENARIOS[name].full, turn)]
+        longest_s = max(longest_s, time.monotonic() - began)
+
+
+def _tenth(full: int, turn: int) -> int:
+    return full * (turn + 1) // ROUNDS - full * turn // ROUNDS
 
 
 def _tell(results: list[Result]) -> int:
@@ -113,26 +152,32 @@ def _tell(results: list[Result]) -> int:
     return 1 if broken else 0
 
 
-def _write_docs(path: Path) -> int:
-    report = msgspec.json.decode(path.read_bytes(), type=Report)
-    if not DOCS.exists() or BEGIN not in (text := DOCS.read_text()):
-        print(f"{DOCS} has no {BEGIN}; nothing written", file=sys.stderr)
-        return 1
-    head, _, rest = text.partition(BEGIN)
-    tail = rest.partition(END)[2]
-    about = f"Measured {report.started} on {report.machine}; {report.load}; {report.took_s:.0f} s in all."
-    DOCS.write_text(f"{head}{BEGIN}\n{about}\n\n{table(report.results)}\n{END}{tail}")
+def _keep(paths: list[Path], *, write_docs: bool) -> int:
+    """Merge reports of any benchmark into what is kept, and perhaps make the table of it."""
+    ledger = Ledger.read()
+    for path in paths:
+        ledger.merge(msgspec.json.decode(path.read_bytes(), type=Report))
+    if paths:
+        ledger.write()
+    if write_docs:
+        ledger.write_docs()
     return 0
 
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=10, help="how often each scenario, more or less (default %(default)s)")
+    amount = parser.add_mutually_exclusive_group()
+    amount.add_argument("--n", type=int, default=10, help="how much; 300 is the full amount (default %(default)s)")
+    amount.add_argument("--gate", action="store_true", help="everything in under five minutes")
+    amount.add_argument("--full", action="store_true", help="the full amount, in ten rounds")
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no round of --full that ends later")
+    parser.add_argument("--jobs", type=int, default=0, help=f"scenarios at a time ({GATE_JOBS} for --gate, else 1)")
     parser.add_argument("--only", type=_names, metavar="S1,S3", help=f"of {', '.join(SCENARIOS)}")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result, or read it with --write-docs")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result")
     parser.add_argument("--table", action="store_true", help="print a Markdown table")
     parser.add_argument("--load", default="nothing else running", help="what else the machine does, for the record")
-    parser.add_argument("--write-docs", action="store_true", help="fill docs/safety.md from a JSON result")
+    parser.add_argument("--merge", type=Path, nargs="+", default=[], metavar="FILE", help="keep these results")
+    parser.add_argument("--write-docs", action="store_true", help="fill docs/safety.md from what is kept")
     return parser.parse_args()
 
 

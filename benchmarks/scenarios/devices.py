@@ -107,14 +107,6 @@ def ranges_fail(under_test: Bench, name: str) -> None:
     _back(under_test, ahead_m)
 
 
-def motor_line(results: Results, n: int) -> None:
-    """S16, S17, E7."""
-    with bench(results) as under_test:
-        for _ in range(n):
-            for way in (motors_unplugged, motors_deaf, motors_dumb):
-                way(under_test)
-
-
 def range_board(results: Results, n: int) -> None:
     """S15."""
     with bench(results) as under_test:

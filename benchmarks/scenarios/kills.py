@@ -25,7 +25,7 @@ def kill_process(
     under_test.pass_time(AFTERMATH_S)
     mover.cease()
     under_test.stays_at_rest(zero)
-    if name == "motors" or number == signal.SIGKILL:
+    if name == "motors":
         under_test.begins_with_zero(fault_ns)
 
 

@@ -13,7 +13,7 @@ from benchmarks.figures import Results, percentile
 from benchmarks.scenarios.load import intervals_ms
 
 DELAYS_S = (0.1, 0.2, 0.4, 0.8, 1.6)
-JITTER, LATE_S = 0.2, 0.5
+JITTER, LATE_S = 0.2, 2.5
 WINDOW_S = 30.0
 GIVES_UP_S = 12.0
 BEFORE_S = 4.0

@@ -1,0 +1,89 @@
+"""Every scenario: how often is the full amount, how often the gate's, and whether it wants the machine for itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from benchmarks.figures import Results
+from benchmarks.scenarios import (
+    bounds,
+    clients,
+    clocks,
+    crashes,
+    devices,
+    edits,
+    estop,
+    freezes,
+    kills,
+    latch,
+    load,
+    loops,
+    replays,
+    resets,
+    roles,
+    shutdown,
+    slow,
+    starts,
+    storms,
+    writers,
+)
+from benchmarks.scenarios.freezes import repeated
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """`run(results, n)`. One `n` may be several tries: all ways there are, some seconds, some messages."""
+
+    run: Callable[[Results, int], None]
+    full: int
+    gate: int
+    alone: bool = False
+
+    def amount(self, n: int) -> int:
+        """Return the amount if 300 were the full one."""
+        return max(1, round(self.full * n / 300))
+
+
+SCENARIOS: dict[str, Scenario] = {
+    "S13": Scenario(crashes.crashes, 30, 1),
+    "P3": Scenario(storms.storm, 500, 25),
+    "E1": Scenario(estop.estop, 1000, 25),
+    "S8": Scenario(clients.clients_gone, 100, 6),
+    "S1": Scenario(kills.kill_motor_driver, 300, 30),
+    "S3": Scenario(kills.kill_drive, 300, 30),
+    "S18": Scenario(bounds.bounds, 200, 8),
+    "E7": Scenario(repeated(devices.motors_dumb), 300, 8),
+    "E3": Scenario(resets.resets, 300, 15),
+    "E2": Scenario(latch.survives, 300, 8),
+    "P5": Scenario(crashes.hangs, 10, 1),
+    "S6": Scenario(kills.kill_executive, 100, 10),
+    "S2": Scenario(repeated(freezes.motor_driver_frozen), 100, 10),
+    "S4": Scenario(repeated(freezes.drive_frozen), 100, 10),
+    "S5": Scenario(repeated(freezes.links_broken), 100, 10),
+    "S7": Scenario(repeated(freezes.executive_frozen, freezes.client_frozen), 50, 5),
+    "S11": Scenario(repeated(freezes.everything_frozen), 30, 3),
+    "S12": Scenario(repeated(freezes.driver_and_guard_killed), 50, 5),
+    "S15": Scenario(devices.range_board, 10, 1),
+    "S16": Scenario(repeated(devices.motors_unplugged), 50, 5),
+    "S17": Scenario(repeated(devices.motors_deaf), 30, 3),
+    "E5": Scenario(roles.everybody, 5, 1),
+    "E6": Scenario(latch.last_stops, 60, 4),
+    "F2": Scenario(replays.replays, 10_000, 1_000),
+    "F3": Scenario(replays.numbers, 1_000, 15),
+    "F4": Scenario(clocks.wall_clock_jumps, 30, 2),
+    "F7": Scenario(writers.one_writer, 30, 1),
+    "P1": Scenario(kills.kill_others, 60, 4),
+    "P2": Scenario(loops.crash_loops, 5, 1),
+    "P4": Scenario(shutdown.shutdowns, 50, 1),
+    "P6": Scenario(starts.starts, 60, 2),
+    "P7": Scenario(starts.hardware, 20, 1),
+    "P8": Scenario(edits.edits, 60, 5),
+    "H": Scenario(load.stops_under("H"), 100, 2, alone=True),
+    "G": Scenario(load.stops_under("G"), 100, 2, alone=True),
+    "B1": Scenario(load.steady, 90, 1, alone=True),
+    "B3": Scenario(slow.slow_listeners, 10, 1, alone=True),
+    "B4": Scenario(slow.at_rest, 60, 10, alone=True),
+}
+"""The longest first, so that several at a time end together. P8 and B4 count seconds, B1 ten of them, F2 messages."""
+
+FIGURE_OF = {"H": "E1 console H", "G": "E1 console G"}
+"""What a scenario that cannot go on breaks, if it is not the first figure of its own name."""
