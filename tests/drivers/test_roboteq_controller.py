@@ -282,7 +282,7 @@ def test_a_reset_that_brings_back_the_long_watchdog_is_noticed(bring_up, peer):
     controller.open()
     peer.settings["RWD"] = 1000
     with pytest.raises(DeviceError, match="watchdog of 1000 ms"):
-        repeat(15, controller.query_next)
+        repeat(60, controller.query_next)  # an answer may come late on a busy machine
 
 
 def test_one_misread_watchdog_is_asked_for_again_and_forgiven(bring_up, peer):
