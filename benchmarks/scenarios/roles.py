@@ -45,7 +45,25 @@ def plain_keys(under_test: Bench) -> None:
         _stops(under_test, what, how)
         if "@estop" in what:
             _release(under_test)
-    _refused_aloud_or_dropped(under_test)
+    forbidden_keys(under_test)
+
+
+def forbidden_keys(under_test: Bench) -> None:
+    """Keys that nobody at the local socket may use: the administrator's lines, releases, acknowledgements."""
+    robot = under_test.robot
+    said = robot.line("estop")
+    assert said["code"] == 0, said
+    _acknowledged(under_test)
+    for key in ("@console/admin", "@estop/release/motors", "@estop/release/drive", "@alive/motors"):
+        answer = robot.ask(key, "reset" if "console" in key else {}, timeout_s=0.3)
+        accepted = answer is not None and (answer.get("accepted") or answer.get("code") == 0)
+        under_test.results.check("E5", [f"{key} at the local socket: {answer}"] if accepted else [])
+    for key, payload in ((keys.estop(robot.name), {"engaged": False}), (f"{robot.name}/@estop/reset", {})):
+        robot.bus.put(key, json.dumps(payload))
+    under_test.pass_time(0.1)
+    latched = robot.ask("@estop")["engaged"]
+    under_test.results.check("E5", [] if latched else ["a put released the emergency stop"])
+    _release(under_test)
 
 
 def everybody(results: Results, n: int) -> None:
@@ -90,24 +108,6 @@ def _drives(under_test: Bench, bus: Session, role: str) -> None:
     under_test.results.check("E5", [] if (said["code"] == 0) is may else [f"{role} drives: {said}"])
     under_test.robot.ask("drive/stop", {})
     under_test.until(lambda: under_test.trace.now().zero, 2.0, "rest")
-
-
-def _refused_aloud_or_dropped(under_test: Bench) -> None:
-    """Keys that nobody at the local socket may use: the administrator's lines, releases, acknowledgements."""
-    robot = under_test.robot
-    said = robot.line("estop")
-    assert said["code"] == 0, said
-    _acknowledged(under_test)
-    for key in ("@console/admin", "@estop/release/motors", "@estop/release/drive", "@alive/motors"):
-        answer = robot.ask(key, "reset" if "console" in key else {}, timeout_s=0.3)
-        accepted = answer is not None and (answer.get("accepted") or answer.get("code") == 0)
-        under_test.results.check("E5", [f"{key} at the local socket: {answer}"] if accepted else [])
-    for key, payload in ((keys.estop(robot.name), {"engaged": False}), (f"{robot.name}/@estop/reset", {})):
-        robot.bus.put(key, json.dumps(payload))
-    under_test.pass_time(0.1)
-    latched = robot.ask("@estop")["engaged"]
-    under_test.results.check("E5", [] if latched else ["a put released the emergency stop"])
-    _release(under_test)
 
 
 def _release(under_test: Bench) -> None:

@@ -1,0 +1,209 @@
+"""Lets a robot live for a while: three people use it, once a minute something breaks; nothing may leak, crash or stop for no reason.
+
+`python -m benchmarks.soak --minutes 30 --json FILE`; `--seed` makes the same faults in the same order. What happens is
+told on standard error. Exit code 1 if a hard value is broken.
+"""
+
+import argparse
+import os
+import platform
+import random
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import msgspec
+
+from benchmarks.bench import Bench, bench
+from benchmarks.figures import Promise, Report, Results, table
+from benchmarks.scenarios.devices import MOTORS, RANGES, fault
+from benchmarks.scenarios.freezes import break_links
+from benchmarks.scenarios.storms import WORKERS, Cost, audit_faults, costs, left_over
+from benchmarks.scenarios.traffic import Traffic
+
+LOOK_S = 5.0
+FAULT_S = 1.5
+EXPLAINED_S = 8.0
+WARM_SHARE, LONG_SHARE = 0.2, 0.3
+BAD_ENDS = ("crashed", "hung", "trip", "failed")
+CAPABILITIES = ("motors", "drive", "ranges", "world")
+LOG_MIB, WAL_MIB, SLOPE_MIB_H = 16.0, 16.0, 1.0
+
+PROMISES: dict[str, Promise] = {
+    "K1": Promise(what="soak: no end or trip without a fault, nothing lost, left or leaked; everything ready"),
+    "K1 memory": Promise(what="soak: growth of any process's resident memory", unit="MiB/h", target=SLOPE_MIB_H),
+    "K1 logs": Promise(what="soak: size of all logs", unit="MiB", target=LOG_MIB, hard=4 * LOG_MIB),
+    "K1 WAL": Promise(
+        what="soak: size of the database's write-ahead log", unit="MiB", target=WAL_MIB, hard=4 * WAL_MIB
+    ),
+    "K1 files": Promise(what="soak: files in the home at the end, more than after the beginning", unit="", target=10),
+    "F6": Promise(what="outputs within the configured maximum and slew, in every scenario"),
+}
+
+
+class Soak:
+    """One robot under observation."""
+
+    def __init__(self, under_test: Bench, seed: int) -> None:
+        self.looks: list[tuple[float, dict[str, Cost]]] = []
+        self.files: list[int] = []
+        self._under_test = under_test
+        self._results = under_test.results
+        self._dice = random.Random(seed)
+        self._began = time.monotonic()
+        self._excused_until = 0.0
+        self._seen_ns = time.time_ns()
+        self._faults = self._shuffled()
+
+    def run(self, minutes: float, *, fault_every_s: float = 60.0) -> None:
+        """Look every few seconds, break something once a minute."""
+        end, next_fault = self._began + minutes * 60, self._began + fault_every_s
+        while time.monotonic() < end:
+            self._under_test.pass_time(LOOK_S)
+            if time.monotonic() >= next_fault:
+                next_fault += fault_every_s
+                self._break_something()
+            self._look()
+
+    def _break_something(self) -> None:
+        name, how = next(self._faults)
+        print(f"{self._minutes():.1f} min: {name}", file=sys.stderr, flush=True)
+        with suppress(AssertionError, OSError, IndexError, TypeError):  # what is to break may be away already
+            how()
+        self._excused_until = time.monotonic() + EXPLAINED_S
+
+    def _shuffled(self) -> Iterator[tuple[str, Callable[[], None]]]:
+        ways = self._ways()
+        while True:
+            self._dice.shuffle(ways)
+            yield from ways
+
+    def _ways(self) -> list[tuple[str, Callable[[], None]]]:
+        under_test = self._under_test
+        kills = [(f"{name} killed", lambda name=name: self._signal(name, signal.SIGKILL)) for name in CAPABILITIES]
+        freezes = [(f"{name} frozen", lambda name=name: self._frozen(name)) for name in CAPABILITIES]
+        faults = [
+            (f"{device} {name}", lambda device=device, name=name: self._device(device, name))
+            for device, name in ((MOTORS, "unplug"), (MOTORS, "silent"), (RANGES, "unplug"), (RANGES, "silent"))
+        ]
+        return [
+            *kills,
+            *freezes,
+            *faults,
+            ("links broken", lambda: break_links(under_test.robot.popen.pid)),
+            ("emergency stop and reset", self._pressed),
+        ]
+
+    def _signal(self, name: str, number: int) -> None:
+        os.kill(self._under_test.pid(name), number)
+
+    def _frozen(self, name: str) -> None:
+        pid = self._under_test.pid(name)
+        os.kill(pid, signal.SIGSTOP)
+        self._under_test.pass_time(FAULT_S)
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGCONT)
+
+    def _device(self, device: str, name: str) -> None:
+        with fault(self._under_test, device, name):
+            self._under_test.pass_time(FAULT_S)
+
+    def _pressed(self) -> None:
+        self._under_test.robot.line("estop")
+        self._under_test.pass_time(FAULT_S)
+        self._under_test.robot.ask("@estop/reset", {}, timeout_s=3.0)
+
+    def _look(self) -> None:
+        """Note what everything costs, and what ended without a fault."""
+        with suppress(StopIteration, TypeError):  # the robot may not answer while its links are broken
+            self.looks.append((time.monotonic() - self._began, costs(self._under_test)))
+            events = [event for event in self._under_test.robot.events() if event["wall_ns"] > self._seen_ns]
+            self._seen_ns = max((event["wall_ns"] for event in events), default=self._seen_ns)
+            bad = [f"{event['subject']}: {event['text']}" for event in events if event["kind"] in BAD_ENDS]
+            calm = time.monotonic() > self._excused_until + LOOK_S
+            self._results.check("K1", [f"after {self._minutes():.1f} min, {text}" for text in bad] if calm else [])
+        home = self._under_test.robot.home
+        logs = [path.stat().st_size for path in home.glob("logs/*") if path.is_file()]
+        wal = home / "robot.db-wal"
+        self.files.append(sum(1 for path in home.rglob("*")))
+        self._results.sample("K1 logs", sum(logs) / 2**20)
+        self._results.sample("K1 WAL", (wal.stat().st_size if wal.exists() else 0) / 2**20)
+
+    def _minutes(self) -> float:
+        return (time.monotonic() - self._began) / 60
+
+
+def soak(results: Results, minutes: float, seed: int, *, fault_every_s: float = 60.0) -> None:
+    """K1."""
+    with bench(results) as under_test:
+        under_test.all_ready()
+        traffic = Traffic(under_test.robot, seed)
+        life = Soak(under_test, seed)
+        traffic.start()
+        try:
+            life.run(minutes, fault_every_s=fault_every_s)
+        finally:
+            traffic.end()
+        under_test.all_ready(15.0)
+        results.check("K1", [*traffic.lost(), *left_over(under_test), *audit_faults(under_test)])
+        warm = int(len(life.looks) * WARM_SHARE)
+        _leaks(results, life.looks[warm:])
+        results.sample("K1 files", max(0, life.files[-1] - life.files[warm]))
+
+
+def _leaks(results: Results, looks: list[tuple[float, dict[str, Cost]]]) -> None:
+    """Compare the late with the early part of every long life: the line through its memory, what it holds at least."""
+    lives: dict[tuple[str, int], list[tuple[float, Cost]]] = {}
+    for at, cost_by_name in looks:
+        for name, cost in cost_by_name.items():
+            lives.setdefault((name, cost.pid), []).append((at, cost))
+    for (name, _), seen in lives.items():
+        half = len(seen) // 2
+        if len(seen) < len(looks) * LONG_SHARE or half < 2:
+            continue
+        for what in ("fds", "threads"):
+            before, after = (min(getattr(cost, what) for _, cost in part) for part in (seen[:half], seen[half:]))
+            allowed = WORKERS.get(name, 0) if what == "threads" else 0
+            results.check("K1", [f"{name}: {before} {what} became {after}"] if after > before + allowed else [])
+        results.sample("K1 memory", slope([(at / 3600, cost.rss_mib) for at, cost in seen]))
+
+
+def slope(points: list[tuple[float, float]]) -> float:
+    """Return the slope of the line of least squares."""
+    n = len(points)
+    x, y = sum(at for at, _ in points) / n, sum(value for _, value in points) / n
+    spread = sum((at - x) ** 2 for at, _ in points)
+    return sum((at - x) * (value - y) for at, value in points) / spread if spread else 0.0
+
+
+def main() -> int:
+    """Soak, print, and say whether a hard value was broken."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--minutes", type=float, default=30.0)
+    parser.add_argument("--fault-every", type=float, default=60.0, metavar="SECONDS")
+    parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result")
+    arguments = parser.parse_args()
+    results = Results(PROMISES)
+    began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
+    soak(results, arguments.minutes, arguments.seed, fault_every_s=arguments.fault_every)
+    report = Report(
+        machine=f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}",
+        load=f"{arguments.minutes:g} minutes, seed {arguments.seed}",
+        started=started,
+        took_s=round(time.monotonic() - began, 1),
+        results=[result for result in results.ordered() if result.figure.startswith("K1")],
+    )
+    if arguments.json:
+        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+    print(table(results.ordered()))
+    for text in results.violations()[:20]:
+        print(f"BROKEN {text}", file=sys.stderr)
+    return 1 if any(result.verdict == "broken" for result in results.ordered()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,16 @@
+"""Drive operations broken on purpose: a stream that went on through an emergency stop moves the robot after the reset."""
+
+import dataclasses
+
+from lbr.operations import drive
+from lbr.operations.drive import acceptance
+from lbr.operations.drive.capability import Drive
+
+
+class ForgetfulDrive(Drive):
+    def open(self) -> None:
+        acceptance.insists = lambda _state, _source, _now: ""
+        super().open()
+
+
+KIND = dataclasses.replace(drive.KIND, name="forgetful_drive", entry=ForgetfulDrive)
