@@ -1,0 +1,57 @@
+"""A12: words that mean something to a shell, in rows and at the console; there is no shell to mind them."""
+
+import json
+import sqlite3
+from pathlib import Path
+
+from benchmarks.bench import bench
+from benchmarks.figures import Results
+from tests.robot import Robot
+
+WORDS = (
+    "; touch {mark}", "| touch {mark}", "|| touch {mark}", "&& touch {mark}", "& touch {mark}", "$(touch {mark})",
+    "`touch {mark}`", "> {mark}", ">> {mark}", "< /dev/null > {mark}", "${{IFS}}touch${{IFS}}{mark}", "%0atouch {mark}",
+    "\\; touch {mark}", "'; touch {mark}; '", '"; touch {mark}; "', "$((1+1))", "*", "~", "$HOME", "{{1,2}}", "!!", "#",
+    "--help; touch {mark}", "-e $(touch {mark})", "\u037e touch {mark}", "{mark}\\", "a=$(touch {mark})", "@(touch {mark})",
+)  # fmt: skip
+SHELL_ONLY = ("; touch {mark}", "/bin/sh; touch {mark}", "$(touch {mark})", "`touch {mark}`", "| touch {mark}")
+
+
+def programs(results: Results, words: tuple[str, ...] = WORDS) -> None:
+    """Say them after a program's name, and write them into its row: each is a word, or no program at all."""
+    with bench(results, edits=("UPDATE external_command SET argv = '[\"/bin/echo\"]'",)) as under_test:
+        robot, mark = under_test.robot, under_test.robot.home / "canary"
+        said_words = [word.format(mark=mark) for word in words]
+        for word in said_words:
+            quoted = "'" + word.replace("'", "'\"'\"'") + "'"
+            said = robot.line(f"clock {quoted}")
+            results.check("A12", _marked(mark, f"clock {quoted}") + _literal(said["text"], word))
+            results.check("A12", _marked(mark, f"clock {word}") if robot.line(f"clock {word}") else [])
+        said = _in_row(robot, ["/bin/echo", *said_words])
+        results.check(
+            "A12", _marked(mark, "words in a row") + [text for word in said_words for text in _literal(said, word)]
+        )
+        for argv in SHELL_ONLY:
+            _in_row(robot, [argv.format(mark=mark)])
+            results.check("A12", _marked(mark, f"program {argv}"))
+
+
+def _in_row(robot: Robot, argv: list[str]) -> str:
+    """Put a program into its row, wait until the robot knows, and start it."""
+    with sqlite3.connect(robot.home / "robot.db", timeout=5.0) as database:
+        database.execute("UPDATE external_command SET argv = ?, help = ?", (json.dumps(argv), repr(argv)[:60]))
+    database.close()
+    for _ in range(400):
+        if any(entry.get("help") == repr(argv)[:60] for entry in robot.line("help")["data"]):
+            break
+    return str(robot.line("clock")["text"])
+
+
+def _literal(said: str, word: str) -> list[str]:
+    return [] if word in said else [f"{word!r} became {said!r}"]
+
+
+def _marked(mark: Path, what: str) -> list[str]:
+    found = mark.exists()
+    mark.unlink(missing_ok=True)
+    return [f"{what}: a shell minded it"] if found else []

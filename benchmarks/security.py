@@ -1,0 +1,93 @@
+"""Attacks a robot on this machine as somebody would who wants more than they may.
+
+`python -m benchmarks.security --json FILE`; `--only A1,A3` runs a few, `--seconds 600` listens to the network that long.
+Exit code 1 if anything passed that must not. A1 needs root, for networks of its own; without it, it is left out.
+"""
+
+import argparse
+import os
+import platform
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+
+from benchmarks.figures import Promise, Report, Results, table
+from benchmarks.intrusion import credentials, dependencies, kinds, network, processes, programs, python_lines
+
+PROMISES: dict[str, Promise] = {
+    "F6": Promise(what="outputs within the configured maximum and slew, in every scenario"),
+    "A1": Promise(what="default profile: no open port, no multicast, no packet sent, in a network of its own"),
+    "A3": Promise(what="stolen credentials of a process: nothing read, written, answered or feigned beyond its wiring"),
+    "A10": Promise(what="`!` lines through every entry: only the robot's own terminal runs them, and it is audited"),
+    "A11": Promise(what="rows and files that would load foreign code: refused, nothing imported"),
+    "A12": Promise(what="shell metacharacters in rows and lines of external commands: no effect"),
+    "A14": Promise(what="locked dependencies: hashes for all, fit the project, no known vulnerability"),
+    "A15": Promise(what="each process: no capabilities, no new privileges, own files and devices only"),
+}
+
+Scenario = Callable[[Results, float], None]
+SCENARIOS: dict[str, tuple[Scenario, ...]] = {
+    "A1": (network.silence,),
+    "A3": (lambda results, _seconds: credentials.credentials(results),),
+    "A10": (lambda results, _seconds: python_lines.python_lines(results),),
+    "A11": (lambda results, _seconds: kinds.kinds(results), lambda results, _seconds: kinds.places(results)),
+    "A12": (lambda results, _seconds: programs.programs(results),),
+    "A14": (lambda results, _seconds: dependencies.dependencies(results),),
+    "A15": (lambda results, _seconds: processes.processes(results),),
+}
+
+
+def main() -> int:
+    """Attack, print, and say whether anything passed."""
+    arguments = _arguments()
+    report = measure(arguments.only or list(SCENARIOS), arguments.seconds)
+    if arguments.json:
+        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+    print(table(report.results))
+    broken = [result for result in report.results if result.verdict == "broken"]
+    for result in broken:
+        for text in result.violations[:5]:
+            print(f"BROKEN {result.figure}: {text}", file=sys.stderr)
+    return 1 if broken else 0
+
+
+def measure(names: list[str], seconds: float) -> Report:
+    """Run one after the other; one that cannot go on counts as a violation."""
+    results = Results(PROMISES)
+    began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
+    for name in names:
+        if name == "A1" and not network.possible():
+            print("A1 is left out: it needs root, and the command `ip`", file=sys.stderr)
+            continue
+        since = time.monotonic()
+        for scenario in SCENARIOS[name]:
+            try:
+                scenario(results, seconds)
+            except Exception as err:  # noqa: BLE001 - what went wrong is a finding, and the others are still wanted
+                traceback.print_exc()
+                results.check(name, [f"could not go on: {err}"])
+        print(f"{name}: {time.monotonic() - since:.0f} s", file=sys.stderr, flush=True)
+    ordered = [results.by_figure[figure] for figure in PROMISES if figure in results.by_figure]
+    return Report(
+        machine=f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}",
+        load=f"listened for {seconds:g} s",
+        started=started,
+        took_s=round(time.monotonic() - began, 1),
+        results=ordered,
+    )
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", type=lambda text: text.split(","), default=[], metavar="A1,A3")
+    parser.add_argument("--seconds", type=float, default=10.0, help="to listen to the network (default %(default)s)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
