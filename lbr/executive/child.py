@@ -21,7 +21,7 @@ from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
 from lbr.errors import MalformedError
 from lbr.executive import scheduling
-from lbr.executive.plan import Unit
+from lbr.executive.units import Unit
 
 LARGEST_DOCUMENT_BYTES = 1 << 20
 _reports = Decoder(Report)

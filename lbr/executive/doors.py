@@ -16,7 +16,9 @@ from lbr import home
 from lbr.bus import session
 from lbr.bus.access import TOOLS, Credentials, Rights
 from lbr.executive import rights
-from lbr.executive.plan import Plan, Site, Unit
+from lbr.executive.plan import Plan
+from lbr.executive.site import Site
+from lbr.executive.units import Unit
 
 EXECUTIVE, ANNEX = "@executive", "@annex"
 CORE = "core"

@@ -8,8 +8,6 @@ import json
 import os
 import secrets
 import signal
-import sys
-import threading
 import time
 from contextlib import closing
 from pathlib import Path
@@ -27,7 +25,7 @@ from lbr.database import copies, store
 from lbr.errors import LbrError
 from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
-from lbr.executive import scheduling
+from lbr.executive import scheduling, terminal
 from lbr.executive.child import Child
 from lbr.executive.credentials import bus_certificate, token_key
 from lbr.executive.dispatch import DONE, FAILED, Dispatcher
@@ -41,11 +39,13 @@ from lbr.executive.logs import open_log, trim_all
 from lbr.executive.mainthread import MainThread
 from lbr.executive.notify import Notifier
 from lbr.executive.overview import Overview
-from lbr.executive.plan import Plan, Site, Unit
+from lbr.executive.plan import Plan
 from lbr.executive.profile import Profile
 from lbr.executive.service import Service
+from lbr.executive.site import Site
 from lbr.executive.supervisor import Supervisor
 from lbr.executive.troubles import Troubles
+from lbr.executive.units import Unit
 from lbr.executive.watch import RowWatch
 from lbr.messages.system import ConsoleResult, Event, Status
 
@@ -114,7 +114,7 @@ class Executive:
             self._open(bus)
             try:
                 if console:
-                    self._start_terminal()
+                    terminal.start(self.plan.robot, self._bus_again, self.dispatcher, self._console_ended)
                 self._loop(announce=not console)
             finally:
                 self._close()
@@ -223,7 +223,7 @@ class Executive:
     def _close(self) -> None:
         self._notifier.stopping(self._stopping or "shutdown")
         self._happened("shutdown", "executive", self._stopping or "shutdown", "info")
-        leaving = self._leave_terminal()
+        leaving = terminal.leave()
         self._supervisor.shut_down(self._wait)
         while leaving is not None and leaving.is_alive():  # its last lines may still ask something of this thread
             self._wait(0.02)
@@ -253,7 +253,7 @@ class Executive:
                 self._external.prune({row.name for row in self.plan.rows.external_commands})
             if now >= self._status_due:
                 self._status_due = now + STATUS_S
-                trim_all(home.directory("logs"))
+                trim_all(home.home() / "logs")
                 status = self._status()
                 self._status_out.put(status)
                 self._notifier.status(state_of(status)[1])
@@ -395,33 +395,9 @@ class Executive:
         self._stopping = self._stopping or why
         self._main.wake()
 
-    @staticmethod
-    def _leave_terminal() -> threading.Thread | None:
-        local = sys.modules.get("lbr.console.local")
-        if local is None:
-            return None
-        leaving = threading.Thread(target=local.leave, name="leave-terminal")
-        leaving.start()
-        return leaving
+    def _console_ended(self, code: int, why: str) -> None:
+        self._code = code
+        self._stop(why)
 
     def _bus_again(self) -> session.Session:
         return session.open_client(self._site.endpoints, self._site.credentials(EXECUTIVE))
-
-    def _start_terminal(self) -> None:
-        from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console
-
-        at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # what a pipe says, somebody else may have written
-
-        def submit(line: str) -> ConsoleResult:
-            return self.dispatcher.execute(line, source="console", role="admin", local=at_terminal)
-
-        def talk() -> None:
-            why = "console closed"
-            try:
-                self._code = run_local(self.plan.robot, self._bus_again, submit)
-            except LbrError as err:
-                why = str(err)
-            finally:
-                self._stop(why)
-
-        threading.Thread(target=talk, name="terminal", daemon=True).start()

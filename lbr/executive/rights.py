@@ -4,7 +4,8 @@ from collections.abc import Iterable
 
 from lbr.bus import keys
 from lbr.bus.access import Rights
-from lbr.executive.plan import Plan, Unit
+from lbr.executive.plan import Plan
+from lbr.executive.units import Unit
 
 
 def of_unit(plan: Plan, unit: Unit) -> dict[str, Rights]:

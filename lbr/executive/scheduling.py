@@ -10,7 +10,7 @@ import errno
 import os
 from pathlib import Path
 
-from lbr.executive.plan import Unit
+from lbr.executive.units import Unit
 
 MOTION = -10
 USUAL = 0

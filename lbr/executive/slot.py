@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from lbr.capability.config import Report
-from lbr.executive.plan import Unit
+from lbr.executive.units import Unit
 from lbr.messages.system import CapabilityPhase
 
 

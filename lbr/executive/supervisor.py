@@ -10,9 +10,10 @@ from collections.abc import Callable
 
 from lbr.capability.events import Throttle
 from lbr.errors import LbrError
-from lbr.executive.plan import Change, Plan, Unit
+from lbr.executive.plan import Change, Plan
 from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide
 from lbr.executive.slot import Slot, Started
+from lbr.executive.units import Unit
 
 HANG_S = 1.2
 HANG_MOVER_S = 0.8

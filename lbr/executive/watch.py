@@ -12,8 +12,9 @@ from lbr.database.rows import RobotRows
 from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
 from lbr.executive import plan as plans
-from lbr.executive.plan import Change, Plan, Site
+from lbr.executive.plan import Change, Plan
 from lbr.executive.profile import Profile
+from lbr.executive.site import Site
 
 UNKNOWN_VERSION = -1
 NEVER = datetime.max.replace(tzinfo=UTC)

@@ -12,7 +12,7 @@ from lbr.bus import keys, session, stamp, wire
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
 from lbr.executive.child import Child
 from lbr.executive.logs import open_log
-from lbr.executive.plan import Unit
+from lbr.executive.units import Unit
 from lbr.messages.system import EstopState
 from tests.robot import until
 

@@ -6,8 +6,9 @@ from msgspec.structs import replace
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
 from lbr.executive import plan as plans
-from lbr.executive.plan import Change, Site
+from lbr.executive.plan import Change
 from lbr.executive.profile import Profile
+from lbr.executive.site import Site
 
 SITE = Site(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 SIMULATED = Profile(robot="lbr", simulate=True)

@@ -8,7 +8,7 @@ import pytest
 
 from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
-from lbr.executive.plan import Change, Unit
+from lbr.executive.plan import Change
 from lbr.executive.supervisor import (
     DEGRADED_PATIENCE_S,
     HANG_MOVER_S,
@@ -18,6 +18,7 @@ from lbr.executive.supervisor import (
     TERM_S,
     Supervisor,
 )
+from lbr.executive.units import Unit
 
 
 class FakeProcess:

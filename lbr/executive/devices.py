@@ -1,0 +1,58 @@
+"""Devices of the rows: whose they are, what may be set, and where they are in this run. Pure."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from lbr.capability.kind import Kind
+from lbr.database.rows import CapabilityRow, Problem, RobotRows
+from lbr.executive.profile import Profile
+from lbr.executive.site import Site
+
+
+def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind]) -> list[Problem]:
+    """Return what is wrong with what device rows set, for every kind that reads it."""
+    problems = []
+    for device in rows.devices:
+        for kind in kinds.values():
+            try:
+                msgspec.convert(device.settings, kind.device_settings.get(device.type, dict[str, Any]))
+            except msgspec.ValidationError as err:
+                text = f"{err} (for kind '{kind.name}')"
+                problems.append(Problem("device", f"{rows.robot.name}/{device.name}", "settings", text))
+    return problems
+
+
+def check_devices(
+    rows: RobotRows, chosen: list[CapabilityRow], kinds: Mapping[str, Kind], settings: Mapping[str, Any]
+) -> list[Problem]:
+    """Return which capabilities name a device of another type, or one that is somebody else's."""
+    problems = []
+    devices = {device.name: device for device in rows.devices}
+    owners: dict[str, str] = {}
+    for row in chosen:
+        wanted = kinds[row.name].device
+        if not wanted or row.name not in settings:
+            continue
+        name = str(getattr(settings[row.name], "device", ""))
+        device = devices.get(name)
+        if device is None:
+            continue
+        if device.type != wanted:
+            text = f"device '{name}' is of type '{device.type}', and this kind drives '{wanted}'"
+        elif name in owners:
+            text = f"device '{name}' already belongs to '{owners[name]}'; one capability owns a device"
+        else:
+            owners[name] = row.name
+            continue
+        problems.append(Problem("capability", f"{rows.robot.name}/{row.name}", "settings", f"device: {text}"))
+    return problems
+
+
+def device_address(name: str, address: str, profile: Profile, site: Site, robot: str) -> str:
+    """Return where a device is in this run: its emulated twin's place, the profile's word, or the row's."""
+    if profile.simulate:
+        return str(Path(site.home) / "run" / f"{robot}-devices" / name)
+    return profile.devices.get(name, address)

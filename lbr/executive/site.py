@@ -1,0 +1,32 @@
+"""Where a run is, and what all its names, seals and passwords are made from."""
+
+from hashlib import blake2b
+
+from msgspec import Struct
+
+from lbr.bus.access import Credentials
+
+
+class Site(Struct, frozen=True, kw_only=True):
+    """What a plan needs to know of this run: where things are, and the secret its seals and passwords come from.
+
+    `listen` are endpoints for other machines that were asked for at the command line.
+    """
+
+    home: str
+    endpoints: tuple[str, ...]
+    secret: bytes
+    listen: tuple[str, ...] = ()
+    token_key: bytes = b""
+
+    def seal(self, key: str) -> str:
+        """Return the key that seals a setpoint, the same for every plan of this run."""
+        return blake2b(key.encode(), key=self.secret, digest_size=32).hexdigest()
+
+    def router_id(self, name: str) -> str:
+        """Return the session id of one of this run's routers, by which the others know it."""
+        return f"1{self.seal(f'router {name}')[:15]}"  # one that begins with 0 is no id
+
+    def credentials(self, user: str) -> Credentials:
+        """Return how a process proves itself on the bus, the same for every plan of this run."""
+        return Credentials(user=user, password=self.seal(f"password of {user}"))
