@@ -2,6 +2,7 @@
 
 import json
 import random
+import socket
 
 import zenoh
 
@@ -28,7 +29,9 @@ _STILL = {"power": 0.0, "angle_deg": 0}
 
 def messages(results: Results, n: int, dice: random.Random) -> None:
     """Throw `n` messages, and `n / 20` connections; then the robot must be as it was, and drive."""
-    with bench(results, "spy", edits=intruder.spy_rows()) as under_test:
+    port = _free_port()
+    listen = f"UPDATE robot SET listen = '[\"tls/127.0.0.1:{port}\"]'"
+    with bench(results, "spy", edits=(*intruder.spy_rows(), listen)) as under_test:
         robot = under_test.robot
         under_test.all_ready()
         before = _processes(under_test)
@@ -40,8 +43,11 @@ def messages(results: Results, n: int, dice: random.Random) -> None:
             results.check("Z4", _troubles(under_test, before))
             results.of("Z4").checks += min(STEP, n - done) - 1
         inside.close()
-        for kind in sockets.endpoints(robot.home, robot.name):
-            sockets.assault(kind, max(1, n // LINK_SHARE // 2), dice, lambda found: results.check("Z4 sockets", found))
+        doors = sockets.doors(robot.home, robot.name, port)
+        for door in doors:
+            sockets.assault(
+                door, max(1, n // LINK_SHARE // len(doors)), dice, lambda found: results.check("Z4 sockets", found)
+            )
         results.check("Z4", _troubles(under_test, before))
         _still_works(under_test)
         growth = {name: mb - memory[name] for name, mb in _memory_mb(under_test).items() if name in memory}
@@ -121,6 +127,11 @@ class Thrower:
         return genuine if dice.random() < 0.5 else mutated(dice, genuine, SPLINTERS + NASTY, 3)
 
 
+def _free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as found:
+        return int(found.getsockname()[1])
+
+
 def _drives(payload: bytes) -> bool:
     """Say whether a drive command still asks for power; whatever cannot be read asks for none."""
     try:
@@ -131,7 +142,7 @@ def _drives(payload: bytes) -> bool:
 
 
 def _processes(under_test: Bench) -> dict[str, int]:
-    return {name: under_test.pid(name) for name in ("motors", "drive", "ranges", "world", "spy")}
+    return {name: under_test.pid(name) for name in ("motors", "drive", "ranges", "world", "spy", "lan")}
 
 
 def _memory_mb(under_test: Bench) -> dict[str, float]:

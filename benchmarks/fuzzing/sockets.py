@@ -1,15 +1,17 @@
-"""Garbage connections to a Zenoh socket: random bytes, and handshakes that are cut, bent or never finished."""
+"""Garbage connections to every door of a robot: random bytes, and handshakes that are cut, bent or never finished."""
 
 import random
 import select
 import socket
+import ssl
 import tempfile
 import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
+from typing import NamedTuple
 
 from benchmarks.fuzzing.mutation import mutated, noise
 from lbr.bus import session
@@ -17,25 +19,35 @@ from lbr.errors import BusError
 
 AT_ONCE = 16
 ALIVE_EVERY = 200
-ANSWER_S = 2.0
+ANSWER_S = 3.0
 RETRY_S = 0.05
 
 
-def endpoints(home: Path, robot: str) -> list[Path]:
-    """Return the sockets of a running robot: local door, core, and annexes if there are any."""
-    return sorted(path for path in (home / "run").glob(f"{robot}*.sock") if path.is_socket())
+class Door(NamedTuple):
+    """A way to connect, and the way in which somebody with sense would."""
+
+    name: str
+    knock: Callable[[], socket.socket]
+    enter: Callable[[], socket.socket]
 
 
-def assault(path: Path, n: int, dice: random.Random, report: Callable[[list[str]], None]) -> None:
+def doors(home: Path, robot: str, port: int) -> list[Door]:
+    """Return the doors of a running robot: sockets of local door, core and annexes; TLS, from outside and within."""
+    found = [Door(path.name, partial(_unix, path), partial(_unix, path)) for path in _sockets(home, robot)]
+    tls = partial(_tls, port)
+    return [*found, Door("the port", partial(_tcp, port), tls), Door("the port, within TLS", tls, tls)]
+
+
+def assault(door: Door, n: int, dice: random.Random, report: Callable[[list[str]], None]) -> None:
     """Connect `n` times and talk nonsense; now and then see whether somebody with sense is still let in."""
     hello = handshake()
     held: list[socket.socket] = []
     for number in range(n):
-        report(_connect(path, _nonsense(dice, hello), held))
+        report(_connect(door, _nonsense(dice, hello), held))
         if len(held) > AT_ONCE:
             held.pop(dice.randrange(len(held))).close()
         if number % ALIVE_EVERY == 0:
-            report(_talks(path, hello))
+            report(_talks(door, hello))
     for link in held:
         link.close()
 
@@ -76,32 +88,54 @@ def _nonsense(dice: random.Random, hello: bytes) -> bytes:
     return b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 
-def _connect(path: Path, said: bytes, held: list[socket.socket]) -> list[str]:
-    link = socket.socket(socket.AF_UNIX)
-    link.settimeout(ANSWER_S)
+def _connect(door: Door, said: bytes, held: list[socket.socket]) -> list[str]:
     try:
-        link.connect(str(path))
-    except OSError as err:
-        link.close()
-        return [f"{path.name} takes no connection: {err}"]
+        link = door.knock()
+    except (
+        OSError
+    ) as err:  # within TLS it may be too busy with those who came before; `_talks` sees whether it recovers
+        return [] if door.name.endswith("TLS") else [f"{door.name} takes no connection: {err}"]
     with suppress(OSError):  # it may hang up in the middle of it
         link.sendall(said)
     held.append(link)
     return []
 
 
-def _talks(path: Path, hello: bytes) -> list[str]:
+def _talks(door: Door, hello: bytes) -> list[str]:
     """Say hello as a client does, as often as a client does; whoever answers is alive."""
     until = time.monotonic() + ANSWER_S
-    while not (answered := _answers(path, hello)) and time.monotonic() < until:
+    while not (answered := _answers(door, hello)) and time.monotonic() < until:
         select.select([], [], [], RETRY_S)
-    return [] if answered else [f"{path.name} has not answered a client for {ANSWER_S:g} s"]
+    return [] if answered else [f"{door.name} has not answered a client for {ANSWER_S:g} s"]
 
 
-def _answers(path: Path, hello: bytes) -> bool:
-    with socket.socket(socket.AF_UNIX) as link, suppress(OSError):
-        link.settimeout(ANSWER_S)
-        link.connect(str(path))
+def _answers(door: Door, hello: bytes) -> bool:
+    with suppress(OSError), door.enter() as link:
         link.sendall(hello)
         return bool(link.recv(1024))
     return False
+
+
+def _sockets(home: Path, robot: str) -> list[Path]:
+    return sorted(path for path in (home / "run").glob(f"{robot}*.sock") if path.is_socket())
+
+
+def _unix(path: Path) -> socket.socket:
+    link = socket.socket(socket.AF_UNIX)
+    link.settimeout(ANSWER_S)
+    try:
+        link.connect(str(path))
+    except OSError:
+        link.close()
+        raise
+    return link
+
+
+def _tcp(port: int) -> socket.socket:
+    return socket.create_connection(("127.0.0.1", port), timeout=ANSWER_S)
+
+
+def _tls(port: int) -> socket.socket:
+    context = ssl.create_default_context()
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    return context.wrap_socket(_tcp(port))
