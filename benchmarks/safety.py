@@ -28,7 +28,7 @@ from benchmarks.promises import PROMISES
 from benchmarks.schedule import FIGURE_OF, SCENARIOS
 
 ROUNDS = 10
-GATE_JOBS = 3
+GATE_JOBS = 4
 
 
 class Run(NamedTuple):

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
+from statistics import median
 
 import msgspec
 
@@ -155,7 +156,7 @@ def soak(results: Results, minutes: float, seed: int, *, fault_every_s: float = 
 
 
 def _leaks(results: Results, looks: list[tuple[float, dict[str, Cost]]]) -> None:
-    """Compare the late with the early part of every long life: the line through its memory, what it holds at least."""
+    """Compare the late part of every long life with the early: the line through its memory, and what it always holds."""
     lives: dict[tuple[str, int], list[tuple[float, Cost]]] = {}
     for at, cost_by_name in looks:
         for name, cost in cost_by_name.items():
@@ -165,9 +166,10 @@ def _leaks(results: Results, looks: list[tuple[float, dict[str, Cost]]]) -> None
         if len(seen) < len(looks) * LONG_SHARE or half < 2:
             continue
         for what in ("fds", "threads"):
-            before, after = (min(getattr(cost, what) for _, cost in part) for part in (seen[:half], seen[half:]))
+            before = median(getattr(cost, what) for _, cost in seen[:half])
+            after = min(getattr(cost, what) for _, cost in seen[half:])
             allowed = WORKERS.get(name, 0) if what == "threads" else 0
-            results.check("K1", [f"{name}: {before} {what} became {after}"] if after > before + allowed else [])
+            results.check("K1", [f"{name}: {before:g} {what} became {after:g}"] if after > before + allowed else [])
         results.sample("K1 memory", slope([(at / 3600, cost.rss_mib) for at, cost in seen]))
 
 

@@ -16,9 +16,9 @@ from benchmarks.scenarios import estop
 from tests.robot import Robot
 
 FROZEN, SLOW = 5, 5
-PRESSES = 8
+PRESSES = 5
 SETTLE_S = 2.0
-LISTEN_S = 15.0
+LISTEN_S = 8.0
 SIMULATION = "world"
 
 

@@ -21,7 +21,8 @@ APART_S = (0.2, 1.5)
 FROZEN_S = (0.1, 0.8)
 LATCHED_EVERY, LATCHED_FOR = 12, 3
 READY_S = 15.0
-SETTLE_S = 11.0
+IDLE_THREADS_S = 11.0
+"""After so long the bus ends threads that have nothing to do."""
 WORKERS = {"executive": 20}
 """Threads made when they are first needed, never more than these: 16 for console lines, 4 for stops and resets."""
 
@@ -92,14 +93,15 @@ def storm(results: Results, n: int, seed: int = 1) -> None:
     """P3, with `n` signals."""
     with bench(results) as under_test:
         under_test.all_ready()
-        before = _settled(under_test)
+        before = costs(under_test)
         traffic = Traffic(under_test.robot, seed)
         traffic.start()
         try:
             _rage(under_test, Storm(under_test, random.Random(seed)), n)
         finally:
             traffic.end()
-        after = _settled(under_test)
+        under_test.pass_time(IDLE_THREADS_S)
+        after = costs(under_test)
         results.check("P3", [*traffic.lost(), *left_over(under_test), *audit_faults(under_test)])
         _grown(results, before, after)
 
@@ -114,12 +116,6 @@ def costs(under_test: Bench) -> dict[str, Cost]:
         with suppress(psutil.Error):
             found[name] = Cost(process.pid, process.num_fds(), process.num_threads(), process.memory_info().rss / 2**20)
     return found
-
-
-def _settled(under_test: Bench) -> dict[str, Cost]:
-    """Return the costs once the bus's idle threads are gone."""
-    under_test.pass_time(SETTLE_S)
-    return costs(under_test)
 
 
 def _rage(under_test: Bench, storm: Storm, n: int) -> None:

@@ -6,7 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.figures import Promise, Result, percentile, table
+from benchmarks.figures import Promise, Report, Result, Results, percentile, table
+from benchmarks.ledger import BEGIN, END, Ledger
+from benchmarks.promises import PROMISES
+from benchmarks.schedule import FIGURE_OF, SCENARIOS
+from benchmarks.soak import slope
 from benchmarks.trace import Line, Output, Trace, limit_violations
 
 powers = st.floats(-1, 1).map(lambda value: round(value, 3))
@@ -81,3 +85,51 @@ def test_a_verdict_follows_the_worst(samples, violations, verdict):
     result = Result(figure="S1", promise=promise, samples=samples, violations=violations)
     assert result.verdict == verdict
     assert verdict in table([result])
+
+
+def report(*results: Result, load: str = "") -> Report:
+    return Report(machine="this one", load=load, started="today", took_s=1.0, results=list(results))
+
+
+def test_a_newer_result_replaces_the_older_one_of_its_figure_alone(tmp_path: Path):
+    ledger = Ledger()
+    stop = Promise(what="stop", hard=300)
+    ledger.merge(report(*(Result(figure=name, promise=stop, samples=[200.0]) for name in ("S10", "S2")), load="old"))
+    ledger.merge(report(Result(figure="S2", promise=stop, samples=[100.0, 301.0]), load="new"))
+    ledger.write(tmp_path / "results.json")
+    kept = Ledger.read(tmp_path / "results.json").figures
+    assert [(found.figure, found.max, found.verdict) for found in kept] == [("S2", 301, "broken"), ("S10", 200, "met")]
+    assert [found.measured.endswith("new") for found in kept] == [True, False]
+    assert kept[0].failures == 1
+
+
+def test_the_table_takes_the_place_of_the_old_one_and_says_how_sure_it_is(tmp_path: Path):
+    docs = tmp_path / "safety.md"
+    docs.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
+    ledger = Ledger()
+    ledger.merge(report(Result(figure="S2", promise=Promise(what="stop", hard=300), samples=[1.0] * 30)))
+    ledger.write_docs(docs)
+    text = docs.read_text()
+    assert text.startswith("before\n")
+    assert text.endswith(f"{END}\nafter\n")
+    assert "old" not in text
+    assert "| 10 % | 200 ms, ArduPilot Rover | met | I |" in text
+
+
+def test_under_a_load_a_figure_counts_as_its_own_and_other_times_are_let_go():
+    results = Results(PROMISES)
+    loaded = results.under("H")
+    for figure in ("S1", "S8 clean"):
+        loaded.sample(figure, 5.0)
+    loaded.check("S14", ["it moved"])
+    assert set(results.by_figure) == {"S1 H", "S14"}
+
+
+def test_every_scenario_has_a_figure():
+    firsts = {figure.split()[0] for figure in PROMISES} | set(FIGURE_OF)
+    assert set(SCENARIOS) <= firsts
+
+
+@given(st.floats(-100, 100), st.floats(-10, 10))
+def test_the_slope_of_a_line_is_found(start: float, per_hour: float):
+    assert slope([(hour, start + per_hour * hour) for hour in range(5)]) == pytest.approx(per_hour, abs=1e-6)
