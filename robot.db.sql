@@ -32,9 +32,7 @@ CREATE TABLE robot (
     last_shutdown TEXT,                         -- when it last shut down in order; written by lbr
     estop_engaged INTEGER NOT NULL DEFAULT 0    -- 1: the emergency stop is latched, and stays so over restarts
         CHECK (estop_engaged IN (0, 1)),
-    estop_reason  TEXT    NOT NULL DEFAULT '',  -- why it was latched
-    listen        TEXT    NOT NULL DEFAULT '[]' -- JSON list of endpoints for other machines: tls/0.0.0.0:7447
-        CHECK (json_valid(listen) AND json_type(listen) = 'array')
+    estop_reason  TEXT    NOT NULL DEFAULT ''   -- why it was latched
 ) STRICT;
 
 -- What runs: one process for each enabled row.
@@ -364,28 +362,24 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(NEW.name), 'insert',
             NULL,
-            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner,
-            'listen', NEW.listen));
+            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner));
 END;
 
 CREATE TRIGGER robot_update AFTER UPDATE ON robot
-WHEN (OLD.name, OLD.model, OLD.description, OLD.owner, OLD.listen)
-     IS NOT (NEW.name, NEW.model, NEW.description, NEW.owner, NEW.listen)
+WHEN (OLD.name, OLD.model, OLD.description, OLD.owner)
+     IS NOT (NEW.name, NEW.model, NEW.description, NEW.owner)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(NEW.name), 'update',
-            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner,
-            'listen', OLD.listen),
-            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner,
-            'listen', NEW.listen));
+            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner),
+            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner));
 END;
 
 CREATE TRIGGER robot_delete AFTER DELETE ON robot
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(OLD.name), 'delete',
-            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner,
-            'listen', OLD.listen),
+            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner),
             NULL);
 END;
 

@@ -22,7 +22,6 @@ from lbr.database.tables import KEYS, RawRow
 from lbr.messages.system import Role
 
 _LANGUAGE = re.compile(r"[a-z]{2}[a-z0-9-]{0,18}")
-_ENDPOINT = re.compile(r"[a-z][a-z0-9-]*/[^\s/]\S{0,499}")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 
 R = TypeVar("R")
@@ -53,16 +52,7 @@ def robot(reader: RowReader, values: RawRow) -> RobotRow:
         last_shutdown=reader.text("last_shutdown", null=True),
         estop_engaged=values.get("estop_engaged") != 0,
         estop_reason=reader.text("estop_reason"),
-        listen=_listen(reader),
     )
-
-
-def _listen(reader: RowReader) -> tuple[str, ...]:
-    endpoints = reader.json_texts("listen")
-    for endpoint in endpoints:
-        if not _ENDPOINT.fullmatch(endpoint):
-            reader.wrong("listen", f"'{shown(endpoint)}' is not an endpoint such as tls/0.0.0.0:7447")
-    return endpoints
 
 
 def capability(reader: RowReader, values: RawRow) -> CapabilityRow:

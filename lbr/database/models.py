@@ -29,7 +29,6 @@ class Robot(Model):
     last_shutdown: Mapped[str | None]
     estop_engaged: Mapped[int]
     estop_reason: Mapped[str]
-    listen: Mapped[str]
 
 
 class Capability(Model):

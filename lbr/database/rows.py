@@ -24,10 +24,7 @@ class Problem(Struct, frozen=True):
 
 
 class RobotRow(Struct, frozen=True, kw_only=True):
-    """The robot itself; times are ISO 8601 in UTC, empty before the first. A latch that cannot be read is engaged.
-
-    `listen` holds the Zenoh endpoints that others reach it at, beyond those for this machine.
-    """
+    """The robot itself; times are ISO 8601 in UTC, empty before the first. A latch that cannot be read is engaged."""
 
     name: str
     model: str = ""
@@ -37,7 +34,6 @@ class RobotRow(Struct, frozen=True, kw_only=True):
     last_shutdown: str = ""
     estop_engaged: bool = True
     estop_reason: str = ""
-    listen: tuple[str, ...] = ()
 
 
 class CapabilityRow(Struct, frozen=True, kw_only=True):

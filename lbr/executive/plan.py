@@ -48,7 +48,7 @@ class Change(Struct, frozen=True, kw_only=True):
 
 def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tuple[Problem, ...]]:
     """Return the plan, or None and everything that is wrong with the rows."""
-    rows = _listening(rows, (*rows.robot.listen, *profile.listen, *site.listen))
+    rows = _listening(rows, (*profile.listen, *site.listen))
     problems = list(rows.problems)
     kinds: dict[str, Kind] = {}
     settings: dict[str, Any] = {}

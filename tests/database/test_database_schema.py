@@ -99,7 +99,6 @@ BAD_ROWS = [
     ("robot", {"name": "Robby"}),
     ("robot", {"name": "r" * 41}),
     ("robot", {"name": "x", "estop_engaged": 2}),
-    ("robot", {"name": "x", "listen": "{}"}),
     ("capability", {"name": "a-b", "kind": "k"}),
     ("capability", {"name": "", "kind": "k"}),
     ("capability", {"name": "1st", "kind": "k"}),

@@ -183,10 +183,10 @@ def test_a_new_listener_costs_its_publisher_nothing(rows):
 
 
 def test_a_robots_row_opens_a_door_to_other_machines(rows):
-    opened = replace(rows, robot=replace(rows.robot, listen=("tls/0.0.0.0:7447",)))
+    opened = edited(rows, "capabilities", "lan", enabled=True)
     change = plans.difference(planned(rows), planned(opened))
     assert change.start == ("lan",)
-    clear = replace(rows, robot=replace(rows.robot, listen=("tcp/0.0.0.0:7447",)))
+    clear = edited(rows, "capabilities", "lan", enabled=True, settings='{"listen": ["tcp/0.0.0.0:7447"]}')
     assert "would talk to other machines in clear text" in problems(clear)[0]
 
 

@@ -1,4 +1,4 @@
-"""Where the robot listens, when tokens end, the audit trail, and the row sets that ran."""
+"""When tokens end, the audit trail, and the row sets that ran."""
 
 from alembic import op
 
@@ -28,47 +28,7 @@ CREATE TABLE adopted (
 ) STRICT;
     """,
 )
-COLUMNS = (
-    (
-        "ALTER TABLE robot ADD COLUMN listen TEXT NOT NULL DEFAULT '[]'"
-        " CHECK (json_valid(listen) AND json_type(listen) = 'array')"
-    ),
-    "ALTER TABLE user_token ADD COLUMN expires_at TEXT",
-)
 TRIGGERS = (
-    """
-CREATE TRIGGER robot_insert AFTER INSERT ON robot
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('robot', json_array(NEW.name), 'insert',
-            NULL,
-            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner,
-            'listen', NEW.listen));
-END;
-    """,
-    """
-CREATE TRIGGER robot_update AFTER UPDATE ON robot
-WHEN (OLD.name, OLD.model, OLD.description, OLD.owner, OLD.listen)
-     IS NOT (NEW.name, NEW.model, NEW.description, NEW.owner, NEW.listen)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('robot', json_array(NEW.name), 'update',
-            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner,
-            'listen', OLD.listen),
-            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner,
-            'listen', NEW.listen));
-END;
-    """,
-    """
-CREATE TRIGGER robot_delete AFTER DELETE ON robot
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('robot', json_array(OLD.name), 'delete',
-            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner,
-            'listen', OLD.listen),
-            NULL);
-END;
-    """,
     """
 CREATE TRIGGER audit_insert BEFORE INSERT ON audit
 WHEN NEW.previous IS NOT (SELECT hash FROM audit ORDER BY id DESC LIMIT 1) AND EXISTS (SELECT 1 FROM audit)
@@ -93,10 +53,9 @@ END;
 
 
 def upgrade() -> None:
-    """Add the columns and tables, and let the revisions of a robot's row tell where it listens."""
-    for name in ("robot_insert", "robot_update", "robot_delete"):
-        op.execute(f"DROP TRIGGER {name}")
-    for statement in (*COLUMNS, *TABLES, *TRIGGERS):
+    """Add the column and the tables."""
+    op.execute("ALTER TABLE user_token ADD COLUMN expires_at TEXT")
+    for statement in (*TABLES, *TRIGGERS):
         op.execute(statement)
 
 
