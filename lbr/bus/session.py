@@ -22,6 +22,8 @@ Session = zenoh.Session
 
 LINK_LEASE_MS = 400
 MAX_MESSAGE_BYTES = 1 << 20
+ACCEPT_MS, MOST_PENDING = 3000, 500
+"""Connections that say nothing keep others out no longer than this, and only when there are very many."""
 
 
 class Tls(Struct, frozen=True, kw_only=True):
@@ -63,9 +65,10 @@ def open_router(router: Router) -> Session:
             settings["connect"] = _connect(router.connect, 2.0)
         if router.rights or router.links:
             settings["access_control"] = access.control(router.robot, router.rights, router.links)
+        settings["transport"]["unicast"] = {"accept_timeout": ACCEPT_MS, "accept_pending": MOST_PENDING}
         if router.limits is not None:
             settings |= access.limits(router.limits)
-            settings["transport"]["unicast"] = {"max_sessions": router.limits.sessions, "accept_timeout": 3000}
+            settings["transport"]["unicast"]["max_sessions"] = router.limits.sessions
         if router.tls is not None:
             settings["transport"]["link"]["tls"] = {
                 "listen_private_key": router.tls.private_key,
