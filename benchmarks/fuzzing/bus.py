@@ -30,7 +30,10 @@ _STILL = {"power": 0.0, "angle_deg": 0}
 def messages(results: Results, n: int, dice: random.Random) -> None:
     """Throw `n` messages, and `n / 20` connections; then the robot must be as it was, and drive."""
     port = _free_port()
-    listen = f"UPDATE robot SET listen = '[\"tls/127.0.0.1:{port}\"]'"
+    settings = json.dumps({"listen": [f"tls/127.0.0.1:{port}"]})
+    listen = (
+        f"INSERT OR REPLACE INTO capability (robot, name, kind, settings) VALUES ('lbr', 'lan', 'lan', '{settings}')"
+    )
     with bench(results, "spy", edits=(*intruder.spy_rows(), listen)) as under_test:
         robot = under_test.robot
         under_test.all_ready()
