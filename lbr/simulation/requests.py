@@ -32,11 +32,6 @@ class PictureRequest(Struct, frozen=True, kw_only=True):
     width_px: Pixels = 900
     height_px: Pixels = 750
 
-    def __post_init__(self) -> None:
-        """Refuse to overwrite anything but a picture."""
-        if self.path and not self.path.endswith(".png"):
-            raise ValueError("path must end in .png")
-
 
 class PictureReply(Struct, frozen=True, kw_only=True):
     """Where the picture is."""

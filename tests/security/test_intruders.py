@@ -1,14 +1,10 @@
 """Whoever wants more than they may: on the bus, at the console, in the rows, on the network. `benchmarks.security` does more."""
 
-import msgspec
 import pytest
 
 from benchmarks.figures import Results
 from benchmarks.intrusion import credentials, kinds, network, processes, programs, python_lines
 from benchmarks.security import PROMISES
-from lbr.bus.codec import Decoder
-from lbr.errors import MalformedError
-from lbr.simulation.requests import PictureRequest
 
 pytestmark = pytest.mark.timeout(60)
 
@@ -44,9 +40,3 @@ def test_processes_hold_no_privilege_and_nothing_that_is_anothers(results):
 @pytest.mark.skipif(not network.possible(), reason="needs root and the command ip")
 def test_the_default_profile_is_silent_on_the_network(results):
     network.silence(results, 1.0, ports=2048)
-
-
-@pytest.mark.parametrize("path", ["~/.lbr/robot.db", "/etc/passwd", "x.png/../robot.db", "a.png\n", "robot.png.db"])
-def test_a_picture_overwrites_no_other_file(path):
-    with pytest.raises(MalformedError):
-        Decoder(PictureRequest).decode(msgspec.json.encode({"path": path}))
