@@ -25,7 +25,7 @@ PROMISES: dict[str, Promise] = {
     "A10": Promise(what="`!` lines through every entry: only the robot's own terminal runs them, and it is audited"),
     "A11": Promise(what="rows and files that would load foreign code: refused, nothing imported"),
     "A12": Promise(what="shell metacharacters in rows and lines of external commands: no effect"),
-    "A14": Promise(what="locked dependencies: hashes for all, fit the project, no known vulnerability"),
+    "A14": Promise(what="dependencies are locked by hash, and the lock fits the project"),
     "A15": Promise(what="each process: no capabilities, no new privileges, own files and devices only"),
 }
 
