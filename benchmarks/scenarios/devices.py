@@ -44,7 +44,7 @@ def motors_unplugged(under_test: Bench) -> None:
     under_test.pass_time(AFTERMATH_S)
     mover.cease()
     under_test.stays_at_rest(zero)
-    under_test.begins_with_zero(back_ns - 80_000_000)
+    under_test.begins_with_zero(back_ns, last_bytes_s=0.0)
 
 
 def motors_deaf(under_test: Bench) -> None:
