@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks.figures import Results
-from benchmarks.intrusion import credentials, kinds, network, processes, programs, python_lines
+from benchmarks.intrusion import credentials, kinds, processes, programs, python_lines
 from benchmarks.security import PROMISES
 
 pytestmark = pytest.mark.timeout(60)
@@ -35,8 +35,3 @@ def test_shell_signs_are_words_like_any_other(results):
 
 def test_processes_hold_no_privilege_and_nothing_that_is_anothers(results):
     processes.processes(results)
-
-
-@pytest.mark.skipif(not network.possible(), reason="needs root and the command ip")
-def test_the_default_profile_is_silent_on_the_network(results):
-    network.silence(results, 1.0, ports=2048)
