@@ -24,9 +24,10 @@ STATUS = Status(
 def described(robot):
     """The robot's words about itself, and a stream of a program that has none."""
     schema = {"title": "DriveState", "type": "object", "properties": {}}
+    command = {"title": "DriveCommand", "x-role": "operate"}
     served = [
         wire.Constant(robot.bus, keys.schema(ROBOT, "drive", "state"), lambda: schema),
-        wire.Constant(robot.bus, keys.schema(ROBOT, "drive", "command"), lambda: {"title": "DriveCommand"}),
+        wire.Constant(robot.bus, keys.schema(ROBOT, "drive", "command"), lambda: command),
         wire.Constant(robot.bus, keys.status(ROBOT), lambda: STATUS),
         wire.Constant(robot.bus, f"{ROBOT}/drive/state", dict),
     ]
