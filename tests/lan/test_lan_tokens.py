@@ -83,7 +83,7 @@ def refused(door: Door, name: str) -> bool:
 
 def test_who_is_revoked_is_out_within_a_second_and_stays_out(door: Door):
     door.add("leaver", "operate")
-    with door.plain("leaver", "asking"), door.client("leaver") as bus:
+    with door.plain("leaver", "quoting"), door.client("leaver") as bus:
         until(door.moving, what="it drives")
         asked_ns = time.monotonic_ns()
         with closing(sqlite3.connect(door.robot.home / "robot.db")) as database, database:
