@@ -151,8 +151,32 @@ class Bench:
 
     def unit(self, name: str) -> dict[str, Any]:
         """Return a capability's status at this moment; the stream on `@status` is up to a second old."""
+        return next(unit for unit in self.units() if unit["name"] == name)
+
+    def units(self) -> list[dict[str, Any]]:
+        """Return every capability's status at this moment; asks again if no answer comes, as when links come back."""
+        for _ in range(ATTEMPTS - 1):
+            with suppress(StopIteration):
+                return self._units()
+        return self._units()
+
+    def answer(self, key: str, message: Any = None) -> dict[str, Any]:
+        """Return the answer to what may be asked more than once; asks again if none comes."""
+        for _ in range(ATTEMPTS):
+            found = self.robot.ask(key, message, timeout_s=3.0)
+            if found is not None:
+                return dict(found)
+        raise AssertionError(f"no answer from {key}; {self.state()}")
+
+    def release(self) -> None:
+        """Reset the emergency stop once every device has acknowledged it."""
+        self.until(lambda: not self.answer("@estop")["waiting"], 6.0, "the emergency stop acknowledged")
+        reset = self.answer("@estop/reset", {})
+        assert reset["accepted"], reset
+
+    def _units(self) -> list[dict[str, Any]]:
         units: list[dict[str, Any]] = self.robot.line("/report/health")["data"]["capabilities"]
-        return next(unit for unit in units if unit["name"] == name)
+        return units
 
     def reached(self, limit_s: float = 6.0) -> None:
         """Wait until the robot answers again."""
@@ -162,10 +186,7 @@ class Bench:
         """Wait until everything has been ready for a moment, not only on its way through."""
 
         def ready() -> bool:
-            with suppress(StopIteration):  # no answer while links come back
-                units = self.robot.line("/report/health")["data"]["capabilities"]
-                return {unit["phase"] for unit in units} == {"ready"}
-            return False
+            return {unit["phase"] for unit in self.units()} == {"ready"}
 
         for _ in range(2):
             self.until(ready, limit_s, "all ready", every_s=0.02)

@@ -74,8 +74,9 @@ def _backoff(starts: Path) -> list[str]:
 
 
 def _phase(under_test: Bench) -> tuple[str, str]:
-    units = under_test.robot.line("/report/health")["data"]["capabilities"]
-    return next(((unit["phase"], unit["reason"]) for unit in units if unit["name"] == "crasher"), ("absent", ""))
+    return next(
+        ((unit["phase"], unit["reason"]) for unit in under_test.units() if unit["name"] == "crasher"), ("absent", "")
+    )
 
 
 def _cpu_s(pid: int) -> float:

@@ -111,7 +111,7 @@ def storm(results: Results, n: int, seed: int = 1) -> None:
 
 def costs(under_test: Bench) -> dict[str, Cost]:
     """Return what every process of a robot holds, by name."""
-    names = {unit["pid"]: unit["name"] for unit in under_test.robot.line("/report/health")["data"]["capabilities"]}
+    names = {unit["pid"]: unit["name"] for unit in under_test.units()}
     names[under_test.robot.popen.pid] = "executive"
     found = {}
     for process in processes_of(under_test.robot.home):
@@ -157,7 +157,7 @@ def _latched(under_test: Bench, storm: Storm) -> None:
     for _ in range(LATCHED_FOR):
         storm.strike()
     storm.calm()
-    state = under_test.robot.ask("@estop")
+    state = under_test.answer("@estop")
     under_test.trace.read()
     moved = [entry for entry in under_test.trace.outputs(since_ns) if not entry.zero]
     wrong = [f"a disarmed robot moved: {moved[0]}"] if moved else []
