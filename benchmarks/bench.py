@@ -8,7 +8,6 @@ import shutil
 import signal
 import sqlite3
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -19,6 +18,7 @@ import msgspec
 import psutil
 
 from benchmarks.figures import Results
+from benchmarks.mover import RENEW_S, Mover
 from benchmarks.trace import Output, Trace, limit_violations
 from lbr import home as homes
 from lbr.bus import keys, session, wire
@@ -28,9 +28,7 @@ from lbr.errors import BusError
 from tests.robot import Robot, start
 
 VICTIMS = Path(__file__).parent / "victims"
-POWER = 0.4
 ALMOST = 0.39
-RENEW_S = 0.1
 ATTEMPTS = 3
 LAST_BYTES_S = 0.15
 """A killed driver's last bytes may wait so long in the line; no new one is ready so soon."""
@@ -68,46 +66,6 @@ def temporary_home(*victims: str, edits: tuple[str, ...] = ()) -> Iterator[Path]
     """Give a prepared home with a short path, because the names of sockets are bounded."""
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
         yield prepare(Path(place) / "h", *victims, edits=edits)
-
-
-def accepted(robot: Robot, command: dict[str, Any], *, source: str = "bench", limit_s: float = 5.0) -> str:
-    """Send a drive command until it is accepted; return its lease."""
-    end = time.monotonic() + limit_s
-    while True:
-        reply = robot.ask("drive/command", command, source=source)
-        if reply is not None and reply["accepted"]:
-            return str(reply["lease"])
-        if time.monotonic() > end:
-            raise AssertionError(f"the robot does not drive: {reply}")
-        select.select([], [], [], 0.02)
-
-
-class Mover:
-    """Drives under a lease renewed at 10 Hz, and goes on renewing whatever the answers are, until told to cease."""
-
-    def __init__(self, robot: Robot, angle_deg: float, *, power: float = POWER, source: str = "bench") -> None:
-        self._robot = robot
-        self._source = source
-        self._command: dict[str, Any] = {"power": power, "angle_deg": angle_deg}
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._renew, daemon=True)
-        self.lease = ""
-
-    def start(self, limit_s: float = 5.0) -> "Mover":
-        """Send the command until it is accepted, then hold it."""
-        self.lease = accepted(self._robot, self._command, source=self._source, limit_s=limit_s)
-        self._thread.start()
-        return self
-
-    def cease(self) -> None:
-        """Send no more."""
-        self._over.set()
-        self._thread.join()
-
-    def _renew(self) -> None:
-        while not self._over.wait(RENEW_S):
-            with suppress(BusError, Exception):  # the bus may be what was killed
-                self._robot.put("drive/command", self._command | {"lease": self.lease}, source=self._source)
 
 
 class Bench:

@@ -9,9 +9,10 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
-from benchmarks.bench import Mover, let_go, temporary_home
+from benchmarks.bench import let_go, temporary_home
 from benchmarks.figures import Results
 from benchmarks.fuzzing.mutation import flipped
+from benchmarks.mover import Mover
 from lbr.bus import wire
 from lbr.simulation.faults import UltrasonicFaults
 from lbr.simulation.port import PtyPort

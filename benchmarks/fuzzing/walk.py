@@ -8,9 +8,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from benchmarks.bench import Bench, Mover, bench
+from benchmarks.bench import Bench, bench
 from benchmarks.figures import Results
 from benchmarks.fuzzing.mutation import SPLINTERS, mutated
+from benchmarks.mover import Mover
 from benchmarks.trace import limit_violations
 from lbr.errors import BusError
 from tests.robot import Robot

@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from benchmarks.bench import ANGLES, POWER, Bench, accepted, bench
+from benchmarks.bench import ANGLES, Bench, bench
 from benchmarks.figures import Results
+from benchmarks.mover import POWER, accepted
 from lbr.bus import stamp, wire
 
 INTERVAL_EARLY_MS, INTERVAL_LATE_MS = -20.0, 40.0

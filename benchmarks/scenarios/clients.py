@@ -6,10 +6,11 @@ import sys
 import time
 from collections.abc import Callable
 
-from benchmarks.bench import ANGLES, POWER, Bench, bench
+from benchmarks.bench import ANGLES, Bench, bench
 from benchmarks.clients import plain
 from benchmarks.clients.terminal import OnTerminal
 from benchmarks.figures import Results
+from benchmarks.mover import POWER
 from tests.robot import LBR, environment
 
 AFTERMATH_S = 0.3

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from benchmarks.bench import Bench, Mover, bench
+from benchmarks.bench import Bench, bench
 from benchmarks.figures import Results
+from benchmarks.mover import Mover
 from benchmarks.scenarios.bounds import held
 from benchmarks.scenarios.estop import PAUSE_S
 from benchmarks.trace import Line, Output

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import msgspec
 
-from benchmarks.bench import RENEW_S, Bench, bench, let_go
+from benchmarks.bench import Bench, bench, let_go
 from benchmarks.figures import Results
+from benchmarks.mover import RENEW_S
 from benchmarks.scenarios.freezes import break_links
 from benchmarks.scenarios.kills import wait_until_gone
 from lbr.bus import session

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from benchmarks.bench import ANGLES, POWER, Bench, bench
+from benchmarks.bench import ANGLES, Bench, bench
 from benchmarks.figures import Results
+from benchmarks.mover import POWER
 from benchmarks.scenarios.clients import plain_client
 from lbr.bus import session, stamp, wire
 from lbr.bus.session import Session

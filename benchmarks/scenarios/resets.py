@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from benchmarks.bench import ANGLES, Bench, accepted, bench
+from benchmarks.bench import ANGLES, Bench, bench
 from benchmarks.figures import Results
+from benchmarks.mover import accepted
 from lbr.bus import session, wire
 from lbr.bus.session import Session
 from lbr.errors import BusError

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from typing import Any
 
-from benchmarks.bench import ANGLES, POWER, RENEW_S
+from benchmarks.bench import ANGLES
+from benchmarks.mover import POWER, RENEW_S
 from lbr.bus import keys, session, wire
 from lbr.bus.session import Session
 from tests.robot import Robot
