@@ -19,12 +19,12 @@ def of_unit(plan: Plan, unit: Unit) -> dict[str, Rights]:
 def of_local(plan: Plan) -> Rights:
     """Return what whoever may reach the robot's socket may do, without any password: look, and operate.
 
-    Setpoints may be put, and are refused aloud by who takes them: they lack the seal. Streams may not.
+    Setpoints may be put, and are refused aloud by who takes them: they lack the seal. Streams may not. What may be put
+    is named key by key: a wildcard would let pass every other wildcard, and by that whatever a row denies.
     """
     robot = plan.robot
     return Rights(
-        put=(f"{robot}/*/*", keys.estop(robot)),
-        never_put=tuple(plan.streams()),
+        put=(*_taken(plan), keys.estop(robot)),
         ask=(
             f"{robot}/**",
             keys.console(robot, "view"),
@@ -36,6 +36,14 @@ def of_local(plan: Plan) -> Rights:
         hear=(f"{robot}/**", keys.estop(robot), keys.estop_acknowledgement(robot, "*"), *_looked_at(robot)),
         watch=(keys.alive(robot, "*"),),
     )
+
+
+def _taken(plan: Plan) -> Iterable[str]:
+    """Return every key on which a capability takes commands or setpoints, also one whose row is off now."""
+    kinds = plan.kinds.items()
+    declared = {keys.port(plan.robot, name, port) for name, kind in kinds for port in (*kind.commands, *kind.setpoints)}
+    running = {keys.port(plan.robot, name, command) for name in plan.units for command in plan.commands(name)}
+    return sorted((declared | running) - set(plan.streams()))
 
 
 def _of_process(plan: Plan, unit: Unit) -> Rights:

@@ -25,7 +25,7 @@ while True:
 """
 
 
-def test_many_questions_at_once_are_all_answered_and_do_not_hold_up_who_answers(tmp_path: Path):
+def test_many_questions_at_once_are_all_answered_and_do_not_hold_up_who_answers(tmp_path: Path) -> None:
     endpoint = f"unixsock-stream/{tmp_path / 'bus.sock'}"
     answers: list[bytes] = []
 

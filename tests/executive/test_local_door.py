@@ -1,0 +1,49 @@
+"""Whoever reaches the robot's socket without a password: what they may put, and what not."""
+
+import json
+from collections.abc import Iterator
+
+import pytest
+
+from lbr.bus import session, wire
+from lbr.bus.access import TOOLS, Credentials
+from tests.robot import Robot, until
+
+STREAMS = ("drive/state", "motors/state", "ranges/readings")
+WILDCARDS = ("*/*", "*/state", "drive/*", "dr$*/state", "**", "*/readings", "motors/sta$*")
+
+
+@pytest.fixture
+def stranger(robot: Robot) -> Iterator[session.Session]:
+    with session.open_client(robot.endpoints) as bus:
+        yield bus
+
+
+@pytest.fixture
+def inside(robot: Robot) -> Iterator[session.Session]:
+    """A session behind the rights."""
+    record = json.loads((robot.home / "run" / "lbr.json").read_text())
+    with session.open_client([record["core"]], Credentials(user=TOOLS, password=record["password"])) as bus:
+        yield bus
+
+
+def test_no_wildcard_carries_a_forged_stream_past_the_rights(
+    inside: session.Session, stranger: session.Session
+) -> None:
+    feeds = [wire.Subscription(inside, f"lbr/{key}", depth=256) for key in (*STREAMS, "drive/stop")]
+    for key in (*STREAMS, *WILDCARDS):
+        stranger.put(f"lbr/{key}", json.dumps({"forged": key}))
+    stranger.put("lbr/drive/stop", json.dumps({"last": True}))
+    heard: list[bytes] = []
+
+    def last() -> bool:
+        heard.extend(raw.payload for feed in feeds for raw in feed.take())
+        return any(b"last" in payload for payload in heard)
+
+    until(last, what="what was put last")
+    assert not [payload for payload in heard if b"forged" in payload]
+
+
+def test_commands_can_be_put_without_a_password(inside: session.Session, stranger: session.Session) -> None:
+    taken = wire.Subscription(inside, "lbr/drive/command", depth=8)
+    until(lambda: stranger.put("lbr/drive/command", '{"power": 0}') or taken.take(), what="the command")
