@@ -72,6 +72,15 @@ def transaction(connection: Connection, mode: Literal["DEFERRED", "IMMEDIATE"]) 
         yield connection
 
 
+def flush_log(path: Path) -> None:
+    """Bring what was committed onto the disk: SQLite's own way of doing so holds the write lock meanwhile."""
+    try:
+        with open(f"{os.path.realpath(path)}-wal", "rb") as log:  # noqa: PTH123 - as SQLite names it
+            os.fsync(log.fileno())
+    except OSError as err:
+        raise RowError((f"database {path} cannot be brought onto the disk: {err.strerror}",)) from err
+
+
 @contextmanager
 def sentences(path: Path) -> Iterator[None]:
     """Turn SQLite's errors into RowErrors that say what to do."""

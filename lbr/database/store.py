@@ -17,7 +17,7 @@ from sqlalchemy.dialects.sqlite import insert
 
 from lbr.database import adopted, audit, history, tokens
 from lbr.database.checks import check
-from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, pragma, run, sentences, transaction
+from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, flush_log, pragma, run, sentences, transaction
 from lbr.database.files import check_file
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.models import Calibration, Robot
@@ -219,6 +219,7 @@ class Database:
                 )
             )
         pragma(connection, "journal_mode = WAL")
+        pragma(connection, "synchronous = NORMAL")
         pragma(connection, "foreign_keys = ON")
         self.backup = bring_up_to_date(connection, self.path)
 
@@ -231,12 +232,13 @@ class Database:
 
     @contextmanager
     def _writing(self, *, durable: bool = False, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
-        """Write in one transaction. Durable waits for the disk, and so keeps other writers waiting as long."""
+        """Write in one transaction. Durable waits for the disk after it, so that other writers need not wait as well."""
         with self._lock, sentences(self.path):
             pragma(self._connection, f"busy_timeout = {patience_s * 1000:.0f}")
-            pragma(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
             with transaction(self._connection, "IMMEDIATE") as connection:
                 yield connection
+            if durable:
+                flush_log(self.path)
 
     def _update_robot(
         self, robot: str, *, durable: bool, patience_s: float = BUSY_TIMEOUT_S, **columns: str | int
