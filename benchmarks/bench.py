@@ -30,6 +30,7 @@ from tests.robot import Robot, start
 VICTIMS = Path(__file__).parent / "victims"
 ALMOST = 0.39
 ATTEMPTS = 3
+ANSWER_S = 6.0
 LAST_BYTES_S = 0.15
 """A killed driver's last bytes may wait so long in the line; no new one is ready so soon."""
 ACCEL_PER_S = 2.0
@@ -113,28 +114,31 @@ class Bench:
 
     def units(self) -> list[dict[str, Any]]:
         """Return every capability's status at this moment; asks again if no answer comes, as when links come back."""
-        for _ in range(ATTEMPTS - 1):
-            with suppress(StopIteration):
-                return self._units()
-        return self._units()
+        end = time.monotonic() + ANSWER_S
+        while True:
+            try:
+                units: list[dict[str, Any]] = self.robot.line("/report/health")["data"]["capabilities"]
+            except StopIteration:
+                if time.monotonic() > end:
+                    raise AssertionError(f"no answer from the console; {self.state()}") from None
+                self.pass_time(RENEW_S)
+            else:
+                return units
 
     def answer(self, key: str, message: Any = None) -> dict[str, Any]:
         """Return the answer to what may be asked more than once; asks again if none comes."""
-        for _ in range(ATTEMPTS):
-            found = self.robot.ask(key, message, timeout_s=3.0)
-            if found is not None:
-                return dict(found)
-        raise AssertionError(f"no answer from {key}; {self.state()}")
+        end = time.monotonic() + ANSWER_S
+        while (found := self.robot.ask(key, message, timeout_s=3.0)) is None:
+            if time.monotonic() > end:
+                raise AssertionError(f"no answer from {key}; {self.state()}")
+            self.pass_time(RENEW_S)
+        return dict(found)
 
     def release(self) -> None:
         """Reset the emergency stop once every device has acknowledged it."""
         self.until(lambda: not self.answer("@estop")["waiting"], 6.0, "the emergency stop acknowledged")
         reset = self.answer("@estop/reset", {})
         assert reset["accepted"], reset
-
-    def _units(self) -> list[dict[str, Any]]:
-        units: list[dict[str, Any]] = self.robot.line("/report/health")["data"]["capabilities"]
-        return units
 
     def reached(self, limit_s: float = 6.0) -> None:
         """Wait until the robot answers again."""
