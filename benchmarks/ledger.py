@@ -16,7 +16,11 @@ BEGIN, END = "<!-- figures:begin -->", "<!-- figures:end -->"
 FAMILIES = "SEFPDZABK"
 ABOUT = """Times are in milliseconds unless the target says otherwise. *Target* is graded, *hard* may never be passed, *fails
 at most* is what so many tries without a failure leave possible (3/N, 95 %), *anchor* is the best figure known of others.
-Load: *I* nothing else, *H* four busy loops, *G* these and floods of 20,000 messages, *clock* a wall clock that jumps."""
+Load: *I* nothing else, *H* four busy loops, *G* these and floods of 20,000 messages, *clock* a wall clock that jumps.
+
+`python -m benchmarks.safety --gate` tries all of it in under five minutes, as CI does; `--full --minutes 120` measures in
+rounds as much as fits. `python -m benchmarks.soak --minutes 30` lets a robot live, with a fault a minute. What any
+benchmark writes with `--json FILE` gets into this table by `python -m benchmarks.safety --merge FILE --write-docs`."""
 
 
 class Ledger(Struct, kw_only=True):
