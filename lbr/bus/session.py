@@ -22,7 +22,12 @@ from lbr.errors import BusError  # noqa: E402
 Session = zenoh.Session
 
 LINK_LEASE_MS = 400
+HELD_MS = 3_600_000
+"""The lease of links between sessions of one process: neither end can be gone without the other, and where both were
+held up together and then gave each other up, the router does not learn again who answers what."""
 MAX_MESSAGE_BYTES = 1 << 20
+DEAF_MS = 200
+"""Who comes from another machine and takes nothing that must be delivered is cut off then: all others wait for it."""
 ACCEPT_MS, MOST_PENDING = 3000, 500
 """Connections that say nothing keep others out no longer than this, and only when there are very many."""
 
@@ -38,6 +43,7 @@ class Router(Struct, frozen=True, kw_only=True):
     """A router to open: where it listens, whom it knows, what they may do, and the router it hangs on.
 
     Without `users` it asks nobody for a password. `links` are the rights of routers it connects to, by their `id`.
+    What it asks others on the keys `never_waiting` is dropped where it cannot go on at once, and so are the answers.
     """
 
     listen: tuple[str, ...]
@@ -50,13 +56,15 @@ class Router(Struct, frozen=True, kw_only=True):
     id: str = ""
     tls: Tls | None = None
     limits: Limits | None = None
+    never_waiting: tuple[str, ...] = ()
+    lease_ms: int = LINK_LEASE_MS
 
 
 def open_router(router: Router) -> Session:
     """Open a router; raise BusError if an endpoint is taken, or the router it hangs on does not answer."""
     with access.Dictionary(router.users) as dictionary:
         password = {"dictionary_file": dictionary.path} if router.users else {}
-        settings = _common(router.credentials, password) | {
+        settings = _common(router.credentials, password, lease_ms=router.lease_ms) | {
             "mode": "router",
             "listen": {"endpoints": list(router.listen), "exit_on_failure": True},
         }
@@ -67,8 +75,13 @@ def open_router(router: Router) -> Session:
         if router.rights or router.links:
             settings["access_control"] = access.control(router.robot, router.rights, router.links)
         settings["transport"]["unicast"] = {"accept_timeout": ACCEPT_MS, "accept_pending": MOST_PENDING}
+        if router.never_waiting:
+            settings |= access.never_waiting(router.never_waiting)
         if router.limits is not None:
             settings |= access.limits(router.limits)
+            settings["transport"]["link"]["tx"]["queue"] = {
+                "congestion_control": {"block": {"wait_before_close": DEAF_MS * 1000}}
+            }
             settings["transport"]["unicast"]["max_sessions"] = router.limits.sessions
         if router.tls is not None:
             settings["transport"]["link"]["tls"] = {
@@ -79,13 +92,18 @@ def open_router(router: Router) -> Session:
 
 
 def client_settings(
-    connect: Sequence[str], credentials: Credentials | None = None, *, certificate: str = "", timeout_s: float = 2.0
+    connect: Sequence[str],
+    credentials: Credentials | None = None,
+    *,
+    certificate: str = "",
+    timeout_s: float = 2.0,
+    lease_ms: int = LINK_LEASE_MS,
 ) -> dict[str, Any]:
     """Return the configuration of a session to the router at one of `connect`, in Zenoh's own words.
 
     `certificate` is the PEM of the only one that the router may show; its host name is then not looked at.
     """
-    settings = _common(credentials) | {"mode": "client", "connect": _connect(connect, timeout_s)}
+    settings = _common(credentials, lease_ms=lease_ms) | {"mode": "client", "connect": _connect(connect, timeout_s)}
     if certificate:
         settings["transport"]["link"]["tls"] = {
             "root_ca_certificate_base64": base64.b64encode(certificate.encode()).decode(),
@@ -95,20 +113,27 @@ def client_settings(
 
 
 def open_client(
-    connect: Sequence[str], credentials: Credentials | None = None, *, certificate: str = "", timeout_s: float = 2.0
+    connect: Sequence[str],
+    credentials: Credentials | None = None,
+    *,
+    certificate: str = "",
+    timeout_s: float = 2.0,
+    lease_ms: int = LINK_LEASE_MS,
 ) -> Session:
     """Open a session to the router at one of `connect`; raise BusError if none lets it in within `timeout_s`."""
-    settings = client_settings(connect, credentials, certificate=certificate, timeout_s=timeout_s)
+    settings = client_settings(connect, credentials, certificate=certificate, timeout_s=timeout_s, lease_ms=lease_ms)
     return _open(settings, f"cannot reach a robot at {', '.join(connect)}")
 
 
-def _common(credentials: Credentials | None = None, password: dict[str, str] | None = None) -> dict[str, Any]:
+def _common(
+    credentials: Credentials | None = None, password: dict[str, str] | None = None, *, lease_ms: int = LINK_LEASE_MS
+) -> dict[str, Any]:
     proof = {"user": credentials.user, "password": credentials.password} if credentials is not None else {}
     auth = {**proof, **(password or {})}
     return {
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}, "delay": 0},
         "transport": {
-            "link": {"tx": {"lease": LINK_LEASE_MS, "keep_alive": 4}, "rx": {"max_message_size": MAX_MESSAGE_BYTES}},
+            "link": {"tx": {"lease": lease_ms, "keep_alive": 4}, "rx": {"max_message_size": MAX_MESSAGE_BYTES}},
             "shared_memory": {"enabled": False},
             **({"auth": {"usrpwd": auth}} if auth else {}),
         },

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from lbr import home
 from lbr.bus import session
-from lbr.bus.access import TOOLS, Credentials, Rights
+from lbr.bus.access import TOOLS, Credentials, Rights, everything
 from lbr.executive import rights
 from lbr.executive.plan import Plan
 from lbr.executive.site import Site
@@ -59,7 +59,7 @@ class Doors:
         core = {name: rights.of_unit(plan, unit) for name, unit in plan.units.items()}
         local = site.router_id("local")
         self._core = Place(core_endpoint(self._robot), site.router_id(CORE))
-        self._open(session.Router(listen=(local_endpoint(self._robot),), id=local))
+        self._open(session.Router(listen=(local_endpoint(self._robot),), id=local, lease_ms=session.HELD_MS))
         self._open_for(
             self._core,
             {EXECUTIVE: TRUSTED, TOOLS: TRUSTED, ANNEX: TRUSTED} | _merged(core.values()),
@@ -113,6 +113,8 @@ class Doors:
                 id=place.router_id,
                 connect=connect,
                 credentials=credentials,
+                never_waiting=everything(self._robot),
+                lease_ms=session.HELD_MS,
             )
         )
 

@@ -400,4 +400,5 @@ class Executive:
         self._stop(why)
 
     def _bus_again(self) -> session.Session:
-        return session.open_client(self._site.endpoints, self._site.credentials(EXECUTIVE))
+        credentials = self._site.credentials(EXECUTIVE)
+        return session.open_client(self._site.endpoints, credentials, lease_ms=session.HELD_MS)
