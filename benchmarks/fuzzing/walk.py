@@ -64,7 +64,7 @@ class Walk:
         self._checked_ns = time.monotonic_ns()
         self._ways: tuple[tuple[int, Callable[[], None]], ...] = (
             (6, self._drive), (3, self._drive_once), (4, self._line), (3, self._stop), (3, self._nonsense), (2, self._estop),
-            (3, self._reset), (1, self._kill), (2, self._row), (1, self._restart), (2, self._forge), (3, self._look),
+            (3, self._reset), (1, self._kill), (2, self._row), (1, self._restart), (1, self._freeze), (2, self._forge), (3, self._look),
         )  # fmt: skip
 
     def step(self) -> None:
@@ -161,6 +161,17 @@ class Walk:
         if pid is not None:
             with suppress(ProcessLookupError):
                 os.kill(pid, self._dice.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGSEGV)))
+
+    def _freeze(self) -> None:
+        """Hold a process up, the executive with all its routers too; afterwards everybody must answer again."""
+        name = self._dice.choice(("executive", *KILLED))
+        self.said.append(name)
+        pid = self._robot.ready["pid"] if name == "executive" else self._bench.unit(name)["pid"]
+        if pid is not None:
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGSTOP)
+                self._bench.pass_time(self._dice.uniform(0.1, 0.7))
+                os.kill(pid, signal.SIGCONT)
 
     def _row(self) -> None:
         row = self._dice.choice(ROWS)

@@ -1,0 +1,30 @@
+"""An executive that was held up, with all the routers in it, is answered for at every door afterwards."""
+
+import os
+import signal
+import time
+
+import pytest
+
+from lbr.bus import session, wire
+from tests.robot import Robot, until
+
+HELD_UP_S = 0.6
+TIMES = 5
+
+
+@pytest.mark.timeout(30)
+def test_a_robot_that_was_held_up_answers_again_at_its_local_door(robot: Robot):
+    for _ in range(TIMES):
+        os.kill(robot.ready["pid"], signal.SIGSTOP)
+        time.sleep(HELD_UP_S)
+        os.kill(robot.ready["pid"], signal.SIGCONT)
+        with session.open_client(robot.endpoints) as newcomer:
+            for key in ("@status", "drive/stop"):
+                asked = f"{robot.name}/{key}"
+                until(lambda bus=newcomer, key=asked: wire.ask(bus, key, {}, source="test", timeout_s=0.5), what=asked)
+        until(lambda: robot.line("s")["code"] == 0, what="a line from who was there before")
+
+
+def test_sessions_of_one_process_outlast_any_holding_up():
+    assert session.HELD_MS >= 1000 * session.LINK_LEASE_MS
