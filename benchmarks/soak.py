@@ -170,7 +170,9 @@ def _leaks(results: Results, looks: list[tuple[float, dict[str, Cost]]]) -> None
             after = min(getattr(cost, what) for _, cost in seen[half:])
             allowed = WORKERS.get(name, 0) if what == "threads" else 0
             results.check("K1", [f"{name}: {before:g} {what} became {after:g}"] if after > before + allowed else [])
-        results.sample("K1 memory", slope([(at / 3600, cost.rss_mib) for at, cost in seen]))
+        per_hour = slope([(at / 3600, cost.rss_mib) for at, cost in seen])
+        print(f"{name}: {seen[0][1].rss_mib:.1f} to {seen[-1][1].rss_mib:.1f} MiB, {per_hour:.1f}/h", file=sys.stderr)
+        results.sample("K1 memory", per_hour)
 
 
 def slope(points: list[tuple[float, float]]) -> float:
