@@ -145,6 +145,21 @@ def limits(found: Limits) -> dict[str, Any]:
     }
 
 
+def never_waiting(key_exprs: tuple[str, ...]) -> dict[str, Any]:
+    """Return Zenoh's overwriting of what is asked on these keys: nobody waits for who asks and does not listen.
+
+    An answer goes as its question came, and one that may not be dropped blocks who answers for seconds.
+    """
+    rule = {
+        "id": "never waiting",
+        "messages": ["query"],
+        "key_exprs": list(key_exprs),
+        "flows": ["egress"],
+        "overwrite": {"congestion_control": "drop"},
+    }
+    return {"qos": {"network": [rule]}}
+
+
 class Dictionary:
     """Zenoh's file of users and passwords, in memory and gone once the router has read it."""
 

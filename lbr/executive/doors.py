@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from lbr import home
 from lbr.bus import session
-from lbr.bus.access import TOOLS, Credentials, Rights, everything
+from lbr.bus.access import TOOLS, Credentials, Rights
 from lbr.executive import rights
 from lbr.executive.plan import Plan
 from lbr.executive.site import Site
@@ -65,6 +65,7 @@ class Doors:
             {EXECUTIVE: TRUSTED, TOOLS: TRUSTED, ANNEX: TRUSTED} | _merged(core.values()),
             links={local: rights.of_local(plan)},
             connect=(local_endpoint(self._robot),),
+            looked_at=rights.looked_at(plan),
         )
         self._known |= {name: (self._core, users) for name, users in core.items()}
 
@@ -85,6 +86,7 @@ class Doors:
                 wanted,
                 links={self._core.router_id: TRUSTED},
                 connect=(self._core.endpoint,),
+                looked_at=rights.looked_at(plan),
                 credentials=self.credentials(ANNEX),
             )
             self._known[unit.name] = (where, wanted)
@@ -101,6 +103,7 @@ class Doors:
         *,
         links: Mapping[str, Rights],
         connect: tuple[str, ...],
+        looked_at: tuple[str, ...],
         credentials: Credentials | None = None,
     ) -> None:
         self._open(
@@ -113,7 +116,7 @@ class Doors:
                 id=place.router_id,
                 connect=connect,
                 credentials=credentials,
-                never_waiting=everything(self._robot),
+                never_waiting=looked_at,
                 lease_ms=session.HELD_MS,
             )
         )

@@ -38,6 +38,11 @@ def of_local(plan: Plan) -> Rights:
     )
 
 
+def looked_at(plan: Plan) -> tuple[str, ...]:
+    """Return what is only looked at: a look that comes to nothing can be repeated, and holds up nobody."""
+    return (*plan.streams(), *_looked_at(plan.robot))
+
+
 def _taken(plan: Plan) -> Iterable[str]:
     """Return every key on which a capability takes commands or setpoints, also one whose row is off now."""
     kinds = plan.kinds.items()

@@ -100,6 +100,7 @@ class Lan(Capability[LanSettings]):
                     credentials=lan.link,
                     tls=Tls(private_key=lan.private_key, certificate=lan.certificate) if secure else None,
                     limits=rights.limits(robot, lan),
+                    never_waiting=(keys.console(robot, "view"),),
                 )
             )
         except BusError as err:
