@@ -1,15 +1,25 @@
 """A leaf process's sessions under questions: real processes on a real router."""
 
+import json
+import socket
 import subprocess
 import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
 import zenoh
 
-from lbr.bus import session
+from lbr.bus import session, wire
+from lbr.bus.access import Limits
 from tests.robot import until
 
 QUESTIONS = 500
+MORE_THAN_A_SOCKET_HOLDS = 12_000
+KEEP_ALIVE = b"\x01\x00\x04"
 LEAF = """
 import sys, time
 from lbr.bus import session, wire
@@ -23,26 +33,109 @@ while True:
     time.sleep(0.02)
     worst_s, last = max(worst_s, time.monotonic() - last), time.monotonic()
 """
+ASKER = f"""
+import sys
+import zenoh
+from lbr.bus import session
+bus = session.open_client(sys.argv[1:])
+print("ready", flush=True)
+sys.stdin.readline()
+for _ in range({MORE_THAN_A_SOCKET_HOLDS}):
+    bus.get("robot/drive/state", zenoh.handlers.Callback(lambda reply: None, indirect=False), timeout=8.0)
+sys.stdin.readline()
+"""
 
 
-def test_many_questions_at_once_are_all_answered_and_do_not_hold_up_who_answers(tmp_path: Path) -> None:
-    endpoint = f"unixsock-stream/{tmp_path / 'bus.sock'}"
-    answers: list[bytes] = []
+class Deaf:
+    """Stands between a client and a router; from a moment on it takes nothing any more, and goes on to be alive."""
 
-    def answered(reply: zenoh.Reply) -> None:
-        answers.append(reply.ok.payload.to_bytes() if reply.ok is not None else b"")
+    def __init__(self, router: tuple[str, int]) -> None:
+        self.cut_off = self._deaf = self._over = False
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self._listener.getsockname()[1]
+        self._router = router
+        threading.Thread(target=self._run, daemon=True).start()
 
-    with session.open_router(session.Router(listen=(endpoint,))), session.open_client([endpoint]) as bus:
-        leaf = subprocess.Popen(
-            [sys.executable, "-c", LEAF, endpoint], stdout=subprocess.PIPE, env=session.leaf_environment()
-        )
-        try:
-            assert leaf.stdout is not None
-            assert leaf.stdout.readline() == b"ready\n"
-            for _ in range(QUESTIONS):
-                bus.get("robot/drive/state", zenoh.handlers.Callback(answered, indirect=False), timeout=4.0)
-            until(lambda: len(answers) == QUESTIONS, what="every question is answered")
-        finally:
-            leaf.kill()
-            leaf.communicate()
-    assert all(b"text" in answer for answer in answers)
+    def listen_no_more(self) -> None:
+        self._deaf = True
+
+    def close(self) -> None:
+        self._over = True
+        self._listener.close()
+
+    def _run(self) -> None:
+        client, _ = self._listener.accept()
+        with client, socket.create_connection(self._router) as robot:
+            threading.Thread(target=self._back, args=(client, robot), daemon=True).start()
+            try:
+                while said := client.recv(65536):
+                    robot.sendall(said)
+            except OSError:
+                pass  # the client has given up, and is alive all the same
+            try:
+                while not self._over:
+                    robot.sendall(KEEP_ALIVE)
+                    time.sleep(0.05)
+            except OSError:
+                self.cut_off = True
+
+    def _back(self, client: socket.socket, robot: socket.socket) -> None:
+        while not self._deaf:
+            try:
+                client.sendall(robot.recv(65536))
+            except OSError:
+                return
+
+
+@pytest.fixture
+def port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        return int(free.getsockname()[1])
+
+
+@pytest.fixture
+def endpoint(tmp_path: Path, port: int) -> Iterator[str]:
+    """A router with a leaf process that publishes fifty times a second; it listens at a port, too."""
+    inside = f"unixsock-stream/{tmp_path / 'bus.sock'}"
+    limits = Limits(protocols=("tcp",), bytes=1000, keys=("robot/**",), puts_hz={"robot/drive/stop": 10.0})
+    router = session.Router(listen=(inside, f"tcp/127.0.0.1:{port}"), limits=limits)
+    with session.open_router(router), program(LEAF, inside):
+        yield inside
+
+
+@contextmanager
+def program(text: str, *arguments: str) -> Iterator["subprocess.Popen[bytes]"]:
+    """Run a program that says when it is ready."""
+    pipe = subprocess.PIPE
+    popen = subprocess.Popen(
+        [sys.executable, "-c", text, *arguments], stdin=pipe, stdout=pipe, env=session.leaf_environment()
+    )
+    try:
+        assert popen.stdout is not None
+        assert popen.stdout.readline() == b"ready\n"
+        yield popen
+    finally:
+        popen.kill()
+        popen.communicate()
+
+
+def test_many_questions_at_once_are_answered_by_a_process_that_only_leafs(endpoint: str) -> None:
+    answers: list[zenoh.Reply] = []
+    with session.open_client([endpoint]) as bus:
+        for _ in range(QUESTIONS):
+            bus.get("robot/drive/state", zenoh.handlers.Callback(answers.append, indirect=False), timeout=8.0)
+        until(lambda: len(answers) > QUESTIONS // 2, what="most are answered")
+
+
+def test_who_asks_from_another_machine_and_does_not_listen_holds_up_nobody(endpoint: str, port: int) -> None:
+    deaf = Deaf(("127.0.0.1", port))
+    with session.open_client([endpoint]) as bus, program(ASKER, f"tcp/127.0.0.1:{deaf.port}") as asker:
+        heard = wire.Subscription(bus, "robot/drive/state", depth=512)
+        deaf.listen_no_more()
+        asker.stdin.write(b"go\n")  # type: ignore[union-attr]
+        asker.stdin.flush()  # type: ignore[union-attr]
+        until(lambda: deaf.cut_off, what="it is cut off")
+        heard.take()
+        worst_s = max(json.loads(raw.payload)["worst_s"] for raw in until(heard.take, what="what the leaf says"))
+    deaf.close()
+    assert worst_s < 2.0
