@@ -275,18 +275,19 @@ def ask(
         raise BusError(f"{key}: {err}") from err
 
 
-def put(session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False) -> None:
-    """Publish once, stamped; `urgent` overtakes streams."""
-    payload = encode(message)
+def put(session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False) -> bytes:
+    """Publish once, and return the stamp that it went with; `urgent` overtakes streams."""
+    stamp = stamps.make(source, 0)
     session.put(
         key,
-        payload,
+        encode(message),
         encoding=JSON,
-        attachment=stamps.make(source, 0),
+        attachment=stamp,
         priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
         congestion_control=zenoh.CongestionControl.BLOCK if urgent else zenoh.CongestionControl.DROP,
         express=urgent,
     )
+    return stamp
 
 
 def pass_on(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:

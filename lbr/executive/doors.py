@@ -54,7 +54,7 @@ class Doors:
         self._robot = plan.robot
         self._site = site
         self._stack = ExitStack()
-        self._known: dict[str, tuple[Place, dict[str, Rights]]] = {}
+        self._known: dict[str, list[tuple[Place, dict[str, Rights]]]] = {}
         self._annexes = 0
         core = {name: rights.of_unit(plan, unit) for name, unit in plan.units.items()}
         local = site.router_id("local")
@@ -67,7 +67,7 @@ class Doors:
             connect=(local_endpoint(self._robot),),
             looked_at=rights.looked_at(plan),
         )
-        self._known |= {name: (self._core, users) for name, users in core.items()}
+        self._known |= {name: [(self._core, users)] for name, users in core.items()}
 
     def credentials(self, user: str) -> Credentials:
         """Return how a user proves itself, the same for the whole run."""
@@ -76,8 +76,9 @@ class Doors:
     def place(self, plan: Plan, unit: Unit) -> Place:
         """Return where a process has its rights; opens an annex if no router knows them."""
         wanted = rights.of_unit(plan, unit)
-        where, known = self._known.get(unit.name, (self._core, {}))
-        if known != wanted:
+        places = self._known.setdefault(unit.name, [])
+        where = next((place for place, known in places if known == wanted), None)
+        if where is None:
             self._annexes += 1
             socket = home.socket_path(self._robot, f".{self._annexes}")
             where = Place(f"unixsock-stream/{socket}", self._site.router_id(f"annex {self._annexes}"))
@@ -89,7 +90,7 @@ class Doors:
                 looked_at=rights.looked_at(plan),
                 credentials=self.credentials(ANNEX),
             )
-            self._known[unit.name] = (where, wanted)
+            places.append((where, wanted))
         return where
 
     def close(self) -> None:

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import get_args
@@ -30,7 +31,7 @@ class Service:
     ) -> None:
         self._dispatcher = dispatcher
         self._reset = reset
-        self._under_way = 0
+        self._room = threading.Semaphore(MOST_UNDER_WAY)
         self._talk = ThreadPoolExecutor(max_workers=16, thread_name_prefix="line")
         self._stops = ThreadPoolExecutor(max_workers=4, thread_name_prefix="stop")
         self._bus = bus
@@ -45,7 +46,7 @@ class Service:
 
     def answer_reset(self, request: wire.Request) -> None:
         """Release the emergency stop for somebody on the bus."""
-        self._stops.submit(self._answer_reset, request)
+        _begin(self._stops, self._answer_reset, request)
 
     def close(self) -> None:
         """Take no more lines; those under way end by themselves."""
@@ -62,15 +63,11 @@ class Service:
     def _sort(self, request: wire.Request, role: Role) -> None:
         line = _line(request.payload)
         if _is_stop(line):
-            self._stops.submit(self._answer, request, line, role)
-        elif self._under_way >= MOST_UNDER_WAY:
+            _begin(self._stops, self._answer, request, line, role)
+        elif not self._room.acquire(blocking=False):
             request.reply(ConsoleResult(code=1, text="too many lines at once; say it again"), "executive")
         else:
-            self._under_way += 1
-            self._talk.submit(self._answer, request, line, role).add_done_callback(self._done)
-
-    def _done(self, _future: object) -> None:
-        self._under_way -= 1
+            _begin(self._talk, self._answer, request, line, role, done=self._room.release)
 
     def _answer(self, request: wire.Request, line: str | bytes, role: Role) -> None:
         if len(request.payload) > MAX_LINE_BYTES:
@@ -85,6 +82,16 @@ class Service:
     def _answer_reset(self, request: wire.Request) -> None:
         result = self._reset(_caller(stamp.read(request.attachment)))
         request.reply({"accepted": result.code == DONE, "reason": result.text}, "executive")
+
+
+def _begin(
+    pool: ThreadPoolExecutor, work: Callable[..., None], *values: object, done: Callable[[], object] = int
+) -> None:
+    """Let a pool do it; one that is closed leaves it undone, for the robot is shutting down."""
+    try:
+        pool.submit(work, *values).add_done_callback(lambda _future: done())
+    except RuntimeError:
+        done()
 
 
 def _caller(found: Stamp | None) -> str:

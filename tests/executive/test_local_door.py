@@ -31,19 +31,30 @@ def test_no_wildcard_carries_a_forged_stream_past_the_rights(
     inside: session.Session, stranger: session.Session
 ) -> None:
     feeds = [wire.Subscription(inside, f"lbr/{key}", depth=256) for key in (*STREAMS, "drive/stop")]
-    for key in (*STREAMS, *WILDCARDS):
-        stranger.put(f"lbr/{key}", json.dumps({"forged": key}))
-    stranger.put("lbr/drive/stop", json.dumps({"last": True}))
     heard: list[bytes] = []
 
-    def last() -> bool:
+    def said(what: str) -> bool:
+        stranger.put("lbr/drive/stop", json.dumps({"said": what}))
         heard.extend(raw.payload for feed in feeds for raw in feed.take())
-        return any(b"last" in payload for payload in heard)
+        return any(what.encode() in payload for payload in heard)
 
-    until(last, what="what was put last")
+    until(lambda: said("first"), what="what may be put arrives")
+    for key in (*STREAMS, *WILDCARDS):
+        stranger.put(f"lbr/{key}", json.dumps({"forged": key}))
+    until(lambda: said("last"), what="what was put last")
     assert not [payload for payload in heard if b"forged" in payload]
 
 
 def test_commands_can_be_put_without_a_password(inside: session.Session, stranger: session.Session) -> None:
     taken = wire.Subscription(inside, "lbr/drive/command", depth=8)
     until(lambda: stranger.put("lbr/drive/command", '{"power": 0}') or taken.take(), what="the command")
+
+
+def test_a_press_in_the_executives_name_is_a_press(robot: Robot, stranger: session.Session) -> None:
+    press = {"engaged": True, "reason": "in its name"}
+    robot.put("@estop", {"engaged": True, "reason": "the first"})
+    until(lambda: robot.status()["estop"]["acknowledged"], what="the first is acknowledged")
+    until(lambda: robot.line("reset")["code"] == 0, what="the reset")
+    wire.put(stranger, "lbr/@estop", press, source="executive", urgent=True)
+    until(lambda: robot.status()["estop"]["reason"] == "in its name", what="it is latched")
+    until(lambda: robot.line("reset")["code"] == 0, what="the second reset")
