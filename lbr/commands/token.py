@@ -181,7 +181,9 @@ def _write_configuration(path: Path, token: "Token", endpoints: list[str]) -> No
     from lbr.executive import credentials  # noqa: PLC0415
 
     _, certificate = credentials.bus_certificate()
-    settings = client_settings(endpoints, token.credentials, certificate=certificate.read_text(encoding="ascii"))
+    pem = certificate.read_text(encoding="ascii")
+    # each address once: a time to go on trying would all be spent on the first, which may lead nowhere from there
+    settings = client_settings(endpoints, token.credentials, certificate=pem, timeout_s=0.0)
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "w") as file:
         json.dump(settings, file, indent=2)
 

@@ -1,6 +1,7 @@
 """Tokens: made, shown once, kept nowhere, taken back while somebody is inside."""
 
 import json
+import socket
 import sqlite3
 import stat
 import time
@@ -9,11 +10,13 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
+import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr import cli
 from lbr.bus import tokens
+from lbr.commands import token as token_command
 from lbr.errors import InputError
 from tests.lan.door import Door, answer
 from tests.robot import lbr, until
@@ -75,6 +78,16 @@ def test_tokens_are_made_listed_and_revoked_where_no_robot_runs(home: Path, monk
     assert "'soon' is no time from now" in said(2, "add", "x", "--expires", "soon")
     again = tokens.parse(said(0, "add", "phone").splitlines()[0])
     assert again.secret != token.secret
+
+
+def test_a_written_file_lets_a_client_in_although_its_first_address_leads_nowhere(door: Door, monkeypatch):
+    with socket.create_server(("127.0.0.1", 0)) as nobody:
+        dead = f"tls/127.0.0.1:{nobody.getsockname()[1]}"
+    monkeypatch.setenv("LBR_HOME", str(door.robot.home))
+    path = door.away / "two_addresses.json5"
+    token_command._write_configuration(path, door.tokens["eye"], [dead, door.endpoint])
+    with zenoh.open(zenoh.Config.from_file(str(path))) as bus:
+        assert answer(bus, "lbr/@status") is not None
 
 
 def refused(door: Door, name: str) -> bool:
