@@ -207,7 +207,10 @@ class BusOperator:
             answered.wait(1.0)
             answered.clear()
         if not question.replies:
-            raise BusError(f"robot '{self.robot}' does not answer; 'lbr status' shows what runs")
+            switch = "; if it moves, use the hardware switch" if is_stop(line) else ""
+            raise BusError(
+                f"robot '{self.robot}' does not answer{switch}; 'lbr status' (with --connect, if you used it) says why"
+            )
         try:
             return Decoder(ConsoleResult).decode(question.replies[0].payload)
         except MalformedError as err:

@@ -27,7 +27,7 @@ from lbr.console.completion import LineCompleter
 from lbr.console.hold import Ending
 from lbr.console.operator import BusOperator
 from lbr.console.printable import one_line, wrapped
-from lbr.console.toolbar import toolbar
+from lbr.console.toolbar import CONTACT_S, toolbar
 from lbr.errors import LbrError
 from lbr.messages.system import ConsoleResult, Event
 
@@ -109,7 +109,7 @@ class Terminal:
                 self._over.set()
                 self._operator.release()
             if not self._closing:
-                self._print("Stopped; shutting down." if self._local else "Stopped; leaving. The robot runs on.")
+                self._print(self._parting())
             for helper in helpers:
                 helper.join(1.0)
             self._above.ended()
@@ -123,6 +123,13 @@ class Terminal:
         if loop is not None and app.is_running:
             with contextlib.suppress(RuntimeError):
                 loop.call_soon_threadsafe(self._exit)
+
+    def _parting(self) -> str:
+        if self._local:
+            return "Stopped; shutting down."
+        if self._operator.telemetry().status_age_s > CONTACT_S:
+            return "Leaving without contact: nobody acknowledged a stop. What you held has lapsed by itself."
+        return "Stopped; leaving. The robot runs on."
 
     def _exit(self) -> None:
         app = self._session.app
@@ -158,8 +165,9 @@ class Terminal:
         with self._lock:
             self._under_way[line] = time.monotonic()
         try:
-            self._show(self._operator.submit(line))
-            if self._is_shutdown(line):
+            result = self._operator.submit(line)
+            self._show(result)
+            if result.code == 0 and self._is_shutdown(line):
                 self.close()
         except LbrError as err:
             self._print(str(err), "error")

@@ -100,6 +100,8 @@ def test_words_are_the_data_of_help(robot, operator):
 
 def test_a_robot_of_another_name_is_a_clear_error(client):
     operator = BusOperator(client, "nobody", "console@here")
-    with pytest.raises(BusError, match="robot 'nobody' does not answer"):
+    with pytest.raises(BusError, match="robot 'nobody' does not answer; 'lbr status'"):
+        operator.submit("f")
+    with pytest.raises(BusError, match="robot 'nobody' does not answer; if it moves, use the hardware switch"):
         operator.submit("s")
     operator.close()

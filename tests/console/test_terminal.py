@@ -222,6 +222,15 @@ def test_shutdown_leaves_once_it_is_accepted(robot, screen):
     assert screen.ends() == 0
 
 
+def test_a_shutdown_that_is_refused_leaves_the_console_open(robot, screen):
+    robot.lines["Shutdown"] = ConsoleResult(code=1, text="this needs the role 'admin'")
+    robot.lines["estop"] = ConsoleResult(code=0, text="emergency stop: acknowledged")
+    screen.types("Shutdown\r")
+    screen.sees("this needs the role 'admin'")
+    screen.types("estop\r")
+    screen.sees("emergency stop: acknowledged")
+
+
 def test_what_is_typed_told_and_moved_leaves_one_prompt_and_one_bar(robot, screen):
     screen.shows("Robot>")
     robot.tell("the first")
@@ -280,10 +289,19 @@ def test_ctrl_c_clears_a_half_typed_line_and_stops(robot, screen):
     screen.types("\x03")
     screen.shows("Robot> /r/0.2/0", "moving under L1", "Robot>")
     wait_for(lambda: robot.stopped)
+    robot.show()
     screen.types("\x03")
     assert screen.ends() == 0
     left = ["Robot> /r/0.2/0", "moving under L1", "Stopped; leaving. The robot runs on."]
     wait_for(lambda: screen.shown == left)
+
+
+def test_who_leaves_without_contact_is_not_told_that_it_stopped(screen, monkeypatch):
+    monkeypatch.setattr("lbr.console.terminal.CONTACT_S", 0.0)
+    screen.types("\x04")
+    assert screen.ends() == 0
+    wait_for(lambda: any(line.startswith("Leaving without contact") for line in screen.shown))
+    assert not any("Stopped" in line for line in screen.shown)
 
 
 def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
