@@ -120,7 +120,8 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
 def restore(source: Path | None, database: Path | None, only_list: bool, as_json: bool) -> int:
     """Put the last good copy, or the backup FROM, in the place of the database; what was there is kept beside it.
 
-    A running robot copies its rows whenever they have run well for some seconds. Shut it down first.
+    A running robot copies its rows whenever they have run well for some seconds. Shut it down first. Tokens that were
+    revoked stay so, unless the damage lies there too: it says which are valid.
     """
     from lbr import home  # noqa: PLC0415
     from lbr.database import copies  # noqa: PLC0415
@@ -141,7 +142,21 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
         print_json({"database": str(path), "from": str(chosen), "before": str(aside) if aside else None})
     else:
         click.echo(f"restored {path} from {chosen}" + (f"; what was there before is {aside}" if aside else ""))
+        if tokens := _valid_tokens(path):
+            click.echo(
+                f"tokens that are valid in it: {', '.join(tokens)}; 'lbr token revoke NAME' whom you locked out since"
+            )
     return 0
+
+
+def _valid_tokens(path: Path) -> list[str]:
+    import datetime as dt  # noqa: PLC0415
+
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    now = dt.datetime.now(dt.UTC)
+    with opened(path) as rows:
+        return [one.name for one in rows.tokens() if one.revoked_at is None and not one.has_expired(now)]
 
 
 def _local(wall_ns: int) -> str:

@@ -22,7 +22,7 @@ SQLITE_SHARED_SIZE = 510
 def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
     """Put a copy (the newest good one) in the database's place; return it, and where the file before it is now.
 
-    What has been revoked stays revoked, the audit trail tells of it, and nothing is deleted. Raises InputError if the
+    Revoked tokens stay so, as far as the file can be read; the audit trail tells of it, and nothing is deleted. Raises InputError if the
     database is in use, or if there is no good copy.
     """
     if _in_use(path):

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from lbr import cli
+from lbr.bus import tokens
 from lbr.database import copies
 from lbr.database.restore import restore
 from lbr.database.rows import AuditRow
@@ -97,6 +99,15 @@ def test_a_damaged_database_names_the_way_out_and_restoring_keeps_it(damaged):
             ("restored", "restored from robot.db.good-1; what was there before is robot.db.before-restore-2")
         ]
         assert database.audit_fault() == ""
+
+
+def test_who_restores_is_told_which_tokens_are_valid_in_it(damaged, capsys):
+    with Database.open(damaged.with_name("robot.db.good-1")) as database:
+        for name in ("phone", "gone"):
+            database.add_token(name, "operate", tokens.hashed("secret"), None, "2026-01-01T00:00:00.000Z")
+        database.revoke_token("gone")
+    assert cli.main(["db", "restore", "--db", str(damaged)]) == 0
+    assert "tokens that are valid in it: phone; 'lbr token revoke NAME'" in capsys.readouterr().out
 
 
 def test_the_newest_copy_that_is_good_is_taken(damaged):
