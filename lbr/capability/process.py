@@ -146,7 +146,6 @@ class Process:
 
     def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Any], reason: str, wait_s: float) -> None:
         ctx.warn(reason)
-        ctx.event("degraded", reason, level="warning")
         tell, until = 0.0, time.monotonic() + wait_s
         while not self._stopping and time.monotonic() < until:
             if time.monotonic() >= tell:
