@@ -207,7 +207,8 @@ class Roboteq(Capability[RoboteqSettings]):
         if unanswered > self._unanswered and self.ctx.clock() - self._reported > REPORT_PERIOD_S:
             self._unanswered, self._reported = unanswered, self.ctx.clock()
             data = {"lost": controller.lost, "refused": controller.refused}
-            text = f"the controller has left {controller.lost} commands unanswered and refused {controller.refused}"
+            counted = f"{controller.lost} commands unanswered and refused {controller.refused}"
+            text = f"the controller has left {counted} since it was opened"
             self.ctx.event("unanswered", text, level="warning", data=data)
 
     def _tell_faults(self, faults: tuple[str, ...]) -> None:
