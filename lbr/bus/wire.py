@@ -73,13 +73,14 @@ class Publisher:
         )
         self._latest = session.declare_queryable(key, direct(self._answer), complete=True)
 
-    def put(self, message: Any) -> None:
-        """Publish; a bus that is away loses it silently, so motion never relies on it alone."""
+    def put(self, message: Any) -> bytes:
+        """Publish, and return the stamp; a bus that is away loses it silently, so motion never relies on it alone."""
         payload = encode(message)
         self.count += 1
         attachment = stamps.make(self._source, self.count, payload, self._seal)
         self._last = (payload, attachment)
         self._publisher.put(payload, attachment=attachment)
+        return attachment
 
     def close(self) -> None:
         """Stop publishing and answering."""

@@ -53,6 +53,11 @@ AUDITED = frozenset(
 )
 """The kinds of events that go into the audit trail, whoever tells of them."""
 
+WRITTEN_FIRST = frozenset(["rows_changed"])
+"""Told only when it is written: who hears of an edit may begin the next, and is not to meet our own transaction."""
+
+EXECUTIVE = "executive"
+MOST_ECHOES = 1024
 NOT_WRITTEN = "events and the audit trail are not written down"
 _decoder = Decoder(Event)
 
@@ -84,6 +89,7 @@ class Journal:
         self._budget_at = 0.0
         self._write_at = 0.0
         self._complain_at = 0.0
+        self._echoes: deque[bytes] = deque(maxlen=MOST_ECHOES)
         self._publisher = wire.Publisher(bus, keys.event(robot), "executive")
         self._others = wire.Subscription(bus, keys.event(robot), depth=512, wake=wake)
 
@@ -93,8 +99,13 @@ class Journal:
         """Tell everybody; from the executive's own thread."""
         now = time.time_ns()
         event = Event(kind=kind, subject=subject, text=text, level=level, wall_ns=now, data=data or {})  # type: ignore[arg-type]
-        self._publisher.put(event)
-        self._keep(event, "executive", allowed=True)
+        if kind in WRITTEN_FIRST:
+            self._keep(event, EXECUTIVE, allowed=True)
+            self.flush()
+            self._echoes.append(self._publisher.put(event))
+        else:
+            self._echoes.append(self._publisher.put(event))
+            self._keep(event, EXECUTIVE, allowed=True)
 
     def step(self, now: float) -> None:
         """Take in what others said and write it down when it is time."""
@@ -103,8 +114,11 @@ class Journal:
         for raw in self._others.take():
             found = stamp.read(raw.attachment)
             source = found.source[:80] if found else "a bus client"
-            if source == "executive":
+            if raw.attachment in self._echoes:
+                self._echoes.remove(raw.attachment)
                 continue
+            if source == EXECUTIVE:
+                source = "somebody who is not the executive"
             try:
                 self._keep(_decoder.decode(raw.payload[: LARGEST_EVENT_BYTES + 1]), source, allowed=self._budget >= 1)
             except MalformedError as err:
@@ -116,7 +130,7 @@ class Journal:
         """Write down what waits, and say whether that is done; a database that cannot take it now gets it later."""
         events, trail = list(self._waiting), list(self._trail)
         if self._lost:
-            trail.append(self._entry("lost", "audit", "executive", f"{self._lost} entries, of too many at once"))
+            trail.append(self._entry("lost", "audit", EXECUTIVE, f"{self._lost} entries, of too many at once"))
         try:
             self._database.append_events(events, trail)
         except LbrError as err:
@@ -142,7 +156,7 @@ class Journal:
             listener(event)
 
     def _audit(self, event: Event, source: str, *, allowed: bool) -> None:
-        if source != "executive":
+        if source != EXECUTIVE:
             self._budget = max(0.0, self._budget - 1)
         if not allowed or len(self._trail) >= MOST_WAITING:
             self._lost += 1
