@@ -24,13 +24,15 @@ from lbr.executive import scheduling
 from lbr.executive.units import Unit
 
 LARGEST_DOCUMENT_BYTES = 1 << 20
+PIPE_BYTES = 1 << 16
 _reports = Decoder(Report)
 
 
 def tethered(argv: tuple[str, ...], *, within: str = "") -> list[str]:
     """Return the command line that runs `argv` for as long as this process lives, confined to what a home allows.
 
-    Without `within` it may do what this process may. To be started from a thread that lives as long as the process: the kernel watches the thread.
+    Without `within` it may do what this process may. To be started from a thread that lives as long as the process,
+    because the kernel watches the thread.
     """
     tether = str(Path(__file__).resolve().parent.parent / "capability" / "tether.py")
     return [sys.executable, "-I", "-S", tether, str(os.getpid()), within, *argv]
@@ -50,7 +52,7 @@ class Child:
         except OSError:
             self.kill()
             self._popen.wait()
-            self._rank.close()
+            self._let_go()
             raise
 
     @property
@@ -81,7 +83,9 @@ class Child:
             os.close(report_fd)
         assert popen.stdin is not None
         self._take_rank(popen.pid)
-        fcntl.fcntl(popen.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)  # so that writing never waits for a reader
+        if len(document) > PIPE_BYTES:
+            with contextlib.suppress(OSError):  # so that writing never waits for a reader, if this user has pipes left
+                fcntl.fcntl(popen.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)
         with contextlib.suppress(BrokenPipeError):  # it died at once; its end is seen where every end is
             popen.stdin.write(document)
             popen.stdin.flush()
@@ -140,12 +144,15 @@ class Child:
     def close(self) -> None:
         """Let go of it after its end, and end what it started and left behind."""
         self.kill()
+        os.close(self.pid_fd)
+        self._let_go()
+
+    def _let_go(self) -> None:
         if self._popen.stdin is not None:
             with contextlib.suppress(BrokenPipeError):
                 self._popen.stdin.close()
         if self.reports_fd >= 0:
             os.close(self.reports_fd)
-        os.close(self.pid_fd)
         self._rank.close()
 
     def _signal(self, number: int) -> None:

@@ -4,10 +4,13 @@ A token is made anew from the key and its row whenever it is needed, and is neve
 """
 
 import datetime as dt
+import fcntl
 import hmac
 import os
 import secrets
 import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from lbr import home
@@ -19,9 +22,11 @@ _KEY_BYTES = 32
 
 def token_key() -> bytes:
     """Return the key of this home's tokens, made on first use."""
-    path = home.directory("credentials") / "token.key"
-    if not path.exists():
-        _write(path, secrets.token_bytes(_KEY_BYTES))
+    folder = home.directory("credentials")
+    path = folder / "token.key"
+    with _alone(folder):
+        if not path.exists():
+            _write(path, secrets.token_bytes(_KEY_BYTES))
     return path.read_bytes()
 
 
@@ -34,10 +39,11 @@ def bus_certificate() -> tuple[Path, Path]:
     """Return the files of the bus's private key and certificate, both PEM, made on first use."""
     folder = home.directory("credentials")
     key, certificate = folder / "bus.key", folder / "bus.crt"
-    if not (key.exists() and certificate.exists()):
-        private, public = _self_signed()
-        _write(key, private)
-        _write(certificate, public)
+    with _alone(folder):
+        if not (key.exists() and certificate.exists()):
+            private, public = _self_signed()
+            _write(key, private)
+            _write(certificate, public)
     return key, certificate
 
 
@@ -63,6 +69,17 @@ def _self_signed() -> tuple[bytes, bytes]:
         .sign(key, hashes.SHA256())
     )
     return key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()), certificate.public_bytes(Encoding.PEM)
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Let one process at a time make what is missing, so that key and certificate are of one piece."""
+    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(fd)
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -218,7 +218,7 @@ class Emergency:
         self._repeat_until = now + REPEAT_FOR_S
         if not self._engaged:
             self._stopped.clear()
-            self._engaged, self._reason, self._source = True, request.reason or "pressed", source
+            self._engaged, self._reason, self._source = True, request.reason or "pressed", source[:80]
             self._unsaved, self._save_tried, self._save_at = True, False, 0.0
             self._news.append(("estop", "executive", f"emergency stop by {source}: {self._reason}", "error"))
 
