@@ -2,6 +2,7 @@
 
 import socket
 import ssl
+import sys
 import time
 from pathlib import Path
 from typing import get_args
@@ -47,6 +48,9 @@ def enter(endpoint: str, token_file: Path | None) -> Entry:
             return _entry(one.token, der)
         if one.typed:
             break
+        if one.saved and wallet.can_ask():
+            print(f"lbr: {refused}", file=sys.stderr)
+            refused = ""
     raise BusError(refused or f"{shown(endpoint)} wants a token: set {wallet.VARIABLE}, or use --token-file; {HOW}")
 
 

@@ -19,11 +19,12 @@ LARGEST_BYTES = 4096
 
 
 class Offered(Struct, frozen=True, kw_only=True):
-    """A token and where it came from, in words; `typed` if somebody just typed it."""
+    """A token and where it came from, in words; `typed` if somebody just typed it, `saved` if somebody did once."""
 
     token: Token
     origin: str
     typed: bool = False
+    saved: bool = False
 
 
 def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
@@ -35,12 +36,17 @@ def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
         yield Offered(token=tokens.parse(text), origin=f"the one in {VARIABLE}")
         return
     if text := _saved().get(endpoint):
-        yield Offered(token=tokens.parse(text), origin=f"the one saved in {_path()}")
-    while sys.stdin.isatty() and sys.stderr.isatty():
+        yield Offered(token=tokens.parse(text), origin=f"the one saved in {_path()}", saved=True)
+    while can_ask():
         typed = getpass.getpass(f"token for {endpoint} (empty to leave): ", stream=sys.stderr)
         if not typed.strip():
             return
         yield Offered(token=tokens.parse(typed), origin="this one", typed=True)
+
+
+def can_ask() -> bool:
+    """Say whether somebody sits there who could type a token."""
+    return sys.stdin.isatty() and sys.stderr.isatty()
 
 
 def save(endpoint: str, token: Token) -> None:

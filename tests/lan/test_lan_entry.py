@@ -1,5 +1,6 @@
 """Coming in with a token by our own tools: what works, and the one sentence that says why something does not."""
 
+import json
 import os
 import pty
 import select
@@ -122,9 +123,13 @@ def test_another_programs_port_is_recognised(door: Door):
         assert "does not speak TLS" in said(Door(door.robot, endpoint, door.tokens).by("phone", "status"))
 
 
-def test_a_terminal_is_asked_for_the_token_once_and_shows_none_of_it(door: Door):
-    away = door.away.with_name("asked")
-    away.mkdir()
+@pytest.mark.parametrize("saved_before", [False, True])
+def test_a_terminal_is_asked_for_the_token_once_and_shows_none_of_it(door: Door, saved_before):
+    away = door.away.with_name(f"asked_{saved_before}")
+    saved = away / "credentials" / "robots.json"
+    saved.parent.mkdir(parents=True)
+    if saved_before:
+        saved.write_text(json.dumps({door.endpoint: f"locked_out_{door.tokens['eye']}"}))
     environment = {name: value for name, value in os.environ.items() if name != "LBR_TOKEN"} | {"LBR_HOME": str(away)}
     ours, theirs = pty.openpty()
     command = [*LBR, "send", "stop", "--connect", door.endpoint]
@@ -141,12 +146,12 @@ def test_a_terminal_is_asked_for_the_token_once_and_shows_none_of_it(door: Door)
         return words in shown
 
     until(lambda: read(b"token for"), what="it asks")
+    assert (b"refuses the token, the one saved in" in shown) == saved_before
     os.write(ours, f"{door.tokens['eye']}\n".encode())
     until(lambda: read(b"stopped"), what="it says")
     assert popen.wait(5) == 0
     os.close(ours)
     assert door.tokens["eye"].secret.encode() not in shown
-    saved = away / "credentials" / "robots.json"
     assert stat.S_IMODE(saved.stat().st_mode) == 0o600
     again = subprocess.run(
         command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
