@@ -163,8 +163,12 @@ def _latched(under_test: Bench, storm: Storm) -> None:
     wrong = [f"a disarmed robot moved: {moved[0]}"] if moved else []
     wrong += [] if state["engaged"] else ["the latch is gone"]
     under_test.results.check("P3", wrong)
-    _acknowledged(under_test)
-    under_test.until(lambda: _reset(under_test), 8.0, "the emergency stop reset", every_s=0.1)
+
+    def released() -> bool:
+        storm.mend()  # the last strike may have told the executive to end, which it does in its own time
+        return _reset(under_test)
+
+    under_test.until(released, 12.0, "the emergency stop reset", every_s=0.1)
 
 
 def _acknowledged(under_test: Bench) -> None:
