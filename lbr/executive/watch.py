@@ -87,9 +87,8 @@ class RowWatch:
     def _edited(self, old: RobotRows, new: RobotRows) -> str:
         rows = self._database.revisions(old.revision) if new.revision != old.revision else ()
         said = [f"{row.operation} {row.table} '{row.row_key[-1]}'" for row in rows[:EDITS_TOLD]]
-        said += ["tokens"] if new.tokens != old.tokens else []
         more = f" and {len(rows) - EDITS_TOLD} more" if len(rows) > EDITS_TOLD else ""
-        return ", ".join(said) + more
+        return ", ".join(filter(None, (", ".join(said) + more, _tokens_edited(old, new))))
 
     def _fingerprints(self, plan: Plan) -> dict[str, str]:
         kinds = {row.kind for row in plan.rows.capabilities}
@@ -110,6 +109,15 @@ def loaded(database: Database, robot: str) -> RobotRows:
     """Return a robot's rows as a start reads them."""
     rows = database.load(robot)
     return replace(rows, problems=(*rows.problems, *copies.lost_edits(database.path, rows.revision)))
+
+
+def _tokens_edited(old: RobotRows, new: RobotRows) -> str:
+    """Say whose tokens came and went, whether they were revoked or their time was up."""
+    came = [f"token '{one.name}' ({one.role}) is valid" for one in new.tokens if one not in old.tokens]
+    names = {one.name for one in new.tokens}
+    went = [f"token '{one.name}' has no rights any more" for one in old.tokens if one.name not in names]
+    said = [*went, *came]
+    return ", ".join(said[:EDITS_TOLD]) + (f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else "")
 
 
 def _identity(path: Path) -> tuple[int, int]:

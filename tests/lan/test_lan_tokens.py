@@ -113,6 +113,7 @@ def test_who_is_revoked_is_out_within_a_second_and_stays_out(door: Door):
     assert door.robot.status()["problems"], "another edit was wrong, and that did not matter"
     door.robot.edit("UPDATE capability SET kind = 'ultrasonic_ring' WHERE name = 'ranges'")
     until(lambda: not door.robot.status()["problems"], what="the rows are good again")
+    assert "token 'leaver' has no rights any more" in lbr(door.robot.home, "db", "audit").stdout
 
 
 def test_a_token_ends_by_itself_and_others_begin_while_somebody_drives(door: Door):
