@@ -20,8 +20,8 @@ from lbr.capability.kind import Kind
 from lbr.console.fields import Message
 from lbr.console.verbs import Vocabulary
 from lbr.database.rows import ExternalCommandRow, VerbRow
-from lbr.executive.dispatch import REPORTS
 from lbr.executive.profile import Profile
+from lbr.executive.reports import NAMES as REPORTS
 from lbr.executive.wiring import EXECUTIVE_VERBS
 from lbr.messages import system
 from lbr.simulation import faults

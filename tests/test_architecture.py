@@ -52,7 +52,19 @@ OWNERS = {
 }
 """Which floor may import a library, so that replacing one stays a matter of one package."""
 
-HEAVY = ("numpy", "mujoco", "sqlalchemy", "alembic", "PIL", "prompt_toolkit", "rich", "click", "psutil", "argon2", "cryptography")
+HEAVY = (
+    "numpy",
+    "mujoco",
+    "sqlalchemy",
+    "alembic",
+    "PIL",
+    "prompt_toolkit",
+    "rich",
+    "click",
+    "psutil",
+    "argon2",
+    "cryptography",
+)
 LARGEST_LINES = 600
 MEDIAN_LINES = 150
 

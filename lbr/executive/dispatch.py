@@ -7,21 +7,19 @@ import json
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-import msgspec
-
-from lbr.bus import codec, keys, stamp, wire
+from lbr.bus import codec, keys, wire
 from lbr.bus.session import Session
-from lbr.console import wiring
-from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall, Vocabulary
-from lbr.errors import InputError, LbrError, MalformedError
-from lbr.executive.plan import Plan
+from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
+from lbr.errors import InputError, LbrError
+from lbr.executive import reports
+from lbr.executive.reports import Reports
+from lbr.executive.robot import Robot
 from lbr.messages.drive import DriveCommand
-from lbr.messages.system import RANKS, ConsoleResult, Event, Hold, Role, Status
+from lbr.messages.system import RANKS, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
-REPORTS = ("telemetry", "settings", "statistics", "health", "events", "wiring")
 MAX_RUN_S = 30.0
 MOST_LEASES = 256
 DEAD_LEASE = "lease is dead"
@@ -45,51 +43,18 @@ class _Speaker(NamedTuple):
         return self.source, bool(self.afar)
 
 
-class Robot(Protocol):
-    """What the dispatcher needs of the executive; every method may be called from any thread."""
-
-    plan: Plan
-    vocabulary: Vocabulary
-
-    def status(self) -> Status:
-        """Return the robot at a glance."""
-
-    def recent_events(self) -> list[Event]:
-        """Return the newest events, oldest first."""
-
-    def estop(self, reason: str, source: str) -> ConsoleResult:
-        """Latch the emergency stop and wait for the devices."""
-
-    def estop_reset(self, source: str) -> ConsoleResult:
-        """Release it."""
-
-    def shutdown(self, source: str) -> None:
-        """Begin the shutdown."""
-
-    def restart(self, name: str) -> None:
-        """Start a capability anew."""
-
-    def run_external(self, call: ExternalCall) -> ConsoleResult:
-        """Start an external command."""
-
-    def stop_external(self, name: str) -> str:
-        """End one."""
-
-    def note(self, kind: str, text: str) -> None:
-        """Write down an event."""
-
-
 class Dispatcher:
     """Executes lines. Blocks the calling thread for as long as the robot takes to answer, two seconds at most."""
 
     def __init__(self, robot: Robot, bus: Session, namespace: Mapping[str, Any]) -> None:
         self._robot = robot
         self._bus = bus
+        self._reports = Reports(robot, bus)
         self._namespace = dict(namespace)
         self._leases: dict[tuple[str, bool], str] = {}
         self._built_in: dict[str, Callable[[VerbCall, str], ConsoleResult]] = {
             "report": self._report,
-            "status": lambda _call, _source: ConsoleResult(code=DONE, text=self._health()),
+            "status": lambda _call, _source: ConsoleResult(code=DONE, text=self._reports.health()),
             "estop": lambda call, source: robot.estop(str(call.payload.get("reason", "")), source),
             "reset": lambda _call, source: robot.estop_reset(source),
             "help": self._help,
@@ -165,7 +130,7 @@ class Dispatcher:
         if not lease:
             said = {name: value for name, value in answer.items() if name not in {"accepted", "reason"}}
             return ConsoleResult(
-                code=DONE, text=reason or (_flat({call.command: said}) if said else "done"), data=answer
+                code=DONE, text=reason or (reports.flat({call.command: said}) if said else "done"), data=answer
             )
         self._leases[by.holder] = lease
         while len(self._leases) > MOST_LEASES:
@@ -204,64 +169,13 @@ class Dispatcher:
         return "it does not run"
 
     def _report(self, call: VerbCall, _source: str) -> ConsoleResult:
-        name = str(call.payload.get("name", "telemetry"))
-        makers: dict[str, Callable[[], Any]] = {
-            "telemetry": self._telemetry,
-            "settings": self._settings,
-            "statistics": self._statistics,
-            "health": lambda: msgspec.to_builtins(self._robot.status()),
-            "events": lambda: [msgspec.to_builtins(event) for event in self._robot.recent_events()],
-            "wiring": self._wiring,
-        }
-        if name not in makers:
-            raise InputError(f"there is no report '{name}': {', '.join(REPORTS)}")
-        data = makers[name]()
-        texts: dict[str, Callable[[], str]] = {
-            "health": self._health,
-            "events": lambda: _events_text(data),
-            "wiring": lambda: "\n".join(wiring.tree(wiring.from_plain(data))),
-        }
-        text = texts[name]() if name in texts else _flat(data)
+        data, text = self._reports.make(str(call.payload.get("name", "telemetry")))
         return ConsoleResult(code=DONE, text=text, data=data)
-
-    def _telemetry(self) -> dict[str, Any]:
-        found: dict[str, Any] = {}
-        for raw in wire.ask(self._bus, f"{self._robot.plan.robot}/*/*", None, source="executive", timeout_s=1.0):
-            said = stamp.read(raw.attachment)
-            age = (time.monotonic_ns() - said.mono_ns) / 1e9 if said and said.boot == stamp.boot_id() else None
-            with contextlib.suppress(MalformedError):  # a picture, say
-                value = codec.decode(raw.payload)
-                if isinstance(value, dict):
-                    found[raw.key.partition("/")[2]] = value | ({"age_s": round(age, 3)} if age is not None else {})
-        return dict(sorted(found.items()))
-
-    def _wiring(self) -> dict[str, Any]:
-        return wiring.plain(wiring.graph(self._robot.plan.rows, *wiring.running(self._robot.status())))
-
-    def _settings(self) -> dict[str, Any]:
-        units = self._robot.plan.units.values()
-        return {unit.name: {"kind": unit.kind} | msgspec.json.decode(unit.config.settings) for unit in units}
-
-    def _statistics(self) -> dict[str, Any]:
-        status = self._robot.status()
-        fields = ("rates_hz", "restarts", "uptime_s", "cpu_percent", "memory_mb")
-        found = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
-        loop = self._telemetry().get("drive/state", {}).get("loop")
-        return {**found, **({"drive/loop": loop} if loop else {})}
-
-    def _health(self) -> str:
-        status = self._robot.status()
-        lines = [
-            f"{unit.name}: {unit.phase}" + (f" ({unit.reason})" if unit.reason else "") for unit in status.capabilities
-        ]
-        lines += [f"rows: {problem}" for problem in status.problems]
-        stop = f"emergency stop: {status.estop.reason}" if status.estop.engaged else "no emergency stop"
-        return "\n".join([*lines, stop])
 
     def _help(self, _call: VerbCall, _source: str) -> ConsoleResult:
         words = self._robot.vocabulary
         names = tuple(self._robot.plan.units)
-        choices = {"executive.report": REPORTS, "executive.restart": names}
+        choices = {"executive.report": reports.NAMES, "executive.restart": names}
         return ConsoleResult(code=DONE, text=words.help(), data=words.entries(choices))
 
     def _shutdown(self, _call: VerbCall, source: str) -> ConsoleResult:
@@ -298,24 +212,3 @@ def _evaluate(code: str, namespace: dict[str, Any]) -> Any:
         exec(compile(code, "console", "exec"), namespace)  # noqa: S102 - what the operator's terminal is for
         return None
     return eval(compile(tree, "console", "eval"), namespace)  # noqa: S307 - likewise
-
-
-def _flat(data: dict[str, Any]) -> str:
-    lines = []
-    for name, fields in data.items():
-        shown = ", ".join(f"{key} {_short(value)}" for key, value in fields.items())
-        lines.append(f"{name}: {shown}")
-    return "\n".join(lines) or "nothing yet"
-
-
-def _short(value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:.3g}"
-    return json.dumps(value) if isinstance(value, dict | list) else str(value)
-
-
-def _events_text(events: list[dict[str, Any]]) -> str:
-    lines = [
-        f"{time.strftime('%H:%M:%S', time.localtime(e['wall_ns'] / 1e9))} {e['subject']}: {e['text']}" for e in events
-    ]
-    return "\n".join(lines) or "no events yet"
