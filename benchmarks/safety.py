@@ -11,6 +11,7 @@ import argparse
 import multiprocessing
 import os
 import platform
+import signal
 import sys
 import time
 import traceback
@@ -40,6 +41,9 @@ class Run(NamedTuple):
 
 def main() -> int:
     """Measure, print, and say whether a hard value was broken."""
+    signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # a shell in the background has it ignored, in children too
     arguments = _arguments()
     if arguments.merge or arguments.write_docs:
         return _keep(arguments.merge, write_docs=arguments.write_docs)

@@ -1,5 +1,6 @@
 """Fixtures that start whole robots; the heavy one is shared by all tests of a module that leave it as it was."""
 
+import signal
 import sqlite3
 import tempfile
 from collections.abc import Iterator
@@ -9,6 +10,9 @@ import pytest
 
 from lbr.database import store
 from tests.robot import Robot, running
+
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
 
 
 def prepare(home: Path) -> Path:

@@ -7,6 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from math import inf
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
@@ -16,6 +17,7 @@ from lbr.messages.system import EstopAcknowledgement, EstopRequest, EstopState
 REPEAT_S = 0.05
 REPEAT_LATER_S = 1.0
 REPEAT_FOR_S = 5.0
+SHORTEST_S = 0.2
 ACKNOWLEDGE_LIMIT_S = 0.5
 MOST_ECHOES = 64
 NOT_SAVED = "the emergency stop's latch is not on the disk"
@@ -53,6 +55,7 @@ class Emergency:
         self._changed = threading.Condition()
         self._repeat_at = 0.0
         self._repeat_until = 0.0
+        self._latched_at = -inf
         self._echoes: deque[bytes] = deque(maxlen=MOST_ECHOES)
         self._count = 0
         self._releasing = 0
@@ -100,8 +103,9 @@ class Emergency:
         """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own.
 
         A press that comes meanwhile wins: what was released already is latched again. Waits for the disk, unless that
-        fails or takes half a second.
+        fails or takes half a second. A stop is never so short that a stream of commands has not met it.
         """
+        time.sleep(max(0.0, min(SHORTEST_S, self._latched_at + SHORTEST_S - time.monotonic())))
         with self._changed:
             presses = self._count
             self._releasing += 1  # a repetition now would latch again what has just been released
@@ -218,6 +222,7 @@ class Emergency:
         self._repeat_until = now + REPEAT_FOR_S
         if not self._engaged:
             self._stopped.clear()
+            self._latched_at = now
             self._engaged, self._reason, self._source = True, request.reason or "pressed", source[:80]
             self._unsaved, self._save_tried, self._save_at = True, False, 0.0
             self._news.append(("estop", "executive", f"emergency stop by {source}: {self._reason}", "error"))

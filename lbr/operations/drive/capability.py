@@ -97,6 +97,7 @@ class Drive(Capability[DriveSettings]):
         self._waiting: deque[Waiting] = deque()
         self._motors_at = -inf
         self._motors_alive = False
+        self._alive_holder = ""
         self._reported: DriveState | None = None
         self._reported_at = -inf
 
@@ -107,6 +108,7 @@ class Drive(Capability[DriveSettings]):
         if estop.engaged and self._at_rest():
             estop.acknowledge(stopped=True)
         self._listen_to_motors()
+        self._watch_holder()
         for received in self.ctx.take("ranges"):
             self._decide(RangesSeen(ranges=received.message, arrived=received.arrived))
 
@@ -120,6 +122,14 @@ class Drive(Capability[DriveSettings]):
         if newest is not None and newest.arrived > self._motors_at:
             self._motors_at = newest.arrived
             self._decide(MotorsSeen(motors=newest.message, arrived=newest.arrived))
+
+    def _watch_holder(self) -> None:
+        """End the motion of a capability whose process is gone; of others only the lease tells."""
+        holder = self._state.hold.source if self._state.hold is not None else ""
+        alive = bool(holder) and self.ctx.alive(holder)
+        if holder and holder == self._alive_holder and not alive:
+            self._decide(Stop(source=holder, received=self.ctx.clock(), reason="its process is gone"))
+        self._alive_holder = holder if alive else ""
 
     def _command(self, call: Call) -> None:
         event = _event(call)

@@ -65,6 +65,7 @@ class FakeContext:
         self.asked: list[FakeAsked] = []
         self.checks: dict[str, Any] | None = {}
         self.drivers_alive = True
+        self.gone: set[str] = set()
         self._latest: dict[str, Received] = {}
         self._arrived: list[Received] = []
 
@@ -85,7 +86,7 @@ class FakeContext:
         return (port,)
 
     def alive(self, capability):
-        return self.drivers_alive
+        return self.drivers_alive and capability not in self.gone
 
     def ask(self, request, message, timeout_s):
         self.asked.append(FakeAsked(message, self.checks))

@@ -146,6 +146,15 @@ def test_the_death_of_the_motor_driver_ends_the_motion(robot):
     assert ("fault", "console: the motor driver (motors) is gone") in robot.ctx.events
 
 
+def test_the_death_of_a_capability_that_drives_ends_its_motion(robot):
+    call = robot.send(robot.ctx.command(0.5))
+    robot.run(0.1, renewing(robot, call))
+    robot.ctx.gone.add("console")
+    robot.drive.step()
+    assert robot.wheels == (0.0, 0.0)
+    assert any("its process is gone" in text for _, text in robot.ctx.events)
+
+
 def test_a_driver_that_is_back_can_be_driven_again(robot):
     robot.ctx.drivers_alive = False
     robot.run(0.1, hear=False)
