@@ -11,7 +11,6 @@ import pytest
 from lbr.database import store
 from tests.robot import Robot, running
 
-
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
 
 
