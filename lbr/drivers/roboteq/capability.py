@@ -177,8 +177,8 @@ class Roboteq(Capability[RoboteqSettings]):
         return Inhibit(f"the controller reports {', '.join(grave)}", fault=True) if grave else None
 
     def _held_up(self, now: float) -> Inhibit | None:
-        """After a pause as long as the watchdog the controller has stopped by itself, and so do we."""
-        if self._stepped is None or now - self._stepped < self.ctx.settings.watchdog_ms / 1000.0:
+        """After a pause longer than a setpoint lives, the next one begins with zero: it may be far up its ramp."""
+        if self._stepped is None or now - self._stepped < self.ctx.settings.setpoint_valid_s:
             return None
         return Inhibit(f"the driver was held up for {now - self._stepped:.2f} s", fault=True)
 
