@@ -38,6 +38,7 @@ def walks(results: Results, n: int, dice: random.Random) -> None:
     with bench(results) as under_test:
         for number in range(n):
             _rest(under_test)
+            under_test.trace.read()  # the end of the walk before is not the beginning of this one
             under_test.trace.entries.clear()
             walk = Walk(under_test, random.Random(dice.getrandbits(32)))
             for _ in range(STEPS):

@@ -155,7 +155,9 @@ def _ahead_m(under_test: Bench) -> float:
 
 
 def _back(under_test: Bench, ahead_m: float) -> None:
-    """Drive back to where so much is seen ahead."""
+    """Drive back to where so much is seen ahead, unless it looks past what it saw before."""
+    if _ahead_m(under_test) >= ahead_m:
+        return
     with held(under_test, {"angle_deg": 180.0, "range_cm": round(ahead_m * 100), "sensor": "forward"}):
         under_test.wait_for_motion()
         under_test.until(lambda: under_test.trace.now().zero, 3.0, "standing where it began")

@@ -59,10 +59,9 @@ def test_a_reader_that_sleeps_on_the_job_still_tells_the_publishers_rate(robot, 
     publisher = wire.Publisher(robot.bus, "rob/drive/state", "drive")
     wait_for(lambda: publisher.put({}) or heard.count)
     tick = threading.Event()
-    for _ in range(40):
+    while heard.count < 40:  # a busy machine loses some
         publisher.put({})
         tick.wait(0.01)
-    wait_for(lambda: heard.count >= 40)
     arrivals = heard.take()
     assert len(arrivals) == 5
     first, last = stamp.read(arrivals[0].attachment), stamp.read(arrivals[-1].attachment)
