@@ -6,8 +6,6 @@ if anything was lost or wrong was accepted.
 """
 
 import argparse
-import os
-import platform
 import random
 import sys
 import time
@@ -15,9 +13,7 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 
-import msgspec
-
-from benchmarks.figures import Promise, Report, Results, table
+from benchmarks.figures import Promise, Report, Results, machine, table
 from benchmarks.scenarios import data_audit, data_damage, data_disk, data_kills, data_life, data_mutations
 
 PROMISES: dict[str, Promise] = {
@@ -56,13 +52,9 @@ def main() -> int:
     arguments = _arguments()
     report = measure(arguments.only, arguments.n, arguments.seed)
     if arguments.json:
-        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+        report.write(arguments.json)
     print(table(report.results))
-    broken = [result for result in report.results if result.verdict == "broken"]
-    for result in broken:
-        for text in result.violations[:5] or ["above its hard limit"]:
-            print(f"BROKEN {result.figure}: {text}", file=sys.stderr)
-    return 1 if broken else 0
+    return report.tell_broken()
 
 
 def measure(names: list[str], n: int, seed: int) -> Report:
@@ -79,10 +71,9 @@ def measure(names: list[str], n: int, seed: int) -> Report:
             traceback.print_exc()
             results.check(next(f for f in PROMISES if f.startswith(name)), [f"the scenario could not go on: {err}"])
         print(f"{name}: {time.monotonic() - since:.0f} s", file=sys.stderr, flush=True)
-    machine = f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}"
     ordered = [results.by_figure[figure] for figure in PROMISES if figure in results.by_figure]
     took_s = round(time.monotonic() - began, 1)
-    return Report(machine=machine, load=f"seed {seed}", started=started, took_s=took_s, results=ordered)
+    return Report(machine=machine(), load=f"seed {seed}", started=started, took_s=took_s, results=ordered)
 
 
 def _arguments() -> argparse.Namespace:

@@ -1,9 +1,14 @@
 """What was measured, against what was promised: samples, percentiles, violations, verdicts, a table."""
 
 import math
+import os
+import platform
+import sys
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Literal
 
+import msgspec
 from msgspec import Struct, field
 
 Verdict = Literal["met", "missed", "broken"]
@@ -54,6 +59,24 @@ class Report(Struct, kw_only=True):
     started: str
     took_s: float
     results: list[Result]
+
+    def write(self, path: Path) -> None:
+        """Write it as JSON, one figure to a line."""
+        path.write_bytes(msgspec.json.encode(self).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+
+    def tell_broken(self) -> int:
+        """Say on standard error what is broken; return the exit code."""
+        broken = [result for result in self.results if result.verdict == "broken"]
+        for result in broken:
+            for text in result.violations[:5] or ["above its hard limit"]:
+                print(f"BROKEN {result.figure}: {text}", file=sys.stderr)
+        return 1 if broken else 0
+
+
+def machine() -> str:
+    """Return what this machine is."""
+    python = sys.version.split()[0]
+    return f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}, Python {python}"
 
 
 class Results:

@@ -6,8 +6,6 @@ Exit code 1 if anything fell over, was wrongly accepted, or moved.
 """
 
 import argparse
-import os
-import platform
 import random
 import sys
 import time
@@ -15,9 +13,7 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 
-import msgspec
-
-from benchmarks.figures import Promise, Report, Result, Results, table
+from benchmarks.figures import Promise, Report, Result, Results, machine, table
 from benchmarks.fuzzing import bus, console, serial, walk
 
 PROMISES: dict[str, Promise] = {
@@ -48,13 +44,9 @@ def main() -> int:
     arguments = _arguments()
     report = measure(arguments.only or list(SCENARIOS), arguments.n, arguments.seed)
     if arguments.json:
-        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+        report.write(arguments.json)
     print(table(report.results))
-    broken = [result for result in report.results if result.verdict == "broken"]
-    for result in broken:
-        for text in result.violations[:5] or ["above its hard limit"]:
-            print(f"BROKEN {result.figure}: {text}", file=sys.stderr)
-    return 1 if broken else 0
+    return report.tell_broken()
 
 
 def measure(names: list[str], n: int, seed: int) -> Report:
@@ -73,7 +65,7 @@ def measure(names: list[str], n: int, seed: int) -> Report:
         print(f"{name}: {results.of(name).n} in {took_s:.0f} s, {results.of(name).n / took_s:.0f}/s", file=sys.stderr)
     ordered = [thinned(results.by_figure[figure]) for figure in PROMISES if figure in results.by_figure]
     return Report(
-        machine=f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}",
+        machine=machine(),
         load=f"seed {seed}",
         started=started,
         took_s=round(time.monotonic() - began, 1),

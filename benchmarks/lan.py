@@ -5,8 +5,6 @@ Exit code 1 if a hard value is broken.
 """
 
 import argparse
-import os
-import platform
 import random
 import subprocess
 import sys
@@ -17,9 +15,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
-import msgspec
-
-from benchmarks.figures import Promise, Report, Results, table
+from benchmarks.figures import Promise, Report, Results, machine, table
 from benchmarks.stalling import Stalling, Way
 from tests.conftest import prepare
 from tests.lan.door import Door, opened
@@ -56,16 +52,16 @@ def main() -> int:
         else:
             far(results, Path(folder) / "far", arguments.n, dice)
     report = Report(
-        machine=f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}",
+        machine=machine(),
         load="I",
         started=started,
         took_s=round(time.monotonic() - began, 1),
         results=[results.by_figure[figure] for figure in PROMISES if figure in results.by_figure],
     )
     if arguments.json:
-        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+        report.write(arguments.json)
     print(table(report.results))
-    return 1 if any(result.verdict == "broken" for result in report.results) else 0
+    return report.tell_broken()
 
 
 def near(results: Results, home: Path, n: int, dice: random.Random) -> None:

@@ -9,8 +9,6 @@ is broken.
 
 import argparse
 import multiprocessing
-import os
-import platform
 import signal
 import sys
 import time
@@ -23,7 +21,7 @@ from typing import NamedTuple
 import msgspec
 from msgspec import Struct
 
-from benchmarks.figures import Report, Result, Results, table
+from benchmarks.figures import Report, Result, Results, machine, table
 from benchmarks.ledger import Ledger
 from benchmarks.promises import PROMISES
 from benchmarks.schedule import FIGURE_OF, SCENARIOS
@@ -49,10 +47,10 @@ def main() -> int:
         return _keep(arguments.merge, write_docs=arguments.write_docs)
     report = measure(_rounds(arguments), arguments.load, jobs=arguments.jobs or (GATE_JOBS if arguments.gate else 1))
     if arguments.json:
-        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+        report.write(arguments.json)
     if arguments.table or not arguments.json:
         print(table(report.results))
-    return _tell(report.results)
+    return report.tell_broken()
 
 
 def measure(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1) -> Report:
@@ -67,11 +65,8 @@ def measure(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1) -> Report:
                 _take(results, run_alone(run))
     for text in results.disturbed:
         print(f"not counted: {text}", file=sys.stderr)
-    machine = (
-        f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}, Python {sys.version.split()[0]}"
-    )
     took_s = round(time.monotonic() - began, 1)
-    return Report(machine=machine, load=load, started=started, took_s=took_s, results=results.ordered())
+    return Report(machine=machine(), load=load, started=started, took_s=took_s, results=results.ordered())
 
 
 class Outcome(Struct, frozen=True):
@@ -146,14 +141,6 @@ def _rounds(arguments: argparse.Namespace) -> Iterator[list[Run]]:
 
 def _tenth(full: int, turn: int) -> int:
     return full * (turn + 1) // ROUNDS - full * turn // ROUNDS
-
-
-def _tell(results: list[Result]) -> int:
-    broken = [result for result in results if result.verdict == "broken"]
-    for result in broken:
-        for text in result.violations[:5] or ["above its hard limit"]:
-            print(f"BROKEN {result.figure}: {text}", file=sys.stderr)
-    return 1 if broken else 0
 
 
 def _keep(paths: list[Path], *, write_docs: bool) -> int:

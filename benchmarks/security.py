@@ -5,17 +5,13 @@ Exit code 1 if anything passed that must not. A1 needs root, for networks of its
 """
 
 import argparse
-import os
-import platform
 import sys
 import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
 
-import msgspec
-
-from benchmarks.figures import Promise, Report, Results, table
+from benchmarks.figures import Promise, Report, Results, machine, table
 from benchmarks.intrusion import credentials, dependencies, kinds, network, processes, programs, python_lines
 
 PROMISES: dict[str, Promise] = {
@@ -46,13 +42,9 @@ def main() -> int:
     arguments = _arguments()
     report = measure(arguments.only or list(SCENARIOS), arguments.seconds)
     if arguments.json:
-        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+        report.write(arguments.json)
     print(table(report.results))
-    broken = [result for result in report.results if result.verdict == "broken"]
-    for result in broken:
-        for text in result.violations[:5]:
-            print(f"BROKEN {result.figure}: {text}", file=sys.stderr)
-    return 1 if broken else 0
+    return report.tell_broken()
 
 
 def measure(names: list[str], seconds: float) -> Report:
@@ -73,7 +65,7 @@ def measure(names: list[str], seconds: float) -> Report:
         print(f"{name}: {time.monotonic() - since:.0f} s", file=sys.stderr, flush=True)
     ordered = [results.by_figure[figure] for figure in PROMISES if figure in results.by_figure]
     return Report(
-        machine=f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}",
+        machine=machine(),
         load=f"listened for {seconds:g} s",
         started=started,
         took_s=round(time.monotonic() - began, 1),

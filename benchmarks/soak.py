@@ -6,7 +6,6 @@ told on standard error. Exit code 1 if a hard value is broken.
 
 import argparse
 import os
-import platform
 import random
 import signal
 import sys
@@ -16,10 +15,8 @@ from contextlib import suppress
 from pathlib import Path
 from statistics import median
 
-import msgspec
-
 from benchmarks.bench import Bench, bench
-from benchmarks.figures import Promise, Report, Results, table
+from benchmarks.figures import Promise, Report, Results, machine, table
 from benchmarks.scenarios.devices import MOTORS, RANGES, fault
 from benchmarks.scenarios.freezes import break_links
 from benchmarks.scenarios.storms import WORKERS, Cost, audit_faults, costs, left_over
@@ -195,14 +192,14 @@ def main() -> int:
     began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
     soak(results, arguments.minutes, arguments.seed, fault_every_s=arguments.fault_every)
     report = Report(
-        machine=f"{os.cpu_count()} cores, {platform.machine()}, Linux {platform.release()}",
+        machine=machine(),
         load=f"{arguments.minutes:g} minutes, seed {arguments.seed}",
         started=started,
         took_s=round(time.monotonic() - began, 1),
         results=[result for result in results.ordered() if result.figure.startswith("K1")],
     )
     if arguments.json:
-        arguments.json.write_bytes(msgspec.json.encode(report).replace(b'{"figure"', b'\n{"figure"') + b"\n")
+        report.write(arguments.json)
     print(table(results.ordered()))
     for text in results.violations()[:20]:
         print(f"BROKEN {text}", file=sys.stderr)
