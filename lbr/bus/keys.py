@@ -52,3 +52,8 @@ def alive(robot: str, capability: str) -> str:
 def schema(robot: str, capability: str, name: str) -> str:
     """Return the key that answers with the JSON Schema of a stream or command."""
     return f"{robot}/@schema/{capability}/{name}"
+
+
+def looked_at(robot: str) -> tuple[str, ...]:
+    """Return the keys on which the robot tells of itself."""
+    return status(robot), ANY_STATUS, event(robot), schema(robot, "*", "*")

@@ -31,16 +31,16 @@ def of_local(plan: Plan) -> Rights:
             keys.console(robot),
             keys.estop(robot),
             keys.estop_reset(robot),
-            *_looked_at(robot),
+            *keys.looked_at(robot),
         ),
-        hear=(f"{robot}/**", keys.estop(robot), keys.estop_acknowledgement(robot, "*"), *_looked_at(robot)),
+        hear=(f"{robot}/**", keys.estop(robot), keys.estop_acknowledgement(robot, "*"), *keys.looked_at(robot)),
         watch=(keys.alive(robot, "*"),),
     )
 
 
 def looked_at(plan: Plan) -> tuple[str, ...]:
     """Return what is only looked at: a look that comes to nothing can be repeated, and holds up nobody."""
-    return (*plan.streams(), *_looked_at(plan.robot))
+    return (*plan.streams(), *keys.looked_at(plan.robot))
 
 
 def _taken(plan: Plan) -> Iterable[str]:
@@ -77,8 +77,8 @@ def _of_lan(plan: Plan, unit: Unit) -> Rights:
     robot, stops = plan.robot, unit.config.lan.stops
     return Rights(
         put=(*stops, keys.estop(robot)),
-        ask=(*stops, *unit.config.lan.streams, keys.estop(robot), *_looked_at(robot)),
-        hear=(*unit.config.lan.streams, f"{robot}/**", keys.estop(robot), *_looked_at(robot)),
+        ask=(*stops, *unit.config.lan.streams, keys.estop(robot), *keys.looked_at(robot)),
+        hear=(f"{robot}/**", keys.estop(robot), *keys.looked_at(robot)),
         watch=(keys.alive(robot, "*"),),
     )
 
@@ -86,7 +86,3 @@ def _of_lan(plan: Plan, unit: Unit) -> Rights:
 def _relayed(commands: Iterable[str], robot: str) -> tuple[str, ...]:
     consoles = tuple(keys.console(robot, role) for role in ("view", "operate", "admin"))
     return (*commands, *consoles, keys.estop_reset(robot))
-
-
-def _looked_at(robot: str) -> Iterable[str]:
-    return keys.status(robot), keys.ANY_STATUS, keys.event(robot), keys.schema(robot, "*", "*")

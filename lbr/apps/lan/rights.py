@@ -17,8 +17,8 @@ def of_role(robot: str, lan: LanConfig, role: Role) -> Rights:
     allowed = commands(lan, role)
     return Rights(
         put=(*allowed, *lan.stops, keys.estop(robot)),
-        ask=(*allowed, *consoles(robot, role), *lan.stops, *lan.streams, keys.estop(robot), *looked_at(robot)),
-        hear=(f"{robot}/**", keys.estop(robot), *looked_at(robot)),
+        ask=(*allowed, *consoles(robot, role), *lan.stops, *lan.streams, keys.estop(robot), *keys.looked_at(robot)),
+        hear=(f"{robot}/**", keys.estop(robot), *keys.looked_at(robot)),
         watch=(keys.alive(robot, "*"),),
     )
 
@@ -59,8 +59,3 @@ def consoles(robot: str, role: Role) -> tuple[str, ...]:
     own: tuple[Role, ...] = tuple(other for other, rank in RANKS.items() if rank <= RANKS[role])
     reset = (keys.estop_reset(robot),) if RANKS[role] >= RANKS["operate"] else ()
     return (*(keys.console(robot, other) for other in own), *reset)
-
-
-def looked_at(robot: str) -> tuple[str, ...]:
-    """Return what the robot says of itself."""
-    return keys.status(robot), keys.ANY_STATUS, keys.event(robot), keys.schema(robot, "*", "*")
