@@ -19,7 +19,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0002');
+INSERT INTO alembic_version (version_num) VALUES ('0003');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -127,6 +127,22 @@ CREATE TABLE phrase (
     text     TEXT NOT NULL  -- what is said
         CHECK (length(text) BETWEEN 1 AND 1000),
     PRIMARY KEY (name, language)
+) STRICT;
+
+-- What the robots dance: one move after the other, to the beats of a song.
+CREATE TABLE choreography (
+    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    dance     TEXT    NOT NULL  -- by which settings and commands know it
+        CHECK (dance GLOB '[a-z]*' AND dance NOT GLOB '*[^a-z0-9_]*' AND length(dance) <= 40),
+    step      INTEGER NOT NULL  -- the order, from 1; after the last comes the first
+        CHECK (step BETWEEN 1 AND 10000),
+    power     REAL    NOT NULL  -- 0 to 1 of full
+        CHECK (power BETWEEN 0 AND 1),
+    angle_deg REAL    NOT NULL  -- degrees clockwise: 0 ahead, 90 right, 180 back, 270 left
+        CHECK (angle_deg BETWEEN -360 AND 360),
+    beats     INTEGER NOT NULL DEFAULT 1  -- for how many beats
+        CHECK (beats BETWEEN 1 AND 64),
+    PRIMARY KEY (robot, dance, step)
 ) STRICT;
 
 -- Numbers measured on one device, written back by calibration runs; its driver gets them at its start.
@@ -330,6 +346,16 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
 
 INSERT INTO external_command (robot, name, argv, blocking, help) VALUES
     ('lbr', 'clock', '["/bin/date"]', 1, 'Show date and time of the robot''s computer');
+
+INSERT INTO choreography (robot, dance, step, power, angle_deg) VALUES
+    ('lbr', 'to_and_fro', 1, 0.3, 0),
+    ('lbr', 'to_and_fro', 2, 0.3, 180),
+    ('lbr', 'to_and_fro', 3, 0.3, 0),
+    ('lbr', 'to_and_fro', 4, 0.3, 180),
+    ('lbr', 'to_and_fro', 5, 0.3, 270),
+    ('lbr', 'to_and_fro', 6, 0.3, 90),
+    ('lbr', 'to_and_fro', 7, 0.3, 90),
+    ('lbr', 'to_and_fro', 8, 0.3, 270);
 
 INSERT INTO phrase (name, language, text) VALUES
     ('hello', 'en', 'Good day. All systems are up.'),
@@ -556,6 +582,36 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('phrase', json_array(OLD.name, OLD.language), 'delete',
             json_object('name', OLD.name, 'language', OLD.language, 'text', OLD.text),
+            NULL);
+END;
+
+CREATE TRIGGER choreography_insert AFTER INSERT ON choreography
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(NEW.robot, NEW.dance, NEW.step), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'dance', NEW.dance, 'step', NEW.step, 'power', NEW.power,
+            'angle_deg', NEW.angle_deg, 'beats', NEW.beats));
+END;
+
+CREATE TRIGGER choreography_update AFTER UPDATE ON choreography
+WHEN (OLD.robot, OLD.dance, OLD.step, OLD.power, OLD.angle_deg, OLD.beats)
+     IS NOT (NEW.robot, NEW.dance, NEW.step, NEW.power, NEW.angle_deg, NEW.beats)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(NEW.robot, NEW.dance, NEW.step), 'update',
+            json_object('robot', OLD.robot, 'dance', OLD.dance, 'step', OLD.step, 'power', OLD.power,
+            'angle_deg', OLD.angle_deg, 'beats', OLD.beats),
+            json_object('robot', NEW.robot, 'dance', NEW.dance, 'step', NEW.step, 'power', NEW.power,
+            'angle_deg', NEW.angle_deg, 'beats', NEW.beats));
+END;
+
+CREATE TRIGGER choreography_delete AFTER DELETE ON choreography
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(OLD.robot, OLD.dance, OLD.step), 'delete',
+            json_object('robot', OLD.robot, 'dance', OLD.dance, 'step', OLD.step, 'power', OLD.power,
+            'angle_deg', OLD.angle_deg, 'beats', OLD.beats),
             NULL);
 END;
 

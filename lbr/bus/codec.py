@@ -5,6 +5,7 @@ from typing import Any, Generic, TypeVar
 import msgspec
 
 from lbr.errors import MalformedError
+from lbr.messages.camera import JpegFrame
 
 T = TypeVar("T")
 
@@ -25,6 +26,16 @@ class Decoder(Generic[T]):
             raise MalformedError(f"not JSON: {err}") from err
         except (RecursionError, OverflowError) as err:
             raise MalformedError(f"not sensible: {err}") from err
+
+
+class PictureDecoder:
+    """Takes the bytes of a JPEG file as they are, if they begin and end like one."""
+
+    def decode(self, data: bytes) -> JpegFrame:
+        """Return the picture; raise MalformedError if it is none."""
+        if not (data.startswith(b"\xff\xd8") and data.endswith(b"\xff\xd9")):
+            raise MalformedError(f"not a whole JPEG picture ({len(data)} bytes)")
+        return JpegFrame(data)
 
 
 def decode(data: bytes) -> Any:

@@ -14,8 +14,10 @@ import zenoh
 from lbr.bus import keys
 from lbr.bus import stamp as stamps
 from lbr.errors import BusError
+from lbr.messages.camera import JpegFrame
 
 JSON = zenoh.Encoding.APPLICATION_JSON
+JPEG = zenoh.Encoding.IMAGE_JPEG
 MAX_COMMAND_BYTES = 64 * 1024
 MAX_WAITING_COMMANDS = 64
 encode = msgspec.json.Encoder().encode
@@ -60,24 +62,36 @@ def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # 
 
 
 class Publisher:
-    """One stream: publishes stamped JSON, and answers a `get` with its latest value. One thread publishes."""
+    """One stream: publishes stamped messages, and answers a `get` with its latest value. One thread publishes.
 
-    def __init__(self, session: zenoh.Session, key: str, source: str, *, seal: bytes = b"") -> None:
+    It carries JSON, or, with `pictures`, the bytes of JPEG files.
+    """
+
+    def __init__(
+        self, session: zenoh.Session, key: str, source: str, *, seal: bytes = b"", pictures: bool = False
+    ) -> None:
         self.key = key
         self.count = 0
+        self._encoding = JPEG if pictures else JSON
         self._source = source
         self._seal = seal
         self._last: tuple[bytes, bytes] | None = None
         self._publisher = session.declare_publisher(
-            key, encoding=JSON, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA
+            key,
+            encoding=self._encoding,
+            congestion_control=zenoh.CongestionControl.DROP,
+            priority=zenoh.Priority.DATA_LOW if pictures else zenoh.Priority.DATA,
         )
         self._latest = session.declare_queryable(key, direct(self._answer), complete=True)
 
-    def put(self, message: Any) -> bytes:
-        """Publish, and return the stamp; a bus that is away loses it silently, so motion never relies on it alone."""
-        payload = encode(message)
+    def put(self, message: Any, *, taken_s: float | None = None) -> bytes:
+        """Publish, and return the stamp; a bus that is away loses it silently, so motion never relies on it alone.
+
+        `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time.
+        """
+        payload = message.data if isinstance(message, JpegFrame) else encode(message)
         self.count += 1
-        attachment = stamps.make(self._source, self.count, payload, self._seal)
+        attachment = stamps.make(self._source, self.count, payload, self._seal, sent_s=taken_s)
         self._last = (payload, attachment)
         self._publisher.put(payload, attachment=attachment)
         return attachment
@@ -91,7 +105,7 @@ class Publisher:
         with query:
             if self._last is not None:
                 payload, attachment = self._last
-                query.reply(self.key, payload, encoding=JSON, attachment=attachment)
+                query.reply(self.key, payload, encoding=self._encoding, attachment=attachment)
 
 
 class Subscription:

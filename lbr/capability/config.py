@@ -5,6 +5,8 @@ from typing import Any
 from msgspec import Raw, Struct
 
 from lbr.bus.access import Credentials
+from lbr.messages.dance import DanceStep
+from lbr.messages.speech import Phrase
 from lbr.messages.system import EstopState, Role
 
 
@@ -68,6 +70,7 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 
     `wiring` maps inputs and setpoints to the streams that feed them, `outputs` every output to its keys, `requests`
     to the capabilities asked and their keys. `release_key` proves that a release of the e-stop is the executive's.
+    `calibrates` is the device whose `calibration` this is.
     """
 
     robot: str
@@ -82,15 +85,22 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     wiring: dict[str, tuple[InputWire, ...]] = {}
     outputs: dict[str, tuple[OutputWire, ...]] = {}
     requests: dict[str, dict[str, str]] = {}
+    calibrates: str = ""
     calibration: dict[str, float] = {}
+    phrases: tuple[Phrase, ...] = ()
+    dance_steps: tuple[DanceStep, ...] = ()
     estop: EstopState = EstopState(engaged=False, reason="")
     release_key: str = ""
     lan: LanConfig | None = None
 
 
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A line from a process to its executive; an empty line is a bare heartbeat."""
+    """A line from a process to its executive; an empty line is a bare heartbeat.
+
+    `calibration` is what was measured on the device that it calibrates, to be written down.
+    """
 
     phase: str = ""
     reason: str = ""
     counts: dict[str, int] = {}
+    calibration: dict[str, float] = {}

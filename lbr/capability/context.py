@@ -6,6 +6,8 @@ from typing import Any, Protocol, TypeVar
 
 from msgspec import Struct
 
+from lbr.messages.dance import DanceStep
+from lbr.messages.speech import Phrase
 from lbr.messages.system import Role, Stamp
 
 S_co = TypeVar("S_co", bound=Struct, covariant=True)
@@ -94,6 +96,8 @@ class Context(Protocol[S_co]):
     devices: tuple[Device, ...]
     home: str
     calibration: Mapping[str, float]
+    phrases: tuple[Phrase, ...]
+    dance_steps: tuple[DanceStep, ...]
     on_tick: bool
 
     @property
@@ -103,8 +107,11 @@ class Context(Protocol[S_co]):
     def clock(self) -> float:
         """Monotonic seconds."""
 
-    def publish(self, output: str, message: Struct) -> None:
-        """Publish on an output; it is also the answer to a later `get`. Never blocks, never raises on a dead bus."""
+    def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
+        """Publish on an output; it is also the answer to a later `get`. Never blocks, never raises on a dead bus.
+
+        `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time.
+        """
 
     def latest(self, port: str) -> Received | None:
         """Return the newest message of an input or setpoint, or None before the first."""
@@ -123,6 +130,9 @@ class Context(Protocol[S_co]):
 
     def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
         """Publish on `@event`; the executive writes it down."""
+
+    def keep_calibration(self, values: Mapping[str, float]) -> None:
+        """Have values of the device that this capability calibrates written down; it goes on without a restart."""
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works (the runtime does so after `open`)."""

@@ -12,6 +12,8 @@ from lbr.messages.system import Role
 
 STOP = "stop"
 Family = Literal["driver", "operation", "app", "simulation", "program"]
+Emulation = Literal["tty", "socket", "folder"]
+Table = Literal["phrase", "choreography"]
 
 
 class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
@@ -29,6 +31,9 @@ class Kind:
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
     `device` is the type of the device row that the setting `device` must name; empty if it owns none.
     `device_settings` is what rows of a type of device may set for it.
+    `emulated` is what stands in for its device in a simulation: a tty, a socket (`unix:PATH`) or a folder.
+    `calibrates` is the setting that names the device row whose calibration it gets, and may write back.
+    `rows` are the tables whose rows it gets.
     """
 
     name: str
@@ -46,6 +51,9 @@ class Kind:
     moves: bool = False
     device: str = ""
     device_settings: Mapping[str, type[Struct]] = field(default_factory=dict)
+    emulated: Emulation = "tty"
+    calibrates: str = ""
+    rows: tuple[Table, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse ports that are not messages."""

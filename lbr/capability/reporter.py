@@ -3,6 +3,7 @@
 import contextlib
 import os
 import time
+from collections.abc import Mapping
 
 import msgspec
 
@@ -33,6 +34,10 @@ class Reporter:
         if (phase, reason) != self._said:
             self._said = (phase, reason)
             self._write(_encode(Report(phase=phase, reason=reason[:500])))
+
+    def calibration(self, values: Mapping[str, float]) -> None:
+        """Report what was measured on the device that this process calibrates."""
+        self._write(_encode(Report(calibration=dict(values))))
 
     def beat(self, counts: dict[str, int]) -> None:
         """Say that the main loop goes round; rate-limited here, so call it freely."""

@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -10,7 +10,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr.bus import keys, session, stamp, wire
-from lbr.bus.codec import Decoder
+from lbr.bus.codec import Decoder, PictureDecoder
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
 from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Call, Device, EmergencyStop, Received
@@ -19,6 +19,7 @@ from lbr.capability.events import Throttle
 from lbr.capability.kind import STOP, Kind
 from lbr.capability.reporter import Reporter
 from lbr.errors import MalformedError
+from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import CheckVerdict
 from lbr.messages.system import Event
 
@@ -38,7 +39,7 @@ class Port:
     ) -> None:
         self.sources = tuple(wire.source for wire in wires)
         self.last: Received | None = None
-        self._decoder = Decoder(kind)
+        self._decoder = PictureDecoder() if kind is JpegFrame else Decoder(kind)
         self._complain = complain
         self._fresh: deque[Received] = deque(maxlen=max((wire.history for wire in wires), default=1))
         self._next: dict[str, float] = {}
@@ -97,7 +98,9 @@ class ProcessContext:
         self.name = config.name
         self.settings = kind.parse(config.settings)
         self.home = config.home
-        self.calibration = config.calibration
+        self.calibration: Mapping[str, float] = config.calibration
+        self.phrases = config.phrases
+        self.dance_steps = config.dance_steps
         self.devices = tuple(Device(d.name, d.type, d.address, d.settings) for d in config.devices)
         self.device = next((d for d in self.devices if d.name == config.device), None)
         self.on_tick = False
@@ -112,7 +115,16 @@ class ProcessContext:
         self._bus = session.open_client(config.endpoints, config.credentials)
         self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
         self._outputs = {
-            name: [wire.Publisher(self._bus, o.key, config.name, seal=bytes.fromhex(o.seal)) for o in wires]
+            name: [
+                wire.Publisher(
+                    self._bus,
+                    o.key,
+                    config.name,
+                    seal=bytes.fromhex(o.seal),
+                    pictures=kind.outputs.get(name) is JpegFrame,
+                )
+                for o in wires
+            ]
             for name, wires in config.outputs.items()
         }
         ports = {**kind.inputs, **kind.setpoints}
@@ -135,12 +147,12 @@ class ProcessContext:
         """Monotonic seconds."""
         return time.monotonic()
 
-    def publish(self, output: str, message: Struct) -> None:
-        """Publish on every key of an output."""
+    def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
+        """Publish on every key of an output; `taken_s` is when a picture was taken."""
         if output not in self._outputs:
             raise KeyError(f"'{self.name}' has no output '{output}'; it has {', '.join(self._outputs) or 'none'}")
         for publisher in self._outputs[output]:
-            publisher.put(message)
+            publisher.put(message, taken_s=taken_s)
 
     def latest(self, port: str) -> Received | None:
         """Return the newest message of an input or setpoint."""
@@ -182,6 +194,13 @@ class ProcessContext:
             text = f"{missed} more events '{kind}' within a second"
             event = Event(kind="repeated", subject=self.name, text=text, level="warning", wall_ns=time.time_ns())
             self._events.put(event)
+
+    def keep_calibration(self, values: Mapping[str, float]) -> None:
+        """Have values of the device that this capability calibrates written down."""
+        if not self.config.calibrates:
+            raise ValueError(f"'{self.name}' calibrates no device: its kind says so by `calibrates`")
+        self.calibration = {**self.calibration, **values}
+        self._reporter.calibration(self.calibration)
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works."""
@@ -255,5 +274,7 @@ def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> l
 
 def _schema(kind: Kind, name: str, message: type[Struct]) -> dict[str, Any]:
     """Return the JSON Schema of a message, and for a command the role it needs of whoever comes from another machine."""
+    if message is JpegFrame:
+        return {"title": message.__name__, "description": message.__doc__, "contentMediaType": "image/jpeg"}
     found = msgspec.json.schema(message)
     return found | {"x-role": kind.role(name)} if name in kind.commands else found

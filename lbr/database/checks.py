@@ -10,7 +10,16 @@ from lbr.database.reader import json_strictly, shown
 from lbr.database.rows import Problem, RobotRow, RobotRows, VerbRow
 from lbr.database.tables import KEYS, RawRow, RawTables
 
-_LISTS = ("capabilities", "channels", "devices", "verbs", "external_commands", "phrases", "calibrations")
+_LISTS = (
+    "capabilities",
+    "channels",
+    "devices",
+    "verbs",
+    "external_commands",
+    "phrases",
+    "choreographies",
+    "calibrations",
+)
 
 
 def check(tables: RawTables, robot: str, *, revision: int = 0, problems: Iterable[Problem] = ()) -> RobotRows:
@@ -25,6 +34,7 @@ def check(tables: RawTables, robot: str, *, revision: int = 0, problems: Iterabl
         verbs=decode.decode("verb", own["verb"], decode.verb, found),
         external_commands=decode.decode("external_command", own["external_command"], decode.external_command, found),
         phrases=decode.decode("phrase", own["phrase"], decode.phrase, found),
+        choreographies=decode.decode("choreography", own["choreography"], decode.choreography, found),
         calibrations=decode.decode("calibration", own["calibration"], decode.calibration, found),
         revision=revision,
     )

@@ -10,6 +10,7 @@ from lbr.database.rows import (
     CalibrationRow,
     CapabilityRow,
     ChannelRow,
+    ChoreographyRow,
     DeviceRow,
     ExternalCommandRow,
     PhraseRow,
@@ -148,6 +149,17 @@ def phrase(reader: RowReader, _: RawRow) -> PhraseRow:
         name=reader.name("name"),
         language=reader.matching("language", _LANGUAGE, "a language tag in small letters, such as en"),
         text=reader.text("text", empty=False),
+    )
+
+
+def choreography(reader: RowReader, _: RawRow) -> ChoreographyRow:
+    """Read one move of a dance."""
+    return ChoreographyRow(
+        dance=reader.name("dance"),
+        step=reader.whole("step", 1, 10_000),
+        power=reader.within("power", 0.0, 1.0),
+        angle_deg=reader.within("angle_deg", -360.0, 360.0),
+        beats=reader.whole("beats", 1, 64),
     )
 
 

@@ -102,6 +102,18 @@ class Phrase(Model):
     text: Mapped[str]
 
 
+class Choreography(Model):
+    """The moves of the dances."""
+
+    __tablename__ = "choreography"
+    robot: Mapped[str] = _robot_key()
+    dance: Mapped[str] = mapped_column(primary_key=True)
+    step: Mapped[int] = mapped_column(primary_key=True)
+    power: Mapped[float]
+    angle_deg: Mapped[float]
+    beats: Mapped[int]
+
+
 class Calibration(Model):
     """Numbers measured on a device."""
 
@@ -227,6 +239,7 @@ CONFIGURATION: tuple[type[Model], ...] = (
     Verb,
     ExternalCommand,
     Phrase,
+    Choreography,
     Calibration,
 )
 """The tables that make a robot; their changes are revisions."""

@@ -81,6 +81,13 @@ class RowReader:
             return float(value)
         return self._stand_in(column, f"'{shown(value)}' is not a finite number", 0.0)
 
+    def within(self, column: str, lowest: float, highest: float) -> float:
+        """Return a number within bounds."""
+        value = self.number(column)
+        if lowest <= value <= highest:
+            return value
+        return self._stand_in(column, f"{value:g} is outside {lowest:g} to {highest:g}", lowest)
+
     def rate(self, column: str) -> float | None:
         """Return a rate above zero, or None for none."""
         value = self._values.get(column)

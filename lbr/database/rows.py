@@ -111,6 +111,16 @@ class PhraseRow(Struct, frozen=True, kw_only=True):
     text: str
 
 
+class ChoreographyRow(Struct, frozen=True, kw_only=True):
+    """One move of a dance: this power and angle for so many beats."""
+
+    dance: str
+    step: int
+    power: float
+    angle_deg: float
+    beats: int
+
+
 class CalibrationRow(Struct, frozen=True, kw_only=True):
     """One measured number of a device."""
 
@@ -179,6 +189,7 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     verbs: tuple[VerbRow, ...] = ()
     external_commands: tuple[ExternalCommandRow, ...] = ()
     phrases: tuple[PhraseRow, ...] = ()
+    choreographies: tuple[ChoreographyRow, ...] = ()
     calibrations: tuple[CalibrationRow, ...] = ()
     tokens: tuple[TokenRow, ...] = ()
     revision: int = 0

@@ -1,13 +1,13 @@
 """Devices of the rows: whose they are, what may be set, and where they are in this run. Pure."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from lbr.capability.kind import Kind
-from lbr.database.rows import CapabilityRow, Problem, RobotRows
+from lbr.database.rows import CapabilityRow, DeviceRow, Problem, RobotRows
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 
@@ -51,8 +51,10 @@ def check_devices(
     return problems
 
 
-def device_address(name: str, address: str, profile: Profile, site: Site, robot: str) -> str:
+def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: Site, robot: str) -> str:
     """Return where a device is in this run: its emulated twin's place, the profile's word, or the row's."""
-    if profile.simulate:
-        return str(Path(site.home) / "run" / f"{robot}-devices" / name)
-    return profile.devices.get(name, address)
+    if not profile.simulate:
+        return profile.devices.get(device.name, device.address)
+    place = str(Path(site.home) / "run" / f"{robot}-devices" / device.name)
+    emulated = next((kind.emulated for kind in kinds if kind.device == device.type), "tty")
+    return f"unix:{place}" if emulated == "socket" else place

@@ -18,6 +18,8 @@ from lbr.executive.credentials import token_secret
 from lbr.executive.devices import device_address
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
+from lbr.messages.dance import DanceStep
+from lbr.messages.speech import Phrase
 
 LAN = "lan"
 
@@ -53,13 +55,14 @@ def unit(
         DeviceConfig(
             name=d.name,
             type=d.type,
-            address=device_address(d.name, d.address, profile, site, robot),
+            address=device_address(d, kinds.values(), profile, site, robot),
             settings=d.settings,
         )
         for d in rows.devices
         if kind.family == "simulation" or (kind.device and d.name == getattr(settings, "device", None))
     )
     device = getattr(settings, "device", "") if kind.device else ""
+    calibrates = str(getattr(settings, kind.calibrates)) if kind.calibrates else ""
     ports = settings if isinstance(settings, ProgramSettings) else kind
     config = ProcessConfig(
         robot=robot,
@@ -74,7 +77,10 @@ def unit(
         wiring=_wiring(row.name, kinds, channels, site, robot),
         outputs={name: _outputs(row.name, name, kinds, channels, site, robot) for name in ports.outputs},
         requests=_requests(row.name, kinds, channels, robot),
-        calibration={c.name: c.value for c in rows.calibrations if device and c.device == device},
+        calibrates=calibrates,
+        calibration={c.name: c.value for c in rows.calibrations if calibrates and c.device == calibrates},
+        phrases=_phrases(rows) if "phrase" in kind.rows else (),
+        dance_steps=_dance_steps(rows) if "choreography" in kind.rows else (),
         release_key=site.seal(keys.estop_release(robot, row.name)),
     )
     return Unit(
@@ -127,6 +133,17 @@ def streams_of(robot: str, units: Iterable[Unit]) -> tuple[str, ...]:
     """Return the keys of the streams that units publish under their own names."""
     keyed = ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
     return tuple(sorted({key for unit, key in keyed if key.startswith(f"{robot}/{unit.name}/")}))
+
+
+def _phrases(rows: RobotRows) -> tuple[Phrase, ...]:
+    return tuple(Phrase(name=row.name, language=row.language, text=row.text) for row in rows.phrases)
+
+
+def _dance_steps(rows: RobotRows) -> tuple[DanceStep, ...]:
+    return tuple(
+        DanceStep(dance=row.dance, step=row.step, power=row.power, angle_deg=row.angle_deg, beats=row.beats)
+        for row in rows.choreographies
+    )
 
 
 def _compact(settings: str) -> msgspec.Raw:

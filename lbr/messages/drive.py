@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.messages.units import AngleDeg, IntervalS, Power, RangeCm, SignedPower, TtlS
+from lbr.messages.units import AngleDeg, DistanceCm, HeadingDeg, IntervalS, Power, RangeCm, SignedPower, TtlS, TurnDeg
 
 Direction = Literal["forward", "back", "left", "right"]
 Sensor = Literal["forward", "back", "left", "right", "bottom"]
@@ -22,6 +22,25 @@ class DriveCommand(Struct, frozen=True, kw_only=True):
     range_cm: RangeCm = 0.0
     sensor: Sensor = "forward"
     interval_s: IntervalS = 0.0
+    distance_cm: DistanceCm = 0.0
+    ttl_s: TtlS | None = None
+    take_over: bool = False
+
+
+class TurnCommand(Struct, frozen=True, kw_only=True):
+    """Turn on the spot by an angle, for as long as the lease is renewed with the same command."""
+
+    angle_deg: TurnDeg
+    lease: LeaseId = ""
+    ttl_s: TtlS | None = None
+    take_over: bool = False
+
+
+class HeadingCommand(Struct, frozen=True, kw_only=True):
+    """Turn on the spot to a compass heading, the shorter way, for as long as the lease is renewed."""
+
+    heading_deg: HeadingDeg
+    lease: LeaseId = ""
     ttl_s: TtlS | None = None
     take_over: bool = False
 
@@ -43,13 +62,20 @@ class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class GoalResult(Struct, frozen=True, kw_only=True):
-    """How a bounded move ended. `reached` and `interval` are the planned ends; all others carry a reason."""
+    """How a bounded move or a turn ended. `reached` and `interval` are the planned ends; all others carry a reason.
+
+    `error_deg` is how far a turn went past its target, clockwise positive; `error_m` the same of a distance.
+    """
 
     goal: str
     result: Literal["reached", "interval", "stopped", "lapsed", "superseded", "fault"]
     reason: str
     range_cm: float | None
     elapsed_s: float
+    turned_deg: float | None = None
+    error_deg: float | None = None
+    distance_m: float | None = None
+    error_m: float | None = None
 
 
 class LoopStatistics(Struct, frozen=True, kw_only=True):

@@ -13,3 +13,11 @@ RangeCm = Annotated[float, Meta(ge=0.0, le=769.0, description="centimetres; 0 se
 IntervalS = Annotated[float, Meta(ge=0.0, le=3600.0, description="seconds; 0 sets no time")]
 TtlS = Annotated[float, Meta(gt=0.0, le=1.0, description="seconds a command lives unless it is renewed")]
 Name = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
+Vector = tuple[float, float, float]
+"""Along x, y and z."""
+Quaternion = tuple[float, float, float, float]
+"""w, x, y, z; of length 1."""
+TurnDeg = Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees to turn, clockwise positive")]
+HeadingDeg = Annotated[float, Meta(ge=0.0, le=360.0, description="degrees clockwise from true north")]
+DistanceCm = Annotated[float, Meta(ge=0.0, le=10000.0, description="centimetres to travel; 0 sets no distance")]
+Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]

@@ -136,6 +136,11 @@ BAD_ROWS = [
     ("phrase", {"name": "Hi", "language": "en", "text": "t"}),
     ("phrase", {"name": "hi", "language": "English", "text": "t"}),
     ("phrase", {"name": "hi", "language": "en", "text": ""}),
+    ("choreography", {"dance": "Waltz", "step": 1, "power": 0.5, "angle_deg": 0}),
+    ("choreography", {"dance": "d", "step": 0, "power": 0.5, "angle_deg": 0}),
+    ("choreography", {"dance": "d", "step": 1, "power": 1.5, "angle_deg": 0}),
+    ("choreography", {"dance": "d", "step": 1, "power": 0.5, "angle_deg": 361}),
+    ("choreography", {"dance": "d", "step": 1, "power": 0.5, "angle_deg": 0, "beats": 0}),
     ("calibration", {"device": "nothing", "name": "n", "value": 1.0}),
     ("calibration", {"device": "range_board", "name": "N", "value": 1.0}),
     ("calibration", {"device": "range_board", "name": "n", "value": float("inf")}),
@@ -176,6 +181,7 @@ GOOD_ROWS = [
     ("verb", {"word": "x", "pattern": "/x/{text...}", "target": "a.b", "payload": '{"a": 1}'}),
     ("external_command", {"name": "x", "argv": '["/bin/true"]'}),
     ("phrase", {"name": "hi", "language": "pt-br", "text": "t"}),
+    ("choreography", {"dance": "waltz", "step": 3, "power": 0.5, "angle_deg": -90, "beats": 2}),
     ("calibration", {"device": "range_board", "name": "n", "value": -1.5}),
     ("joint", {"name": "j", "device_id": 1, "lower_rad": -1, "upper_rad": 1, "speed_rps": 1}),
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": '{"j": 0.5}'}),
@@ -223,6 +229,7 @@ CHANGES = {
     "verb": "payload = '{}'",
     "external_command": "blocking = 0",
     "phrase": "text = 'Hm.'",
+    "choreography": "power = 0.25",
     "calibration": "value = 2.0",
 }
 
@@ -237,9 +244,9 @@ def test_every_change_of_a_row_is_a_revision(client, database, table):
     client.execute(f"UPDATE {table} SET {CHANGES[table]} WHERE rowid = {rowid}")
     client.execute(f"DELETE FROM {table} WHERE rowid = {rowid}")
     mine = [revision for revision in database.revisions(since) if revision.table == table]
-    update, delete = mine[0], next(r for r in mine if r.operation == "delete" and r.row_key == tuple(key))
+    update, delete = mine[0], next(r for r in mine if r.operation == "delete" and r.row_key == tuple(map(str, key)))
     column, _, value = CHANGES[table].partition(" = ")
-    assert (update.operation, update.row_key) == ("update", tuple(key))
+    assert (update.operation, update.row_key) == ("update", tuple(map(str, key)))
     assert update.old[column] != update.new[column]
     assert str(update.new[column]) == value.strip("'")
     assert delete.old == update.new

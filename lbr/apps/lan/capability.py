@@ -27,10 +27,10 @@ class Lan(Capability[LanSettings]):
     """Raises DeviceError while it cannot listen; any other trouble ends the process, and the next one begins afresh."""
 
     rate_hz = 10.0
-    ctx: ProcessContext  # type: ignore[assignment]  # only the process's own knows how to listen
+    ctx: ProcessContext  # only the process's own knows how to listen
 
     def __init__(self, ctx: ProcessContext) -> None:
-        super().__init__(ctx)  # type: ignore[arg-type]
+        super().__init__(ctx)
         if ctx.config.lan is None:
             raise ValueError("the executive gave no door to open")
         self._lan: LanConfig = ctx.config.lan

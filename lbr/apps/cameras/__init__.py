@@ -1,0 +1,25 @@
+"""Cameras: one of several on at a time, by name."""
+
+from msgspec import Struct
+
+from lbr.capability.kind import Kind
+from lbr.messages.camera import CamerasState, CameraState, SelectCommand, SwitchCommand
+from lbr.messages.drive import CommandReply
+
+
+class CamerasSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of kind `cameras` may set."""
+
+
+KIND = Kind(
+    name="cameras",
+    summary="switches one of the robot's cameras on and the others off",
+    family="app",
+    entry="lbr.apps.cameras.capability:Cameras",
+    settings=CamerasSettings,
+    inputs={"states": CameraState},
+    outputs={"state": CamerasState},
+    commands={"select": SelectCommand},
+    replies={"select": CommandReply, "switch": CommandReply},
+    requests={"switch": SwitchCommand},
+)

@@ -1,0 +1,60 @@
+"""Messages on `camera_*/*` and `cameras/*`."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.messages.units import Name
+
+
+class JpegFrame(Struct, frozen=True):
+    """A picture: on the bus the bytes of a JPEG file and nothing else (`image/jpeg`), stamped with when it was taken."""
+
+    data: bytes
+
+
+class CameraState(Struct, frozen=True, kw_only=True):
+    """How a camera is. Off means that its device is closed; nothing can see through it then."""
+
+    on: bool
+    phase: Literal["off", "opening", "streaming", "lost"]
+    device: str
+    width_px: int | None = None
+    height_px: int | None = None
+    fps: float | None = None
+    frames: int = 0
+    dropped: int = 0
+    reason: str = ""
+
+
+class SwitchCommand(Struct, frozen=True, kw_only=True):
+    """Open the camera's device, or close it."""
+
+    on: bool
+
+
+class SnapshotCommand(Struct, frozen=True, kw_only=True):
+    """Save the newest picture below `$LBR_HOME/pictures`, under this name or one made of camera and time."""
+
+    name: Annotated[str, Meta(max_length=80)] = ""
+
+
+class SnapshotReply(Struct, frozen=True, kw_only=True):
+    """Where it is."""
+
+    accepted: bool
+    reason: str = ""
+    path: str = ""
+
+
+class SelectCommand(Struct, frozen=True, kw_only=True):
+    """Switch this camera on and all others off: `front`, `rear`, or `off` for none."""
+
+    name: Name
+
+
+class CamerasState(Struct, frozen=True, kw_only=True):
+    """Which camera is on, and how each is."""
+
+    selected: str
+    cameras: dict[str, CameraState]

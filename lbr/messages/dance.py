@@ -1,0 +1,34 @@
+"""Messages on `dance/*`."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+
+class DanceStep(Struct, frozen=True, kw_only=True):
+    """A row of the table `choreography`: from one beat to the next, `beats` beats long."""
+
+    dance: str
+    step: int
+    power: float
+    angle_deg: float
+    beats: int
+
+
+class DanceCommand(Struct, frozen=True, kw_only=True):
+    """Play a song and dance to it: `<song>.wav` and its beats `<song>.json` below `$LBR_HOME/music`."""
+
+    song: Annotated[str, Meta(min_length=1, max_length=80)]
+    dance: Annotated[str, Meta(max_length=40, description="a choreography; empty: the one of the settings")] = ""
+
+
+class DanceState(Struct, frozen=True, kw_only=True):
+    """What is danced; `beat` counts from 1. `reason` says how the last one ended."""
+
+    phase: Literal["resting", "dancing", "ended"]
+    song: str = ""
+    dance: str = ""
+    beat: int = 0
+    beats: int = 0
+    moves: int = 0
+    reason: str = ""

@@ -1,0 +1,23 @@
+"""Messages on `imu/*`: what an inertial unit measures."""
+
+from msgspec import Struct
+
+from lbr.messages.units import Quaternion, Vector
+
+
+class ImuSample(Struct, frozen=True, kw_only=True):
+    """One instant of an inertial unit, along the sensor's own right-handed axes; the magnetometer's are the same.
+
+    `valid` false: nothing was measured, and `reason` says why. `mag_ut` is null between two measurements of the
+    magnetometer, which is the slower one. `orientation` (w, x, y, z) is what the device itself makes of it, if it does.
+    `time_s` is when it was measured, by the monotonic clock of the driver's host.
+    """
+
+    valid: bool
+    time_s: float
+    reason: str = ""
+    gyro_rps: Vector | None = None
+    accel_mps2: Vector | None = None
+    mag_ut: Vector | None = None
+    temperature_c: float | None = None
+    orientation: Quaternion | None = None

@@ -1,0 +1,44 @@
+"""Messages on `speech/*`: what the robot says."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+Language = Annotated[str, Meta(max_length=20, description="a language tag such as en; empty: the robot's own")]
+
+
+class Phrase(Struct, frozen=True, kw_only=True):
+    """A row of the table `phrase`."""
+
+    name: str
+    language: str
+    text: str
+
+
+class SayCommand(Struct, frozen=True, kw_only=True):
+    """Say a text, or a phrase by its name; one waits for the other unless it interrupts.
+
+    A text that begins with `<` names a recording below `$LBR_HOME/sounds`. With `save` it is written there, not said.
+    """
+
+    text: str = ""
+    phrase: Annotated[str, Meta(max_length=40)] = ""
+    language: Language = ""
+    save: Annotated[str, Meta(max_length=80)] = ""
+    interrupt: bool = False
+
+
+class HushCommand(Struct, frozen=True, kw_only=True):
+    """Say no more: ends what is being said and what waits."""
+
+
+class SpeechState(Struct, frozen=True, kw_only=True):
+    """What is being said, how much waits, and where it is heard."""
+
+    speaking: bool
+    text: str
+    queued: int
+    spoken: int
+    failed: int
+    sink: str
+    reason: str = ""

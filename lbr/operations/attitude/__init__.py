@@ -1,0 +1,36 @@
+"""Attitude: from samples of an inertial unit to orientation and heading, and the compass's calibration."""
+
+from msgspec import Struct
+
+from lbr.capability.kind import Kind
+from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress, ObserveCommand
+from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.messages.imu import ImuSample
+from lbr.messages.units import Name
+
+
+class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of kind `attitude` may set; `device` is the inertial unit whose calibration it keeps."""
+
+    device: Name
+
+
+KIND = Kind(
+    name="attitude",
+    summary="orientation and heading from an inertial unit, and the calibration of its compass",
+    family="operation",
+    entry="lbr.operations.attitude.capability:Attitude",
+    settings=AttitudeSettings,
+    inputs={"samples": ImuSample},
+    outputs={"state": AttitudeState, "calibration": CalibrationProgress},
+    commands={"calibrate": CalibrateCommand, "observe": ObserveCommand, "stop": StopCommand},
+    replies={
+        "calibrate": CommandReply,
+        "observe": CommandReply,
+        "stop": CommandReply,
+        "motion": CommandReply,
+        "halt": CommandReply,
+    },
+    requests={"motion": DriveCommand, "halt": StopCommand},
+    calibrates="device",
+)
