@@ -6,7 +6,6 @@ import random
 import select
 import shutil
 import signal
-import sqlite3
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -23,9 +22,9 @@ from benchmarks.trace import Output, Trace, limit_violations
 from lbr import home as homes
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS, Credentials
-from lbr.database import store
 from lbr.errors import BusError
 from tests.robot import Robot, start
+from tests.robot import prepare as prepare_base
 
 VICTIMS = Path(__file__).parent / "victims"
 ALMOST = 0.39
@@ -39,27 +38,13 @@ ANGLES = (90.0, 270.0)
 
 
 def prepare(home: Path, *victims: str, edits: tuple[str, ...] = ()) -> Path:
-    """Make a home with the shipped rows, a traced world, a verb to restart by, and the named victims' kinds."""
-    home.mkdir(mode=0o700, parents=True, exist_ok=True)
-    store.create(home / "robot.db")
+    """Make a home for tests, with the named victims' kinds in it."""
     kinds = home / "capabilities"
-    kinds.mkdir(mode=0o700)
+    kinds.mkdir(mode=0o700, parents=True)
     for victim in victims:
         shutil.copy(VICTIMS / f"{victim}.py", kinds / f"{victim}.py")
         (kinds / f"{victim}.py").chmod(0o600)
-    with sqlite3.connect(home / "robot.db") as database:
-        database.execute(
-            "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE name = 'world'",
-            (str(home / "trace.txt"),),
-        )
-        database.execute(
-            "INSERT OR REPLACE INTO verb (robot, word, pattern, target, payload, role, help)"
-            " VALUES ('lbr', 'restart', '/restart/{name}', 'executive.restart', NULL, 'operate', 'Start anew')"
-        )
-        for edit in edits:
-            database.execute(edit)
-    database.close()
-    return home
+    return prepare_base(home, edits=edits)
 
 
 @contextmanager

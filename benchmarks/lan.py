@@ -17,10 +17,9 @@ from pathlib import Path
 
 from benchmarks.figures import Promise, Report, Results, machine, table
 from benchmarks.stalling import Stalling, Way
-from tests.conftest import prepare
 from tests.lan.door import Door, opened
 from tests.lan.netns import Network, network, why_not
-from tests.robot import until
+from tests.robot import prepare, until
 
 PROMISES: dict[str, Promise] = {
     "S8 LAN": Promise(what="client on another machine killed, to motor zero", hard=300),

@@ -1,38 +1,15 @@
 """Fixtures that start whole robots; the heavy one is shared by all tests of a module that leave it as it was."""
 
 import signal
-import sqlite3
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from lbr.database import store
-from tests.robot import Robot, running
+from tests.robot import Robot, prepare, running
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
-
-
-BASE = ("motors", "ranges", "drive", "world")
-"""What most tests need of the robot; the rest would only make every start slower."""
-
-
-def prepare(home: Path, *also: str) -> Path:
-    """Make a home with the shipped database, whose world traces its motor outputs; of its rows the base runs, and `also`."""
-    home.mkdir(mode=0o700, parents=True, exist_ok=True)
-    store.create(home / "robot.db")
-    with sqlite3.connect(home / "robot.db") as database:
-        trace = str(home / "trace.txt")
-        database.execute(
-            "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE name = 'world'", (trace,)
-        )
-        running = (*BASE, *also)
-        database.execute(
-            f"UPDATE capability SET enabled = 0 WHERE name NOT IN ({', '.join('?' * len(running))})", running
-        )
-    database.close()
-    return home
 
 
 @pytest.fixture

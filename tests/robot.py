@@ -15,9 +15,33 @@ from typing import Any, TypeVar
 
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS, Credentials
+from lbr.database import store
 
 T = TypeVar("T")
 LBR = [sys.executable, "-m", "lbr.cli"]
+
+
+BASE = ("motors", "ranges", "drive", "world")
+"""What most tests need of the robot; the rest would only make every start slower."""
+
+
+def prepare(home: Path, *also: str, edits: tuple[str, ...] = ()) -> Path:
+    """Make a home with the shipped rows, whose world traces its motor outputs; the base runs, `also`, and after `edits`."""
+    home.mkdir(mode=0o700, parents=True, exist_ok=True)
+    store.create(home / "robot.db")
+    with sqlite3.connect(home / "robot.db") as database:
+        trace = str(home / "trace.txt")
+        database.execute(
+            "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE name = 'world'", (trace,)
+        )
+        running = (*BASE, *also)
+        database.execute(
+            f"UPDATE capability SET enabled = 0 WHERE name NOT IN ({', '.join('?' * len(running))})", running
+        )
+        for edit in edits:
+            database.execute(edit)
+    database.close()
+    return home
 
 
 class Robot:

@@ -99,7 +99,12 @@ class Executive:
             listen=listen,
             token_key=token_key(),
         )
-        self._supervisor = Supervisor(self._start, self._happened, lambda name: name in self._presence.names)
+        self._supervisor = Supervisor(
+            self._start,
+            self._happened,
+            lambda name: name in self._presence.names,
+            calibrated=self._calibrated,
+        )
         self._overview = Overview(self._supervisor)
         self._watch = RowWatch(database, profile, self._site)
         self.plan = self._watch.first()
@@ -298,6 +303,23 @@ class Executive:
         self._supervisor.adopt(plan, change)
         with contextlib.suppress(OSError):
             self._say_how_to_reach()
+
+    def _calibrated(self, name: str, values: dict[str, float]) -> None:
+        """Write down what a capability has measured; it goes on with it already, and is not restarted for it."""
+        device = self.plan.units[name].config.calibrates if name in self.plan.units else ""
+        if not device:
+            return
+        try:
+            self._database.save_calibration(self.plan.robot, device, values)
+        except LbrError as err:
+            text = (
+                f"the calibration of '{device}' holds until the next restart only, it could not be written down: {err}"
+            )
+            self._happened("calibration_lost", name, text, "error")
+            return
+        self.plan = plans.calibrated(self.plan, name, values)
+        self._supervisor.slots[name].unit = self.plan.units[name]
+        self._watch.look_again()
 
     def _became_ready(self, *, announce: bool) -> None:
         self._ready = True

@@ -5,6 +5,7 @@ import os
 import select
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -17,6 +18,9 @@ from lbr.executive.logs import open_log
 BLOCKING_LIMIT_S = 60.0
 OUTPUT_LIMIT = 4000
 STOP_S = 2.0
+PYTHON = "python"
+"""As the program of a row: the interpreter that lbr runs on, with lbr's own packages and none of the directory that
+`lbr run` was started in."""
 
 
 class ExternalCommands:
@@ -42,7 +46,7 @@ class ExternalCommands:
         with contextlib.ExitStack() as stack:
             out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
             popen = subprocess.Popen(
-                tethered((*row.argv, *arguments)),
+                tethered((*_program(row.argv), *arguments)),
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
@@ -101,6 +105,10 @@ class ExternalCommands:
             except subprocess.TimeoutExpired:
                 _signal(popen, signal.SIGKILL)
                 popen.wait()
+
+
+def _program(argv: tuple[str, ...]) -> tuple[str, ...]:
+    return (sys.executable, "-P", *argv[1:]) if argv[0] == PYTHON else argv
 
 
 def _read(fd: int, until: float) -> tuple[bytes, bool]:

@@ -87,6 +87,13 @@ def difference(old: Plan, new: Plan) -> Change:
     )
 
 
+def calibrated(plan: Plan, name: str, values: Mapping[str, float]) -> Plan:
+    """Return the plan with a unit that has these values already: rows that say the same do not restart it."""
+    unit = plan.units[name]
+    unit = replace(unit, config=replace(unit.config, calibration={**unit.config.calibration, **values}))
+    return replace(plan, units={**plan.units, name: unit})
+
+
 def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:
     """Return the rows with a door to other machines that listens as this run was told to."""
     if not listen:

@@ -31,6 +31,7 @@ class Supervisor:
     """Owns every process of the plan. `happened(kind, subject, text, level)` is told whatever people should know.
 
     `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
+    `calibrated(name, values)` is told what a capability has measured on the device that it calibrates.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class Supervisor:
         present: Callable[[str], bool] = lambda _name: True,
         clock: Callable[[], float] = time.monotonic,
         dice: random.Random | None = None,
+        calibrated: Callable[[str, dict[str, float]], None] = lambda _name, _values: None,
     ) -> None:
         self.slots: dict[str, Slot] = {}
         self._leaving: list[Slot] = []
@@ -47,6 +49,7 @@ class Supervisor:
         self._start = start
         self._happened = happened
         self._present = present
+        self._calibrated = calibrated
         self._clock = clock
         self._dice = dice or random.Random()
 
@@ -152,6 +155,8 @@ class Supervisor:
             slot.beat_at = now
             if report.counts:
                 self._count(slot, report.counts, now)
+            if report.calibration:
+                self._calibrated(slot.unit.name, report.calibration)
             if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
                 slot.said = (report.phase, report.reason)
             elif report.phase in {"failed", "hung"}:

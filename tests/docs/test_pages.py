@@ -14,10 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import prepare
 from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
 from tests.docs.ready import measured
-from tests.robot import Robot, running
+from tests.robot import Robot, prepare, running
 
 CLIENT = """#!{python}
 import sqlite3, sys

@@ -146,3 +146,52 @@ def test_an_edit_while_driving_stops_what_it_affects(robot):
 def _refused(robot: Robot, hold: dict) -> str:
     answer = robot.ask(hold["key"].partition("/")[2], hold["payload"])
     return "" if answer["accepted"] else answer["reason"]
+
+
+COMPASS = """
+from msgspec import Struct
+from lbr.capability import Capability, Kind
+from lbr.messages.speech import HushCommand
+
+class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    device: str = "range_board"
+
+class Known(Struct, frozen=True):
+    values: dict[str, float]
+
+class Compass(Capability[Settings]):
+    def step(self) -> None:
+        self.ctx.publish("known", Known(dict(self.ctx.calibration)))
+
+    def command(self, call) -> None:
+        self.ctx.keep_calibration({"offset_ut": 7.5})
+        call.refuse("measured")
+
+KIND = Kind(name="compass", summary="measures", family="app", entry=Compass, settings=Settings,
+            outputs={"known": Known}, commands={"measure": HushCommand}, calibrates="device")
+"""
+
+
+def calibrations(robot: Robot) -> list[tuple[str, str, float]]:
+    with sqlite3.connect(robot.home / "robot.db") as database:
+        rows = database.execute("SELECT device, name, value FROM calibration ORDER BY name").fetchall()
+    database.close()
+    return rows
+
+
+def test_what_a_capability_measures_is_written_down_and_restarts_nothing(robot):
+    (robot.home / "capabilities" / "compass.py").write_text(COMPASS)
+    robot.edit("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'compass', 'compass')")
+    until(lambda: robot.ask("compass/known") == {"values": {}}, limit_s=5.0)
+    before = pids(robot)
+    robot.ask("compass/measure", {})
+    until(lambda: calibrations(robot) == [("range_board", "offset_ut", 7.5)])
+    until(lambda: any("calibration 'offset_ut'" in event["text"] for event in robot.events()))
+    assert robot.ask("compass/known") == {"values": {"offset_ut": 7.5}}
+    assert pids(robot) == before
+    robot.edit("UPDATE calibration SET value = 8.5")  # by somebody else's hand it counts as any edit does
+    until(lambda: robot.ask("compass/known") == {"values": {"offset_ut": 8.5}}, limit_s=5.0)
+    assert pids(robot)["compass"] != before["compass"]
+    robot.edit("DELETE FROM calibration")
+    robot.edit("DELETE FROM capability WHERE name = 'compass'")
+    until(lambda: phase(robot, "compass") == "absent")
