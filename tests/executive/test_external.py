@@ -1,0 +1,37 @@
+"""Programs by name: which one a row means, and where what it prints goes."""
+
+import sys
+
+import pytest
+
+from lbr.database.rows import ExternalCommandRow
+from lbr.executive.external import ExternalCommands
+
+
+@pytest.fixture
+def commands(tmp_path):
+    external = ExternalCommands(tmp_path)
+    yield external
+    external.close()
+
+
+def said(commands: ExternalCommands, *argv: str, arguments: tuple[str, ...] = ()) -> tuple[int, str]:
+    row = ExternalCommandRow(name="probe", argv=argv, blocking=True)
+    return commands.wait(row, commands.start(row, arguments))
+
+
+def test_python_is_the_interpreter_that_the_robot_runs_on(commands):
+    script = "import sys; print(sys.executable, sys.argv[1:])"
+    assert said(commands, "python", "-c", script, arguments=("left",)) == (0, f"{sys.executable} ['left']")
+
+
+def test_python_finds_no_module_where_the_robot_happened_to_be_started(commands, tmp_path, monkeypatch):
+    (tmp_path / "lbr.py").write_text("raise SystemExit(7)")
+    monkeypatch.chdir(tmp_path)
+    code, text = said(commands, "python", "-c", "import lbr; print(lbr.__file__)")
+    assert code == 0
+    assert text.endswith("lbr/__init__.py")
+
+
+def test_a_program_by_its_path_is_started_as_it_is(commands):
+    assert said(commands, "/bin/echo", "python") == (0, "python")
