@@ -182,7 +182,7 @@ class Executive:
 
     def _open(self, bus: session.Session) -> None:
         robot = self.plan.robot
-        self._external = ExternalCommands(home.directory("logs"))
+        self._external = ExternalCommands(home.directory("logs"), robot)
         self._journal = Journal(bus, robot, self._database, self._main.wake, self._troubles.tell)
         self._journal.listeners.append(self._remember)
         rows = self.plan.rows.robot

@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+from lbr.bus.session import leaf_environment
 from lbr.database.rows import ExternalCommandRow
 from lbr.errors import InputError, LbrError
 from lbr.executive import scheduling
@@ -26,8 +27,9 @@ PYTHON = "python"
 class ExternalCommands:
     """Starts and stops programs. `start` must run on the thread that lives as long as the process does."""
 
-    def __init__(self, logs: Path) -> None:
+    def __init__(self, logs: Path, robot: str) -> None:
         self._logs = logs
+        self._robot = robot
         self._running: dict[str, subprocess.Popen[bytes]] = {}
 
     def start(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> "subprocess.Popen[bytes]":
@@ -50,6 +52,7 @@ class ExternalCommands:
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
+                env=leaf_environment() | {"LBR_ROBOT": self._robot, "LBR_NAME": row.name},
                 start_new_session=True,
             )
         scheduling.rank(popen.pid, scheduling.BACKGROUND)

@@ -10,7 +10,7 @@ from lbr.executive.external import ExternalCommands
 
 @pytest.fixture
 def commands(tmp_path):
-    external = ExternalCommands(tmp_path)
+    external = ExternalCommands(tmp_path, "lbr")
     yield external
     external.close()
 
@@ -35,3 +35,8 @@ def test_python_finds_no_module_where_the_robot_happened_to_be_started(commands,
 
 def test_a_program_by_its_path_is_started_as_it_is(commands):
     assert said(commands, "/bin/echo", "python") == (0, "python")
+
+
+def test_a_program_learns_which_robot_called_it_and_by_which_name(commands):
+    script = "import os; print(os.environ['LBR_ROBOT'], os.environ['LBR_NAME'])"
+    assert said(commands, "python", "-c", script) == (0, "lbr probe")

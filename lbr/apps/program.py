@@ -1,0 +1,61 @@
+"""What programs beside the robot share: by which door they come in, under which name, and how they end."""
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+
+from lbr import home
+from lbr.bus import session
+from lbr.bus.session import Session
+from lbr.errors import BusError, InputError, LbrError
+
+FAILED, BAD_INPUT = 1, 2
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A robot of this home, and a session on its bus with the rights of its local door: look and operate."""
+
+    bus: Session
+    name: str
+    source: str
+
+
+@contextmanager
+def connected(program: str) -> Iterator[Robot]:
+    """Come in to the robot that called this program, or else to the only one that runs here."""
+    wanted = os.environ.get("LBR_ROBOT")
+    here = [one for one in home.running() if wanted in {None, "", one.robot}]
+    if not here:
+        raise BusError(f"robot '{wanted}' does not run here" if wanted else "no robot runs here; 'lbr run' starts one")
+    if len(here) > 1:
+        names = ", ".join(one.robot for one in here)
+        raise InputError(f"several robots run here ({names}); say which with LBR_ROBOT=NAME")
+    bus = session.open_client(here[0].endpoints)
+    try:
+        yield Robot(bus, here[0].robot, f"{program}:{os.getpid()}")
+    finally:
+        bus.close()
+
+
+def run(main: Callable[[], int]) -> int:
+    """Run a program: SIGTERM ends it in order as Ctrl-C does, and what goes wrong is a sentence and an exit code."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        return main()
+    except KeyboardInterrupt:
+        return 0
+    except InputError as err:
+        sys.stderr.write(f"{err}\n")
+        return BAD_INPUT
+    except LbrError as err:
+        sys.stderr.write(f"{err}\n")
+        return FAILED
+
+
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
