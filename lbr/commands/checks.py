@@ -1,6 +1,5 @@
 """The checks of `lbr doctor`: each says how it stands with one thing, and what to type if it is not well."""
 
-import contextlib
 import grp
 import importlib.util
 import os
@@ -12,11 +11,16 @@ from importlib import metadata
 from pathlib import Path
 
 from lbr import home
-from lbr.commands import service_checks
+from lbr.commands import device_checks, service_checks
 from lbr.commands.finding import Finding
 from lbr.errors import LbrError
 
-EXTRAS = {"sim": ("mujoco", "PIL")}
+EXTRAS = {
+    "sim": (("mujoco", "PIL"), "simulated robots need it"),
+    "camera": (("linuxpy",), "V4L2 cameras need it"),
+    "plots": (("matplotlib",), "a compass calibration goes without its picture"),
+    "web": (("starlette", "uvicorn"), "programs that serve over HTTP, such as navcam, need it"),
+}
 SERIAL_GROUPS = ("dialout", "uucp", "tty")
 FREE_MB = 500
 
@@ -24,7 +28,7 @@ FREE_MB = 500
 def examine() -> Iterator[Finding]:
     """Yield every finding; a check that fails itself is a finding too."""
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
-        _python, _packages, _extras, _home, _disk, _database, _bus, _serial, _governor, _clock, _running,
+        _python, _packages, _extras, _home, _disk, _database, _bus, _serial, device_checks.speech, _governor, _clock, _running,
         service_checks.services,
     )  # fmt: skip
     for check in checks:
@@ -64,13 +68,13 @@ def _packages() -> Iterator[Finding]:
 
 
 def _extras() -> Iterator[Finding]:
-    for extra, modules in EXTRAS.items():
+    for extra, (modules, what_for) in EXTRAS.items():
         missing = [module for module in modules if importlib.util.find_spec(module) is None]
         if missing:
             yield Finding(
                 about=f"extra '{extra}'",
                 level="hint",
-                text=f"not installed ({', '.join(missing)}); simulated robots need it",
+                text=f"not installed ({', '.join(missing)}); {what_for}",
                 do=f"pip install 'lbr[{extra}]'",
             )
         else:
@@ -116,32 +120,7 @@ def _database() -> Iterator[Finding]:
             else:
                 yield Finding(about="database", level="good", text=f"robot '{name}' in {path}")
             for device in loaded.devices:
-                yield _device(name, device.name, device.address)
-
-
-def _device(robot: str, name: str, address: str) -> Finding:
-    about = f"device '{name}'"
-    path = Path(address.removeprefix("unix:"))
-    if address.startswith("i2c:"):
-        path = Path(f"/dev/i2c-{address.split(':')[1]}")
-    if address.startswith("sim:"):
-        return Finding(about=about, level="good", text="emulated")
-    if not path.exists():
-        return Finding(
-            about=about,
-            level="hint",
-            text=f"{path} is not there: robot '{robot}' runs without it, or plug it in (simulation does not need it)",
-            do="ls /dev/serial/by-id",
-        )
-    if not os.access(path, os.R_OK | os.W_OK):
-        return Finding(about=about, level="bad", text=f"{path} may not be opened", do=_join_group(path))
-    return Finding(about=about, level="good", text=str(path))
-
-
-def _join_group(path: Path) -> str:
-    with contextlib.suppress(KeyError, OSError):
-        return f"sudo usermod -aG {grp.getgrgid(path.stat().st_gid).gr_name} $USER, then log in again"
-    return f"ls -l {path}"
+                yield device_checks.device(name, device)
 
 
 def _bus() -> Iterator[Finding]:

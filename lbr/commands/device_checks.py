@@ -1,0 +1,95 @@
+"""What `lbr doctor` looks at for each device row, wherever its address is: a path, an i2c bus, sound, a camera."""
+
+import contextlib
+import ctypes.util
+import grp
+import importlib.util
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from lbr.commands.finding import Finding, Level
+from lbr.database.rows import DeviceRow
+
+Judgement = tuple[Level, str, str]
+"""How it stands, in words, and what to type."""
+
+SOUND_CARDS = Path("/proc/asound/cards")
+LOOKS = {
+    "camera": "v4l2-ctl --list-devices",
+    "infrared": "ir-keytable",
+}
+"""What to type to look for a device, by its type; for most others `ls /dev/serial/by-id`."""
+
+
+def device(robot: str, row: DeviceRow) -> Finding:
+    """Say how it stands with one device row."""
+    scheme, _, rest = row.address.partition(":")
+    level, text, do = _schemes().get(scheme, _file)(row, rest)
+    if level == "hint":
+        text += f"; robot '{robot}' runs without it, and simulation does not need it"
+    return Finding(about=f"device '{row.name}'", level=level, text=text, do=do)
+
+
+def speech() -> Iterator[Finding]:
+    """Look for the engine that makes sound of text."""
+    if ctypes.util.find_library("espeak-ng") or ctypes.util.find_library("espeak"):
+        yield Finding(about="speech", level="good", text="espeak-ng is installed")
+    else:
+        text = "no speech engine: the robot stays silent"
+        yield Finding(about="speech", level="hint", text=text, do="sudo apt install espeak-ng")
+
+
+def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:
+    return {
+        "sim": lambda _row, _rest: ("good", "emulated", ""),
+        "usb": _found_later,
+        "by-id": _found_later,
+        "alsa": _sound,
+        "csi": _pi_camera,
+        "i2c": _i2c,
+        "unix": lambda _row, rest: _at(Path(rest), "lbr status"),
+    }
+
+
+def _found_later(row: DeviceRow, _rest: str) -> Judgement:
+    return "good", f"looked for at its start: {row.address}", ""
+
+
+def _file(row: DeviceRow, _rest: str) -> Judgement:
+    return _at(Path(row.address), LOOKS.get(row.type, "ls /dev/serial/by-id"))
+
+
+def _i2c(_row: DeviceRow, rest: str) -> Judgement:
+    return _at(Path(f"/dev/i2c-{rest.partition(':')[0]}"), "sudo modprobe i2c-dev; ls /dev/i2c-*")
+
+
+def _at(path: Path, look: str) -> Judgement:
+    if not path.exists():
+        return "hint", f"{path} is not there: plug it in", look
+    if not os.access(path, os.R_OK | os.W_OK):
+        return "bad", f"{path} may not be opened", _join_group(path)
+    return "good", str(path), ""
+
+
+def _sound(_row: DeviceRow, _rest: str) -> Judgement:
+    cards = SOUND_CARDS.read_text() if SOUND_CARDS.exists() else ""
+    if "[" not in cards:
+        return "hint", "this machine has no sound card", "aplay -l"
+    if shutil.which("aplay") is None:
+        return "hint", "the program aplay is missing", "sudo apt install alsa-utils"
+    return "good", cards.splitlines()[0].strip(), ""
+
+
+def _pi_camera(_row: DeviceRow, _rest: str) -> Judgement:
+    if importlib.util.find_spec("picamera2") is not None:
+        return "good", "picamera2 is installed", ""
+    do = "sudo apt install python3-picamera2; python3 -m venv --system-site-packages .venv"
+    return "hint", "picamera2 is not in this Python: it comes with Raspberry Pi OS", do
+
+
+def _join_group(path: Path) -> str:
+    with contextlib.suppress(KeyError, OSError):
+        return f"sudo usermod -aG {grp.getgrgid(path.stat().st_gid).gr_name} $USER, then log in again"
+    return f"ls -l {path}"
