@@ -20,6 +20,11 @@ SYSUSERS = "etc/sysusers.d/lbr.conf"
 DROP_IN = "etc/systemd/system/lbr@{}.service.d/10-lbr-profile.conf"
 GROUPS = ("dialout", "uucp", "video", "audio", "i2c", "input", "gpio", "spi")
 SERIAL_GROUPS = ("dialout", "uucp")
+RULES_BY_GROUP = {
+    "i2c": '\n# i2c buses\nSUBSYSTEM=="i2c-dev", GROUP="i2c", MODE="0660"\n',
+    "video": '\n# Infrared receivers\nSUBSYSTEM=="lirc", GROUP="video", MODE="0660"\n',
+}
+"""Rules for devices that belong to a group, where the machine has it."""
 HIDDEN = tuple(map(Path, ("/home", "/root", "/run/user", "/tmp", "/var/tmp")))  # noqa: S108 - the unit hides them
 _NAME = re.compile(r"[a-z_][a-z0-9_-]{0,31}")
 _INSTANCE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
@@ -70,8 +75,8 @@ def files(profile: str, user: str, site: Site) -> dict[str, str]:
         PROTECT_HOME=_protect_home(site.inside_hidden),
     )
     serial = next((name for name in SERIAL_GROUPS if name in site.groups), "root")
-    i2c = 'SUBSYSTEM=="i2c-dev", GROUP="i2c", MODE="0660"\n' if "i2c" in site.groups else ""
-    found = {UNIT: unit, RULES: _filled("lbr.rules", SERIAL_GROUP=serial, I2C=f"\n# i2c buses\n{i2c}" if i2c else "")}
+    others = "".join(rule for group, rule in RULES_BY_GROUP.items() if group in site.groups)
+    found = {UNIT: unit, RULES: _filled("lbr.rules", SERIAL_GROUP=serial, OTHERS=others)}
     if user == DEFAULT_USER:
         found[SYSUSERS] = _sysusers(site.groups)
     instance, own = instance_of(profile)

@@ -101,7 +101,7 @@ RULE = re.compile(
 MATCHED = ("SUBSYSTEM", "ACTION", "KERNEL", "ATTR")
 
 
-@pytest.mark.parametrize("groups", [(), ("dialout",), ("dialout", "i2c")])
+@pytest.mark.parametrize("groups", [(), ("dialout",), ("dialout", "i2c"), ("i2c", "video")])
 def test_device_rules_are_well_formed_and_open_nothing_to_everybody(groups):
     text = unitfiles.files("lbr", "lbr", Site(program=SITE.program, groups=groups))[RULES]
     labels, jumps = set(), set()
