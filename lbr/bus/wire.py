@@ -96,6 +96,10 @@ class Publisher:
         self._publisher.put(payload, attachment=attachment)
         return attachment
 
+    def forget(self) -> None:
+        """Answer no `get` any more with what was published, until there is something new."""
+        self._last = None
+
     def close(self) -> None:
         """Stop publishing and answering."""
         self._latest.undeclare()
@@ -103,8 +107,9 @@ class Publisher:
 
     def _answer(self, query: zenoh.Query) -> None:
         with query:
-            if self._last is not None:
-                payload, attachment = self._last
+            last = self._last  # another thread may set it or forget it
+            if last is not None:
+                payload, attachment = last
                 query.reply(self.key, payload, encoding=self._encoding, attachment=attachment)
 
 

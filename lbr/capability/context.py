@@ -1,6 +1,6 @@
 """What a running capability sees of the robot: settings, wiring, bus and emergency stop."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
@@ -113,6 +113,12 @@ class Context(Protocol[S_co]):
         `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time.
         """
 
+    def forget(self, output: str) -> None:
+        """Answer no `get` any more with what was published there, until there is something new."""
+
+    def wake(self) -> None:
+        """Have `step` called at once; from any thread, such as one that waits for a device."""
+
     def latest(self, port: str) -> Received | None:
         """Return the newest message of an input or setpoint, or None before the first."""
 
@@ -125,8 +131,14 @@ class Context(Protocol[S_co]):
     def alive(self, capability: str) -> bool:
         """Say whether another capability's process is on the bus; its death is known within milliseconds."""
 
-    def ask(self, request: str, message: Struct, timeout_s: float) -> Asked:
-        """Ask every capability wired to a request; poll the result in later steps (the loop wakes on answers)."""
+    def targets(self, request: str) -> tuple[str, ...]:
+        """Return the names of the capabilities wired to a request."""
+
+    def ask(self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None) -> Asked:
+        """Ask every capability wired to a request, or `only` some of them; poll the result in later steps.
+
+        The loop wakes on answers.
+        """
 
     def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
         """Publish on `@event`; the executive writes it down."""

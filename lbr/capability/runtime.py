@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from typing import Any
 
@@ -154,6 +154,15 @@ class ProcessContext:
         for publisher in self._outputs[output]:
             publisher.put(message, taken_s=taken_s)
 
+    def forget(self, output: str) -> None:
+        """Answer no `get` any more with what was published there."""
+        for publisher in self._outputs[output]:
+            publisher.forget()
+
+    def wake(self) -> None:
+        """Have `step` called at once; from any thread."""
+        self._wake()
+
     def latest(self, port: str) -> Received | None:
         """Return the newest message of an input or setpoint."""
         return self._ports[port].latest()
@@ -170,10 +179,15 @@ class ProcessContext:
         """Say whether another capability's process is on the bus."""
         return capability in self._presence.names
 
-    def ask(self, request: str, message: Struct, timeout_s: float) -> Answers:
-        """Ask every capability wired to a request."""
+    def targets(self, request: str) -> tuple[str, ...]:
+        """Return the names of the capabilities wired to a request."""
+        return tuple(self.config.requests.get(request, {}))
+
+    def ask(self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None) -> Answers:
+        """Ask every capability wired to a request, or `only` some of them."""
         payload = wire.encode(message)
-        asked = self.config.requests.get(request, {})
+        wired = self.config.requests.get(request, {})
+        asked = {name: key for name, key in wired.items() if only is None or name in only}
         questions = {
             name: wire.Question(self._bus, key, payload, timeout_s=timeout_s, source=self.name, wake=self._wake)
             for name, key in asked.items()
