@@ -1,17 +1,66 @@
 """Infrared receiver of the kernel's, hearing a dock's beams: its kind and its settings."""
 
-from msgspec import Struct
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.dock import DockHeard, DockSignal
 from lbr.messages.drive import CommandReply
 from lbr.messages.units import Name
 
+Beam = Literal["left", "right", "power"]
+BEAMS: tuple[Beam, ...] = ("left", "right", "power")
+Code = (
+    Annotated[int, Meta(ge=1, lt=2**32)]
+    | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x40a1")]
+)
+
+
+class Codes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The scancode of each beam, as a number or in hexadecimal; null: the dock has no such beam.
+
+    The defaults are examples in the form of Sony-15. No dock's real codes are known: `ir-keytable -t` shows yours.
+    """
+
+    left: Code | None = "0x40a1"
+    right: Code | None = "0x40a2"
+    power: Code | None = "0x40a4"
+
 
 class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `infrared` may set."""
+    """What a row of kind `infrared` may set.
+
+    `protocols` are the kernel's protocol numbers (`enum rc_proto`) that count; empty: any. `records` is what the device
+    sends: `scancodes` as /dev/lirc0 does, `events` as /dev/input/event0 does; `auto` goes by the address.
+    """
 
     device: Name
+    codes: Codes = Codes()
+    protocols: Annotated[tuple[Annotated[int, Meta(ge=0, le=63)], ...], Meta(max_length=64)] = ()
+    records: Literal["auto", "scancodes", "events"] = "auto"
+    ttl_s: Annotated[float, Meta(ge=0.2, le=10.0, description="how long a beam counts after it was last seen")] = 1.5
+
+    def __post_init__(self) -> None:
+        """Refuse codes that could not be told apart."""
+        numbers = [*self._numbers().values()]
+        if len(set(numbers)) < len(numbers):
+            raise ValueError("codes: two beams have the same code; give each its own")
+        if 0 in numbers:
+            raise ValueError("codes: 0 is no code of a beam")
+
+    @property
+    def beams(self) -> dict[int, Beam]:
+        """Return which beam a scancode is."""
+        return {code: beam for beam, code in self._numbers().items()}
+
+    def _numbers(self) -> dict[Beam, int]:
+        given: dict[Beam, Code | None] = {beam: getattr(self.codes, beam) for beam in BEAMS}
+        return {beam: _number(code) for beam, code in given.items() if code is not None}
+
+
+def _number(code: Code) -> int:
+    return int(code, 16) if isinstance(code, str) else code
 
 
 KIND = Kind(

@@ -1,0 +1,101 @@
+"""The dock's beams as a capability: which is seen, and for how long no more."""
+
+from math import inf
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.drivers.infrared import BEAMS, Beam, InfraredSettings
+from lbr.drivers.infrared.heard import Heard
+from lbr.drivers.infrared.receiver import Receiver
+from lbr.drivers.infrared.records import ANY_PROTOCOL, Scancode
+from lbr.errors import DeviceError
+from lbr.messages.dock import DockSignal
+from lbr.messages.drive import CommandReply
+
+PUBLISH_S = 0.5
+RETRY_S = 1.0
+OLDEST_S = 3600.0
+
+
+class Infrared(Capability[InfraredSettings]):
+    """Publishes on every change and twice a second.
+
+    Without its receiver it is degraded, and still takes what others have heard.
+    """
+
+    rate_hz = 20.0
+
+    def __init__(self, ctx: Context[InfraredSettings]) -> None:
+        super().__init__(ctx)
+        self._heard: Heard[Beam] = Heard(ctx.settings.ttl_s)
+        self._beams = ctx.settings.beams
+        self._receiver: Receiver | None = None
+        self._retry_at = -inf
+        self._shown: tuple[bool, ...] = ()
+        self._publish_at = -inf
+
+    def step(self) -> None:
+        """Take in what was received, and publish what counts now."""
+        for scancode in self._received():
+            self._take(scancode)
+        now = self.ctx.clock()
+        signal = self._signal(now)
+        shown = (signal.left, signal.right, signal.power)
+        if shown != self._shown or now >= self._publish_at:
+            self._shown, self._publish_at = shown, now + PUBLISH_S
+            self.ctx.publish("signal", signal)
+
+    def command(self, call: Call) -> None:
+        """Take what somebody else has seen."""
+        for beam in BEAMS:
+            if getattr(call.message, beam):
+                self._heard.hear(beam, call.arrived)
+        call.reply(CommandReply(accepted=True))
+
+    def close(self) -> None:
+        """Let go of the receiver."""
+        receiver, self._receiver = self._receiver, None
+        if receiver is not None:
+            receiver.close()
+
+    def _received(self) -> list[Scancode]:
+        try:
+            if self._receiver is None:
+                self._open()
+            return self._receiver.poll() if self._receiver is not None else []
+        except DeviceError as err:
+            self.close()
+            self._retry_at = self.ctx.clock() + RETRY_S
+            self.ctx.warn(str(err))
+            return []
+
+    def _open(self) -> None:
+        if self.ctx.clock() < self._retry_at:
+            return
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
+        self._receiver = Receiver(self.ctx.device, self.ctx.settings)
+        self.ctx.ready()
+
+    def _take(self, scancode: Scancode) -> None:
+        protocols = self.ctx.settings.protocols
+        beam = self._beams.get(scancode.code)
+        if beam is None or (protocols and scancode.protocol not in {ANY_PROTOCOL, *protocols}):
+            return
+        now = self.ctx.clock()
+        ours = now - OLDEST_S < scancode.taken_s <= now  # else the device goes by a clock of its own
+        self._heard.hear(beam, scancode.taken_s if ours else now)
+
+    def _signal(self, now: float) -> DockSignal:
+        def rounded(beam: Beam) -> float | None:
+            age_s = self._heard.age_s(beam, now)
+            return None if age_s is None else round(age_s, 3)
+
+        return DockSignal(
+            left=self._heard.counts("left", now),
+            right=self._heard.counts("right", now),
+            power=self._heard.counts("power", now),
+            left_age_s=rounded("left"),
+            right_age_s=rounded("right"),
+            power_age_s=rounded("power"),
+        )

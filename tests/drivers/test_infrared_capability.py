@@ -1,0 +1,126 @@
+import os
+import struct
+import time
+from types import SimpleNamespace
+
+import pytest
+from peers import FakeContext, Pty, until
+
+from lbr.capability.context import Device
+from lbr.drivers.infrared import KIND
+from lbr.drivers.infrared.receiver import Receiver
+from lbr.errors import DeviceError
+from lbr.messages.dock import DockHeard
+
+SETTINGS = '{"device": "dock_receiver", "ttl_s": 0.3, "protocols": [7]}'
+LEFT, RIGHT = 0x40A1, 0x40A2
+
+
+def record(code: int, *, protocol: int = 7, age_s: float = 0.0) -> bytes:
+    return struct.pack("=QHHIQ", time.monotonic_ns() - int(age_s * 1e9), 0, protocol, 0, code)
+
+
+@pytest.fixture
+def receiver(tmp_path):
+    receiver = Pty(tmp_path / "lirc")
+    yield receiver
+    if receiver.master >= 0:
+        receiver.unplug()
+
+
+@pytest.fixture
+def ctx(receiver):
+    return FakeContext(KIND.parse(SETTINGS), receiver.path, "infrared")
+
+
+@pytest.fixture
+def infrared(ctx):
+    infrared = KIND.load()(ctx)
+    infrared.open()
+    infrared.step()
+    yield infrared
+    infrared.close()
+
+
+def shown(ctx) -> tuple[bool, bool, bool]:
+    return (ctx.state.left, ctx.state.right, ctx.state.power)
+
+
+def wait_for(infrared, ctx, expected):
+    until(lambda: (infrared.step(), shown(ctx) == expected)[1])
+
+
+def test_at_first_nothing_was_ever_seen(infrared, ctx):
+    assert shown(ctx) == (False, False, False)
+    assert ctx.state.left_age_s is None
+
+
+def test_a_beam_counts_and_expires_by_itself(infrared, ctx, receiver):
+    os.write(receiver.master, record(LEFT))
+    wait_for(infrared, ctx, (True, False, False))
+    assert ctx.state.left_age_s < 0.3
+    wait_for(infrared, ctx, (False, False, False))
+    assert ctx.state.left_age_s >= 0.3
+
+
+def test_what_the_kernel_kept_while_nobody_read_is_dated_as_it_came(infrared, ctx, receiver):
+    os.write(receiver.master, record(LEFT, age_s=5.0) + record(RIGHT))
+    wait_for(infrared, ctx, (False, True, False))
+    assert ctx.state.left_age_s > 4.9
+
+
+def test_a_record_by_another_clock_counts_from_now(infrared, ctx, receiver):
+    os.write(receiver.master, record(RIGHT, age_s=-5000.0))
+    wait_for(infrared, ctx, (False, True, False))
+
+
+def test_other_codes_and_other_protocols_are_nothing(infrared, ctx, receiver):
+    os.write(receiver.master, record(0x40A7) + record(LEFT, protocol=9) + record(RIGHT))
+    wait_for(infrared, ctx, (False, True, False))
+    assert ctx.state.left_age_s is None
+
+
+def test_it_goes_on_saying_what_it_sees(infrared, ctx):
+    before = len(ctx.published)
+    until(lambda: (infrared.step(), len(ctx.published) > before)[1])
+
+
+def test_somebody_else_may_have_seen_a_beam(infrared, ctx):
+    answers = []
+    call = SimpleNamespace(message=DockHeard(right=True), arrived=ctx.clock(), reply=answers.append)
+    infrared.command(call)
+    infrared.step()
+    assert answers[0].accepted
+    assert shown(ctx) == (False, True, False)
+
+
+def test_unplugged_it_is_degraded_still_hears_others_and_comes_back(infrared, ctx, receiver, monkeypatch):
+    monkeypatch.setattr("lbr.drivers.infrared.capability.RETRY_S", 0.0)
+    receiver.unplug()
+    until(lambda: (infrared.step(), "is missing" in ctx.phases[-1])[1])
+    infrared.command(SimpleNamespace(message=DockHeard(left=True), arrived=ctx.clock(), reply=lambda _answer: None))
+    infrared.step()
+    assert ctx.state.left
+    receiver.plug()
+    until(lambda: (infrared.step(), ctx.phases[-1] == "ready")[1])
+    os.write(receiver.master, record(RIGHT))
+    until(lambda: (infrared.step(), ctx.state.right)[1])
+
+
+@pytest.mark.parametrize(
+    ("address", "complaint"),
+    [("rc0", "is no path"), ("/nowhere/lirc0", "is missing; plug it in"), ("/", "cannot be opened|went away|set up")],
+)
+def test_an_address_that_is_no_receiver_says_what_to_do(address, complaint):
+    with pytest.raises(DeviceError, match=f"'dock_receiver' at {address} .*({complaint})"):
+        Receiver(Device("dock_receiver", "infrared", address, {}), KIND.parse(SETTINGS)).poll()
+
+
+def test_events_are_read_where_the_row_says_so(receiver):
+    settings = KIND.parse('{"device": "dock_receiver", "records": "events"}')
+    opened = Receiver(Device("dock_receiver", "infrared", str(receiver.path), {}), settings)
+    os.write(receiver.master, struct.pack("=qqHHi", 5, 0, 4, 4, LEFT))
+    found = []
+    until(lambda: bool(found.extend(opened.poll()) or found))
+    opened.close()
+    assert [scancode.code for scancode in found] == [LEFT]

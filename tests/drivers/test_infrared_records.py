@@ -1,0 +1,112 @@
+import struct
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lbr.drivers.infrared import KIND
+from lbr.drivers.infrared.heard import Heard
+from lbr.drivers.infrared.records import RecordParser, Scancode, read_event, read_scancode
+
+SONY = 0x40A1
+MSC_SCAN = (4, 4)
+
+
+def scancode(code: int, *, taken_ns: int = 5_000_000_000, flags: int = 0, protocol: int = 7, keycode: int = 0) -> bytes:
+    return struct.pack("=QHHIQ", taken_ns, flags, protocol, keycode, code)
+
+
+def event(type_: int, code: int, value: int, *, seconds: int = 5, micros: int = 250_000) -> bytes:
+    return struct.pack("=qqHHi", seconds, micros, type_, code, value)
+
+
+codes = st.integers(1, 2**32 - 1)
+
+
+@given(st.lists(codes, max_size=8), st.data())
+def test_scancodes_come_out_as_they_went_in_however_they_are_cut(sent, data):
+    stream = b"".join(scancode(code) for code in sent)
+    parser, found = RecordParser(read_scancode), []
+    while stream:
+        size = data.draw(st.integers(1, len(stream)))
+        found += parser.feed(stream[:size])
+        stream = stream[size:]
+    assert found == [Scancode(code, 7, 5.0) for code in sent]
+    assert parser.passed_over == 0
+
+
+@given(st.binary(max_size=200), st.sampled_from([read_scancode, read_event]))
+def test_whatever_comes_is_taken_or_passed_over_and_at_most_a_record_is_held(noise, read):
+    parser = RecordParser(read)
+    found = parser.feed(noise)
+    assert len(noise) - parser.passed_over - 24 * len(found) >= 0
+    assert len(found) <= len(noise) // 24
+
+
+@given(st.binary(max_size=60), codes)
+def test_after_damage_and_a_pause_the_next_record_is_heard(damage, code):
+    parser = RecordParser(read_scancode)
+    parser.feed(damage)
+    parser.pause()
+    assert parser.feed(scancode(code)) == [Scancode(code, 7, 5.0)]
+
+
+def test_noise_before_a_record_is_passed_over_without_a_pause_too():
+    parser = RecordParser(read_scancode)
+    assert parser.feed(b"\xff" * 31 + scancode(SONY)) == [Scancode(SONY, 7, 5.0)]
+    assert parser.passed_over == 31
+
+
+@given(st.integers(-(2**31), 2**31 - 1))
+def test_of_input_events_only_scancodes_count(value):
+    stream = event(*MSC_SCAN, value) + event(1, 30, 1) + event(0, 0, 0)
+    assert RecordParser(read_event).feed(stream) == [Scancode(value % 2**32, 0, 5.25)]
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        scancode(SONY, taken_ns=0),
+        scancode(SONY, flags=4),
+        scancode(SONY, protocol=64),
+        scancode(SONY, keycode=0x300),
+        scancode(2**32),
+        scancode(SONY, taken_ns=2**58),
+    ],
+)
+def test_a_record_no_kernel_writes_is_no_scancode(record):
+    parser = RecordParser(read_scancode)
+    assert parser.feed(record) == []
+    assert parser.passed_over
+
+
+@given(st.lists(st.tuples(st.sampled_from("ab"), st.floats(0, 100)), max_size=10), st.floats(0, 200))
+def test_a_signal_counts_for_its_time_to_live_after_it_was_seen_last(sights, now):
+    heard = Heard[str](1.5)
+    for signal, seen in sights:
+        heard.hear(signal, seen)
+    last = {signal: max(seen for other, seen in sights if other == signal) for signal, _ in sights}
+    for signal in "ab":
+        expected = signal in last and max(0.0, now - last[signal]) < 1.5
+        assert heard.counts(signal, now) == expected
+        assert (heard.age_s(signal, now) is None) == (signal not in last)
+
+
+def test_codes_are_numbers_or_hexadecimal():
+    settings = KIND.parse('{"device": "dock_receiver", "codes": {"left": 17, "right": "0x12", "power": null}}')
+    assert settings.beams == {17: "left", 18: "right"}
+
+
+@pytest.mark.parametrize(
+    ("codes", "complaint"),
+    [
+        ('{"left": 17, "right": "0x11"}', "two beams have the same code"),
+        ('{"left": "17"}', "matching regex"),
+        ('{"left": 0}', ">= 1"),
+        ('{"front": 1}', "unknown field `front`"),
+    ],
+)
+def test_codes_that_cannot_be_told_apart_are_refused(codes, complaint):
+    with pytest.raises(msgspec.ValidationError, match=complaint):
+        KIND.parse(f'{{"device": "dock_receiver", "codes": {codes}}}')
