@@ -52,12 +52,6 @@ def test_after_damage_and_a_pause_the_next_record_is_heard(damage, code):
     assert parser.feed(scancode(code)) == [Scancode(code, 7, 5.0)]
 
 
-def test_noise_before_a_record_is_passed_over_without_a_pause_too():
-    parser = RecordParser(read_scancode)
-    assert parser.feed(b"\xff" * 31 + scancode(SONY)) == [Scancode(SONY, 7, 5.0)]
-    assert parser.passed_over == 31
-
-
 @given(st.integers(-(2**31), 2**31 - 1))
 def test_of_input_events_only_scancodes_count(value):
     stream = event(*MSC_SCAN, value) + event(1, 30, 1) + event(0, 0, 0)
