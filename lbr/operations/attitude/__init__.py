@@ -1,19 +1,10 @@
 """Attitude: from samples of an inertial unit to orientation and heading, and the compass's calibration."""
 
-from msgspec import Struct
-
 from lbr.capability.kind import Kind
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress, ObserveCommand
 from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
 from lbr.messages.imu import ImuSample
-from lbr.messages.units import Name
-
-
-class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `attitude` may set; `device` is the inertial unit whose calibration it keeps."""
-
-    device: Name
-
+from lbr.operations.attitude.settings import AttitudeSettings
 
 KIND = Kind(
     name="attitude",
