@@ -16,13 +16,15 @@ from lbr.errors import InputError, LbrError
 from lbr.executive import reports
 from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
-from lbr.messages.drive import DriveCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.system import RANKS, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 MAX_RUN_S = 30.0
 MOST_LEASES = 256
 DEAD_LEASE = "lease is dead"
+LEASED = (DriveCommand, TurnCommand, HeadingCommand)
+"""Commands that are held: whoever says one goes on saying it under its lease."""
 
 
 class _Speaker(NamedTuple):
@@ -109,7 +111,7 @@ class Dispatcher:
         if name not in self._robot.plan.units:
             text = f"'{name}' is not running: its row is disabled or the profile leaves it out"
             return ConsoleResult(code=FAILED, text=text)
-        moves = self._robot.plan.kinds[name].commands.get(call.command) is DriveCommand
+        moves = self._robot.plan.kinds[name].commands.get(call.command) in LEASED
         payload = dict(call.payload)
         lease = self._leases.get(by.holder, "") if moves else ""
         answer = self._query(call, payload | ({"lease": lease} if lease else {}), by)

@@ -104,11 +104,16 @@ class DriveState(Struct, frozen=True, kw_only=True):
 
 
 class CheckRequest(Struct, frozen=True, kw_only=True):
-    """A motion command on its way to being accepted, shown to a check of the user's own."""
+    """A motion command on its way to being accepted, shown to a check of the user's own.
+
+    `command` is the motion; for a turn the spin that it begins with, and `turn` or `heading` is what was asked.
+    """
 
     source: str
     role: str
     command: DriveCommand
+    turn: TurnCommand | None = None
+    heading: HeadingCommand | None = None
 
 
 class CheckVerdict(Struct, frozen=True, kw_only=True):

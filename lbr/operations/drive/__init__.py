@@ -1,15 +1,19 @@
 """Drive operations: one holder, leases, rules, limits and bounded moves between drive commands and the motors."""
 
 from lbr.capability.kind import Kind
+from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import (
     CheckRequest,
     CommandReply,
     DriveCommand,
     DriveState,
     GoalResult,
+    HeadingCommand,
     StopCommand,
+    TurnCommand,
 )
 from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive.settings import DriveSettings
 
@@ -19,10 +23,10 @@ KIND = Kind(
     family="operation",
     entry="lbr.operations.drive.capability:Drive",
     settings=DriveSettings,
-    inputs={"ranges": Ranges, "motors": MotorsState},
+    inputs={"ranges": Ranges, "motors": MotorsState, "attitude": AttitudeState, "odometry": OdometryState},
     outputs={"setpoint": MotorSetpoint, "state": DriveState, "result": GoalResult},
-    commands={"command": DriveCommand, "stop": StopCommand},
-    replies={"command": CommandReply, "stop": CommandReply},
+    commands={"command": DriveCommand, "turn": TurnCommand, "heading": HeadingCommand, "stop": StopCommand},
+    replies={"command": CommandReply, "turn": CommandReply, "heading": CommandReply, "stop": CommandReply},
     requests={"checks": CheckRequest},
     moves=True,
 )

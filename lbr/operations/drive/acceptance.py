@@ -4,7 +4,9 @@ from collections.abc import Callable
 from math import isfinite, isnan
 from typing import Literal
 
-from lbr.messages.drive import DriveCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.operations.drive import travelling, turning
+from lbr.operations.drive.asked import Motion, moves, power_of, towards_deg, what
 from lbr.operations.drive.freshness import TWICE, dated, insists, not_fresh, quoted
 from lbr.operations.drive.goals import not_plausible
 from lbr.operations.drive.mixing import mix
@@ -15,24 +17,19 @@ Intent = Literal["stop", "new", "confirmation", "renewal", "change"]
 Link = Callable[[State, Command, float], str]
 
 
-def intent(state: State, command: DriveCommand) -> Intent:
+def intent(state: State, command: Motion) -> Intent:
     """Return what a command wants of this state: power 0 without a lease is a stop, by whomever."""
-    if command.power == 0.0 and not command.lease:
+    if not moves(command) and not command.lease:
         return "stop"
     if state.hold is None or command.lease != state.hold.lease:
         return "new" if offered(state, command.lease) is None else "confirmation"
     return "renewal" if what(command) == what(state.hold.command) else "change"
 
 
-def what(command: DriveCommand) -> tuple[float | str, ...]:
-    """Return what a command asks for, whoever asks, under whichever lease and for how long."""
-    return (command.power, command.angle_deg, command.range_cm, command.sensor, command.interval_s)
-
-
 def to_be_checked(state: State, event: Command, now: float) -> bool:
     """Say whether the user's checks are to be asked: for new and changed motion that nothing else refuses."""
-    moves = event.command.power > 0.0 and not _as_checked(state, event.command)
-    return moves and not refusal(state, event, now, checked=False)
+    new = moves(event.command) and not _as_checked(state, event.command)
+    return new and not refusal(state, event, now, checked=False)
 
 
 def refusal(state: State, event: Command, now: float, *, checked: bool = True) -> str:
@@ -46,27 +43,27 @@ def streams(hold: Hold, event: Command) -> bool:
     return hold.source == event.source and isnan(hold.renewed) and not event.command.lease
 
 
-def limited_by_rules(state: State, command: DriveCommand, now: float) -> Limit:
+def limited_by_rules(state: State, command: Motion, now: float) -> Limit:
     """Return what the rules would do to a command now, were it at its full speed."""
-    wheels = mix(min(command.power, state.settings.max_power), command.angle_deg, state.settings)
+    wheels = mix(power_of(command, state.settings), towards_deg(command), state.settings)
     return limit(state.settings, state.views, wheels, now)
 
 
-def notes(state: State, command: DriveCommand, now: float) -> str:
+def notes(state: State, command: Motion, now: float) -> str:
     """Return what the asker of an accepted command should know: how far it is limited, and by what."""
     found = []
-    if command.power > state.settings.max_power:
+    if isinstance(command, DriveCommand) and command.power > state.settings.max_power:
         found.append(f"limited to {state.settings.max_power:g}")
     rule = limited_by_rules(state, command, now)
     if not rule.scale > 0.0:
         found.append(f"stopped by {rule.detail}")
     elif rule.scale < 1.0:
-        power = min(command.power, state.settings.max_power) * rule.scale
+        power = power_of(command, state.settings) * rule.scale
         found.append(f"slowed to {power:.2f} by {rule.text}")
     return ", ".join(found)
 
 
-def _as_checked(state: State, command: DriveCommand) -> bool:
+def _as_checked(state: State, command: Motion) -> bool:
     """Say whether a command goes on with, or confirms, exactly what the checks have seen."""
     wanted, offer = intent(state, command), offered(state, command.lease)
     return wanted == "renewal" or (offer is not None and what(offer.command) == what(command))
@@ -75,21 +72,29 @@ def _as_checked(state: State, command: DriveCommand) -> bool:
 def _form(state: State, event: Command, now: float) -> str:
     """Numbers are finite and within their bounds, as decoding saw to, and the command has not lain about."""
     command = event.command
-    bounds = (
-        ("power", command.power, 0.0, 1.0),
-        ("angle_deg", command.angle_deg, -360.0, 360.0),
-        ("range_cm", command.range_cm, 0.0, 769.0),
-        ("interval_s", command.interval_s, 0.0, 3600.0),
-        ("ttl_s", 1.0 if command.ttl_s is None else command.ttl_s, 0.0, 1.0),
-    )
-    for name, value, low, high in bounds:
+    for name, value, low, high in (*_bounds(command), ("ttl_s", command.ttl_s or 0.0, 0.0, 1.0)):
         if not (isfinite(value) and low <= value <= high):
             return f"{name} {value:g} is outside {low:g} to {high:g}"
     if command.ttl_s == 0.0:
         return "ttl_s 0 is no life; leave it out or give up to 1"
-    if command.sensor not in SENSORS:
+    if isinstance(command, DriveCommand) and command.sensor not in SENSORS:
         return f"sensor '{command.sensor}' is none of {', '.join(SENSORS)}"
     return not_fresh(state, event, now)
+
+
+def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
+    """Return name, value, least and most of each number that a command asks for."""
+    if isinstance(command, TurnCommand):
+        return (("angle_deg", command.angle_deg, -360.0, 360.0),)
+    if isinstance(command, HeadingCommand):
+        return (("heading_deg", command.heading_deg, 0.0, 360.0),)
+    return (
+        ("power", command.power, 0.0, 1.0),
+        ("angle_deg", command.angle_deg, -360.0, 360.0),
+        ("range_cm", command.range_cm, 0.0, 769.0),
+        ("interval_s", command.interval_s, 0.0, 3600.0),
+        ("distance_cm", command.distance_cm, 0.0, 10_000.0),
+    )
 
 
 def _rights(state: State, event: Command, now: float) -> str:
@@ -117,7 +122,7 @@ def _holder(state: State, event: Command, now: float) -> str:
 
 def _not_own(owner: Hold, event: Command) -> str:
     """A lease dates what its own sender says; another's clock proves nothing, nor does a lease that was overheard."""
-    foreign = event.remote and event.source != owner.source and event.command.power > 0.0
+    foreign = event.remote and event.source != owner.source and moves(event.command)
     return f"this lease is {owner.source}'s: ask for one of your own" if foreign else ""
 
 
@@ -128,7 +133,7 @@ def _held(hold: Hold, event: Command) -> str:
 
 def _order(state: State, event: Command, hold: Hold) -> str:
     """What quotes a lease counts once, and not after something newer; standing still counts whenever it comes."""
-    if event.command.power == 0.0:
+    if not moves(event.command):
         return ""
     newest = max(hold.said, hold.renewed) if what(event.command) == what(hold.command) else hold.said
     return "" if dated(state, event) > newest else TWICE
@@ -136,7 +141,7 @@ def _order(state: State, event: Command, hold: Hold) -> str:
 
 def _state(state: State, event: Command, now: float) -> str:
     """Nothing but standing still while the emergency stop is latched or the motors would not follow."""
-    if event.command.power == 0.0:
+    if not moves(event.command):
         return ""
     if state.estop:
         return f"emergency stop: {state.estop_reason or 'no reason given'}; 'reset' releases it"
@@ -147,18 +152,24 @@ def _state(state: State, event: Command, now: float) -> str:
 
 
 def _limits(state: State, event: Command, now: float) -> str:
-    """Bounds make sense: a range within the sensor's reach and not there yet, a time within the longest run."""
+    """Bounds make sense: a range within the sensor's reach and not there yet, a time within the longest run.
+
+    What turns or goes a distance needs to know how it lies or how far it came.
+    """
     command = event.command
-    if command.power == 0.0 or intent(state, command) == "renewal":
+    if not moves(command) or intent(state, command) == "renewal":
         return ""
+    if not isinstance(command, DriveCommand):
+        return turning.not_possible(command, state.bearing, state.settings, now)
     if command.interval_s > state.settings.max_run_s:
         return f"interval_s {command.interval_s:g} is longer than max_run_s {state.settings.max_run_s:g}"
-    return not_plausible(command, state.views, state.settings, now)
+    why = travelling.not_possible(command, state.mileage, now)
+    return why or not_plausible(command, state.views, state.settings, now)
 
 
 def _rules(state: State, event: Command, now: float) -> str:
     """A new motion towards an obstacle does not start."""
-    if event.command.power == 0.0 or intent(state, event.command) == "renewal":
+    if not moves(event.command) or intent(state, event.command) == "renewal":
         return ""
     found = limited_by_rules(state, event.command, now)
     return "" if found.scale > 0.0 else found.detail

@@ -8,18 +8,21 @@ from typing import Any
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context
-from lbr.messages.drive import CheckRequest, CheckVerdict, DriveCommand, DriveState, LoopStatistics
+from lbr.messages.drive import CheckVerdict, DriveState, LoopStatistics
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive.acceptance import to_be_checked
+from lbr.operations.drive.asked import Motion, shown
 from lbr.operations.drive.kernel import decide, drive_state, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
+    AttitudeSeen,
     Command,
     EstopChanged,
     Event,
     Happened,
     MotorsLost,
     MotorsSeen,
+    OdometrySeen,
     RangesSeen,
     Reply,
     Result,
@@ -31,6 +34,7 @@ from lbr.operations.drive.statistics import Beat, LoopMeter
 
 STATE_PERIOD_S = 0.1
 MOST_WAITING = 16
+MOTIONS = frozenset({"command", "turn", "heading"})
 UNANSWERED = {"(none in time)": None}
 
 
@@ -74,7 +78,7 @@ class Drive(Capability[DriveSettings]):
         self._listen()
         if call.name == "stop":
             self._decide(Stop(source=call.source, received=call.arrived, reason=call.message.reason), call)
-        elif call.name == "command":
+        elif call.name in MOTIONS:
             self._command(call)
         else:
             call.refuse(f"{call.name} is not understood here")
@@ -111,6 +115,10 @@ class Drive(Capability[DriveSettings]):
         self._watch_holder()
         for received in self.ctx.take("ranges"):
             self._decide(RangesSeen(ranges=received.message, arrived=received.arrived))
+        for received in self.ctx.take("attitude"):
+            self._decide(AttitudeSeen(attitude=received.message, arrived=received.arrived))
+        for received in self.ctx.take("odometry"):
+            self._decide(OdometrySeen(odometry=received.message, arrived=received.arrived))
 
     def _listen_to_motors(self) -> None:
         sources = self.ctx.sources("motors")
@@ -141,10 +149,10 @@ class Drive(Capability[DriveSettings]):
             self._ask(call, event.command)
             self._settle()
 
-    def _ask(self, call: Call, command: DriveCommand) -> None:
+    def _ask(self, call: Call, command: Motion) -> None:
         timeout_s = self.ctx.settings.checks_timeout_s
-        shown = CheckRequest(source=call.source, role=call.role, command=command)
-        asked = self.ctx.ask("checks", shown, timeout_s=timeout_s)
+        question = shown(call.source, call.role, command, self.ctx.settings)
+        asked = self.ctx.ask("checks", question, timeout_s=timeout_s)
         self._waiting.append(Waiting(call, asked, self.ctx.clock() + 2 * timeout_s))
 
     def _settle(self) -> None:

@@ -36,7 +36,8 @@ def end(state: State, how: Ending, why: str, now: float, *, heir: str = "") -> D
     if hold is None:
         return replace(still, reason=why), (ZERO,)
     level: Level = "warning" if how in UNPLANNED else "info"
-    said: Outputs = (ZERO, Happened(kind=how, text=f"{hold.source}: {why}", level=level))
+    kind = "turned" if how == "reached" and hold.goal is not None and hold.goal.turn is not None else how
+    said: Outputs = (ZERO, Happened(kind=kind, text=f"{hold.source}: {why}", level=level))
     if hold.goal is not None:
         said = (*said, result(hold.goal, how, why, now))
     state, told = (still, ()) if heir else tell_holder(still, now, lost=hold.source, why=why)
@@ -110,9 +111,9 @@ def _what_is_over(state: State, now: float) -> tuple[Ending, str] | None:
         return "fault", trouble
     if not now < hold.expires:
         return "lapsed", f"it lapsed, not renewed within {hold.ttl_s:g} s"
-    if hold.goal is not None and (ended := goals.ending(hold.goal, now)):
+    if hold.goal is not None and (ended := goals.ending(hold.goal, state.settings, now)):
         return ended
-    worn = _worn_out(state, hold, now) if hold.command.power > 0.0 else ""
+    worn = _worn_out(state, hold, now) if hold.power > 0.0 else ""
     return ("stopped", worn) if worn else None
 
 

@@ -4,6 +4,7 @@ from math import inf, isfinite
 
 from msgspec.structs import replace
 
+from lbr.operations.drive.asked import moves
 from lbr.operations.drive.state import Command, Hold, Insisting, State
 
 LATE_S = 0.3
@@ -41,7 +42,7 @@ def quoted(state: State, event: Command) -> Hold | None:
 
 def not_fresh(state: State, event: Command, now: float) -> str:
     """Return why a command is too old to move anything, or nothing; standing still is never too old."""
-    if event.command.power == 0.0:
+    if not moves(event.command):
         return ""
     patience_s = LATE_S + (2 * state.settings.checks_timeout_s if event.checks else 0.0)
     age_s = now - min(event.received, dated(state, event))  # by rounding, a date may lie after the arrival

@@ -1,25 +1,29 @@
-"""Bounded moves: until a sensor has come to a distance, or a time is over; whichever is first."""
+"""Bounded moves: until a sensor has come to a distance, a way is driven or a time is over; whichever is first. Turns."""
 
 from collections.abc import Mapping
-from math import inf, isnan, nan
+from math import inf, isfinite, isnan, nan
 
 from msgspec.structs import replace
 
 from lbr.messages.drive import DriveCommand, GoalResult, Sensor
 from lbr.messages.sensing import Ranges
+from lbr.operations.drive import travelling, turning
+from lbr.operations.drive.asked import Motion, moves
 from lbr.operations.drive.mixing import mix
 from lbr.operations.drive.rules import View, measured_m, towards
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.drive.state import Ending, Goal
+from lbr.operations.drive.state import Ending, Goal, State
 
 NEAREST_CM = 17.0
 FARTHEST_CM = 768.0
 LOST_AFTER_S = 0.3
 
 
-def bounded(command: DriveCommand) -> bool:
-    """Say whether a command is a bounded move."""
-    return command.power > 0.0 and (command.range_cm > 0.0 or command.interval_s > 0.0)
+def bounded(command: Motion) -> bool:
+    """Say whether a command is a bounded move, as every turn is."""
+    if not isinstance(command, DriveCommand):
+        return True
+    return moves(command) and (command.range_cm > 0.0 or command.interval_s > 0.0 or command.distance_cm > 0.0)
 
 
 def not_plausible(command: DriveCommand, views: Mapping[Sensor, View], settings: DriveSettings, now: float) -> str:
@@ -31,14 +35,26 @@ def not_plausible(command: DriveCommand, views: Mapping[Sensor, View], settings:
     view = views.get(command.sensor)
     if view is None or not now - view.seen <= LOST_AFTER_S or isnan(view.raw_m):
         return f"sensor {command.sensor} has no reading to watch"
-    goal = start(command, "", views, settings, now)
+    goal = _to_range(command, "", views, settings, now)
     if _reached(goal, view.raw_m):
         return f"{command.sensor} is {_words(view.raw_m)} already, range_cm is {command.range_cm:g}"
     return _out_of_reach(goal, command, settings)
 
 
-def start(command: DriveCommand, name: str, views: Mapping[Sensor, View], settings: DriveSettings, now: float) -> Goal:
+def start(command: Motion, name: str, state: State, now: float) -> Goal:
     """Return the goal of a bounded move that starts now."""
+    settings = state.settings
+    if not isinstance(command, DriveCommand):
+        turn = turning.start(command, state.bearing, settings, now)
+        return Goal(goal=name, sensor="forward", target_m=nan, closing=False, started=now, turn=turn)
+    goal = _to_range(command, name, state.views, settings, now)
+    way = travelling.start(command, state.mileage, settings) if command.distance_cm > 0.0 else None
+    return replace(goal, way=way)
+
+
+def _to_range(
+    command: DriveCommand, name: str, views: Mapping[Sensor, View], settings: DriveSettings, now: float
+) -> Goal:
     view = views.get(command.sensor)
     present_m = nan if view is None else view.raw_m
     target_m = command.range_cm / 100 if command.range_cm > 0.0 else nan
@@ -61,8 +77,12 @@ def watch(goal: Goal, ranges: Ranges, now: float) -> Goal:
     return goal if overtaken or isnan(value_m) else replace(goal, last_m=value_m, last_seen=now)
 
 
-def ending(goal: Goal, now: float) -> tuple[Ending, str] | None:
+def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, str] | None:
     """Return how a goal ends now and why, or None while it goes on."""
+    if goal.turn is not None:
+        return _turned(goal, goal.turn, settings, now)
+    if goal.way is not None and (ended := _travelled(goal, goal.way, now)):
+        return ended
     if not isnan(goal.target_m):
         if _reached(goal, goal.last_m):
             return "reached", f"{goal.sensor} is {_words(goal.last_m)}"
@@ -82,7 +102,39 @@ def result(goal: Goal, how: Ending, why: str, now: float) -> GoalResult:
         reason=why,
         range_cm=round(goal.last_m * 100, 1) if known else None,
         elapsed_s=round(now - goal.started, 3),
+        turned_deg=_known(goal.turn.turned_deg, 2) if goal.turn else None,
+        error_deg=_known(-goal.turn.left_deg, 2) if goal.turn else None,
+        distance_m=_known(goal.way.sense * goal.way.travelled_m, 3) if goal.way else None,
+        error_m=_known(-goal.way.left_m, 3) if goal.way else None,
     )
+
+
+def wheels(
+    goal: Goal | None, power: float, angle_deg: float, settings: DriveSettings, now: float
+) -> tuple[float, float]:
+    """Return what the wheels should do now by themselves: as asked, and less where a turn or a way comes to its end."""
+    if goal is not None and goal.turn is not None:
+        push = turning.power(goal.turn, settings, now)
+        return push, -push
+    if goal is not None and goal.way is not None:
+        power = travelling.power(goal.way, power, settings, now)
+    return mix(power, angle_deg, settings)
+
+
+def _turned(goal: Goal, turn: turning.Turn, settings: DriveSettings, now: float) -> tuple[Ending, str] | None:
+    if why := turning.fault(turn, settings, now):
+        return "fault", why
+    return ("reached", turning.ended(turn, now - goal.started)) if turning.is_over(turn, settings) else None
+
+
+def _travelled(goal: Goal, way: travelling.Way, now: float) -> tuple[Ending, str] | None:
+    if why := travelling.fault(way, now):
+        return "fault", why
+    return ("reached", travelling.ended(way, now - goal.started)) if travelling.is_over(way) else None
+
+
+def _known(value: float, digits: int) -> float | None:
+    return round(value, digits) if isfinite(value) else None
 
 
 def _closing(command: DriveCommand, present_m: float, target_m: float, settings: DriveSettings) -> bool:

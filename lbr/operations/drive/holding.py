@@ -1,13 +1,14 @@
 """What an accepted command does: it begins to hold the base, goes on, changes, or is offered a lease to confirm."""
 
-from math import inf, isnan, nan
+from math import copysign, inf, isnan, nan
 
 from msgspec.structs import replace
 
 from lbr.messages.drive import CommandReply
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals
-from lbr.operations.drive.acceptance import intent, notes, refusal, streams, what
+from lbr.operations.drive.acceptance import intent, notes, refusal, streams
+from lbr.operations.drive.asked import moves, power_of, towards_deg, what
 from lbr.operations.drive.ending import Decision, drop_offers, end, end_all, result, tell_holder
 from lbr.operations.drive.freshness import dated, forget_insisting, insists, note_insisting, offset_s, quoted
 from lbr.operations.drive.state import Command, Hold, Outputs, Reply, Setpoint, State, Stop, offered
@@ -52,7 +53,7 @@ def drive(state: State, now: float) -> Decision:
 
 def _refuse(state: State, event: Command, why: str, now: float) -> Decision:
     reply = Reply(message=CommandReply(accepted=False, reason=why), late=bool(event.command.lease))
-    if event.command.power > 0.0 and (how := _insisting(state, event, now)):
+    if moves(event.command) and (how := _insisting(state, event, now)):
         state = note_insisting(state, event.source, how, now)
     return state, (reply,)
 
@@ -126,7 +127,7 @@ def _accept(state: State, hold: Hold, event: Command, now: float) -> Decision:
 
 
 def _yes(state: State, hold: Hold, event: Command, now: float) -> Reply:
-    reason = notes(state, event.command, now) if event.command.power > 0.0 else ""
+    reason = notes(state, event.command, now) if moves(event.command) else ""
     goal = hold.goal.goal if hold.goal else ""
     return Reply(
         message=CommandReply(accepted=True, reason=reason, lease=hold.lease, ttl_s=hold.ttl_s, goal=goal),
@@ -144,12 +145,13 @@ def _quoting(state: State, hold: Hold, event: Command) -> Hold:
 
 def _new_hold(state: State, event: Command, now: float) -> Hold:
     asked = event.command
-    goal = goals.start(asked, event.new_goal, state.views, state.settings, now) if goals.bounded(asked) else None
+    goal = goals.start(asked, event.new_goal, state, now) if goals.bounded(asked) else None
     return Hold(
         lease=event.new_lease,
         source=event.source,
         command=asked,
-        power=min(asked.power, state.settings.max_power),
+        power=power_of(asked, state.settings),
+        angle_deg=towards_deg(asked) if goal is None or goal.turn is None else copysign(90.0, goal.turn.asked_deg),
         ttl_s=_ttl_s(state, event),
         expires=nan,
         changed=now,

@@ -5,17 +5,22 @@ from math import nan
 from msgspec.structs import replace
 
 from lbr.messages.drive import DriveState, LoopStatistics
-from lbr.operations.drive import goals, holding, rules
+from lbr.operations.drive import bearing, goals, holding, mileage, rules, travelling, turning
 from lbr.operations.drive.ending import Decision, end_all, end_what_is_over
 from lbr.operations.drive.freshness import INSISTING_S
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
+    AttitudeSeen,
     Command,
     EstopChanged,
     Event,
+    Goal,
+    Happened,
     Insisting,
     MotorsLost,
     MotorsSeen,
+    OdometrySeen,
+    Outputs,
     RangesSeen,
     State,
     Stop,
@@ -44,7 +49,7 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
     return DriveState(
         moving=state.left != 0.0 or state.right != 0.0,
         power=hold.power if hold else 0.0,
-        angle_deg=hold.command.angle_deg if hold else 0.0,
+        angle_deg=hold.angle_deg if hold else 0.0,
         left=state.left,
         right=state.right,
         holder=hold.source if hold else None,
@@ -70,6 +75,10 @@ def _handle(state: State, event: Event, now: float) -> Decision:
             decision = end_what_is_over(replace(state, motors=None, motors_gone=reason, motors_lost=now), now)
         case RangesSeen():
             decision = _ranges(state, event, now)
+        case AttitudeSeen():
+            decision = _attitude(state, event, now)
+        case OdometrySeen():
+            decision = _odometry(state, event, now)
         case Tick():
             decision = holding.drive(state, now)
     return decision
@@ -97,6 +106,46 @@ def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
     return end_what_is_over(replace(state, hold=replace(state.hold, goal=goal)), now)
 
 
+def _attitude(state: State, event: AttitudeSeen, now: float) -> Decision:
+    """Take in the attitude; a turn that goes on is watched by it."""
+    seen = bearing.see(state.bearing, event.attitude, _no_later(event.arrived, now), state.settings)
+    state = replace(state, bearing=seen)
+    goal = _goal(state)
+    if goal is None or goal.turn is None:
+        return state, ()
+    turn = turning.watch(goal.turn, seen, state.left, state.settings)
+    return end_what_is_over(_with_goal(state, replace(goal, turn=turn)), now)
+
+
+def _odometry(state: State, event: OdometrySeen, now: float) -> Decision:
+    """Take in the odometry; a distance that is being driven is watched by it."""
+    seen = mileage.see(state.mileage, event.odometry, _no_later(event.arrived, now), state.settings)
+    state = replace(state, mileage=seen)
+    goal = _goal(state)
+    if state.hold is None or goal is None or goal.way is None:
+        return state, ()
+    way = travelling.watch(goal.way, seen, state.left, state.settings)
+    said: Outputs = ()
+    if seen.slipping and not way.slipped:
+        way = replace(way, slipped=True)
+        said = _slips(state.hold.source)
+    state, ended = end_what_is_over(_with_goal(state, replace(goal, way=way)), now)
+    return state, said + ended
+
+
+def _slips(source: str) -> Outputs:
+    text = f"{source}: the wheels slip: they turn otherwise than the base does, so the distance is not sure"
+    return (Happened(kind="slip", text=text, level="warning"),)
+
+
+def _goal(state: State) -> Goal | None:
+    return state.hold.goal if state.hold is not None else None
+
+
+def _with_goal(state: State, goal: Goal) -> State:
+    return state if state.hold is None else replace(state, hold=replace(state.hold, goal=goal))
+
+
 def _no_later(arrived: float, now: float) -> float:
     return min(arrived, now)  # this way round, NaN stays NaN
 
@@ -111,6 +160,8 @@ def _lose_time(state: State, now: float) -> Decision:
         motors_gone=f"{BACK}; the motor driver was not heard since",
         motors_lost=now,
         views={},
+        bearing=bearing.UNHEARD,
+        mileage=mileage.UNHEARD,
         stopped=now,
         begun=now,
         insisting=insisting,

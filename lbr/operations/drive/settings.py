@@ -58,3 +58,27 @@ class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     reaction_s: Annotated[float, Meta(gt=0.0, le=2.0, description="from something appearing to braking")] = 0.3
     brake_mps2: Annotated[float, Meta(gt=0.0, le=20.0)] = 1.5
     rules: tuple[Rule, ...] = DEFAULT_RULES
+    max_turn_dps: Annotated[
+        float, Meta(gt=0.0, le=1000.0, description="rate of a spin at full power, degrees a second")
+    ] = 400.0
+    turn_power: Annotated[float, Meta(gt=0.0, le=1.0, description="greatest power of a turn")] = 0.2
+    turn_min_power: Annotated[
+        float, Meta(gt=0.0, le=1.0, description="least power that turns the base, and greatest of a correction")
+    ] = 0.05
+    turn_brake_dps2: Annotated[float, Meta(gt=0.0, le=5000.0, description="how hard a turn slows down")] = 150.0
+    turn_lag_s: Annotated[
+        float, Meta(ge=0.0, le=1.0, description="from a new power to the first attitude that shows it")
+    ] = 0.08
+    turn_tolerance_deg: Annotated[float, Meta(ge=0.2, le=45.0)] = 1.0
+    turn_settle_s: Annotated[float, Meta(ge=0.0, le=2.0, description="rest at the target before a turn is over")] = 0.2
+    turn_stuck_s: Annotated[float, Meta(gt=0.0, le=10.0, description="power without a turn for so long is a fault")] = (
+        1.0
+    )
+    turn_spare_s: Annotated[
+        float, Meta(ge=0.5, le=60.0, description="what a turn may take besides twice its time at turn_power")
+    ] = 4.0
+    attitude_max_age_s: Annotated[float, Meta(gt=0.0, le=0.5)] = 0.2
+    creep_power: Annotated[
+        float, Meta(gt=0.0, le=1.0, description="least power that drives the base, near the end of a distance")
+    ] = 0.06
+    distance_tolerance_m: Annotated[float, Meta(ge=0.005, le=1.0)] = 0.02

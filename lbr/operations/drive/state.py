@@ -7,12 +7,20 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.messages.drive import CheckVerdict, CommandReply, DriveCommand, GoalResult, Sensor
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.drive import CheckVerdict, CommandReply, GoalResult, Sensor
 from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import Role
+from lbr.operations.drive import bearing, mileage
+from lbr.operations.drive.asked import Motion
+from lbr.operations.drive.bearing import Bearing
+from lbr.operations.drive.mileage import Mileage
 from lbr.operations.drive.rules import FREE, Limit, Odometer, View
 from lbr.operations.drive.settings import DriveSettings
+from lbr.operations.drive.travelling import Way
+from lbr.operations.drive.turning import Turn
 
 Ending = Literal["reached", "interval", "stopped", "lapsed", "superseded", "fault"]
 Level = Literal["info", "warning", "error"]
@@ -24,13 +32,13 @@ NOT_KNOWN = "it is not known here; ask for a new one without quoting a lease"
 
 
 class Command(Struct, frozen=True, kw_only=True):
-    """A drive command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
+    """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
 
     `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
     the reply. `checks`: what the user's own checks said.
     """
 
-    command: DriveCommand
+    command: Motion
     source: str
     role: Role
     new_lease: str
@@ -77,11 +85,25 @@ class RangesSeen(Struct, frozen=True, kw_only=True):
     arrived: float
 
 
+class AttitudeSeen(Struct, frozen=True, kw_only=True):
+    """The attitude came in."""
+
+    attitude: AttitudeState
+    arrived: float
+
+
+class OdometrySeen(Struct, frozen=True, kw_only=True):
+    """The odometry came in."""
+
+    odometry: OdometryState
+    arrived: float
+
+
 class Tick(Struct, frozen=True, kw_only=True):
     """Time for the next setpoint."""
 
 
-Event = Command | Stop | EstopChanged | MotorsSeen | MotorsLost | RangesSeen | Tick
+Event = Command | Stop | EstopChanged | MotorsSeen | MotorsLost | RangesSeen | AttitudeSeen | OdometrySeen | Tick
 
 
 class Reply(Struct, frozen=True, kw_only=True):
@@ -117,7 +139,10 @@ Outputs = tuple[Output, ...]
 
 
 class Goal(Struct, frozen=True, kw_only=True):
-    """The bounds of a move: until `sensor` has come to `target_m` (NaN: none), and no longer than until `ends`."""
+    """The bounds of a move: until `sensor` has come to `target_m` (NaN: none), and no longer than until `ends`.
+
+    `turn` is what a turn has to reach, `way` how far a bounded move goes.
+    """
 
     goal: str
     sensor: Sensor
@@ -127,19 +152,23 @@ class Goal(Struct, frozen=True, kw_only=True):
     ends: float = inf
     last_m: float = nan
     last_seen: float = nan
+    turn: Turn | None = None
+    way: Way | None = None
 
 
 class Hold(Struct, frozen=True, kw_only=True):
     """Who has the base: a live lease, the command it was given for, and the bounds of that command.
 
+    The base moves with `power` at most, towards `angle_deg`.
     `said` is when that command was sent, `renewed` when the newest that quoted the lease was (NaN: none yet). `offset_s`
     is the least that a remote sender's clock was seen to be behind ours.
     """
 
     lease: str
     source: str
-    command: DriveCommand
+    command: Motion
     power: float
+    angle_deg: float
     ttl_s: float
     expires: float
     changed: float
@@ -186,6 +215,8 @@ class State(Struct, frozen=True, kw_only=True):
     motors_lost: float = -inf
     views: Mapping[Sensor, View] = {}
     odometer: Odometer = Odometer()
+    bearing: Bearing = bearing.UNHEARD
+    mileage: Mileage = mileage.UNHEARD
     limited: Limit = FREE
     blocked_since: float = nan
     told: str = ""

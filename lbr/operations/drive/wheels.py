@@ -4,7 +4,7 @@ from math import isnan, nan
 
 from msgspec.structs import replace
 
-from lbr.operations.drive.mixing import mix
+from lbr.operations.drive import goals
 from lbr.operations.drive.rules import FREE, Limit, limit
 from lbr.operations.drive.state import Happened, Outputs, State
 
@@ -23,7 +23,7 @@ def next_wheels(state: State, now: float) -> State:
     state = replace(state, odometer=odometer, ticked=now)
     if state.hold is None:
         return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="")
-    asked = mix(state.hold.power, state.hold.command.angle_deg, settings)
+    asked = goals.wheels(state.hold.goal, state.hold.power, state.hold.angle_deg, settings, now)
     limited = limit(settings, state.views, asked, now, state.limited.blocked)
     step = settings.accel_per_s * elapsed_s
     wheels = slew((state.left, state.right), _scaled(asked, limited), step)

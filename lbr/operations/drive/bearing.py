@@ -1,0 +1,97 @@
+"""What is believed of the attitude: how far the base has turned, how fast it turns and where it looks."""
+
+from math import isfinite, nan
+
+from msgspec import Struct
+
+from lbr.messages.attitude import AttitudeState
+from lbr.operations.drive.settings import DriveSettings
+
+JUMP_DEG = 5.0
+JUMP_SHARE = 1.5
+"""Turning faster than at full power, by this much, is nothing that a base does."""
+SMOOTHING = 0.5
+
+
+class Bearing(Struct, frozen=True, kw_only=True):
+    """The newest attitude; `trouble` says why it is not to be turned by. Clockwise is positive.
+
+    `seen` is when it was measured, `rate_dps` how fast the base turned between the last two.
+    """
+
+    trouble: str = "no attitude was heard yet"
+    epoch: str = ""
+    turned_deg: float = nan
+    rate_dps: float = 0.0
+    heading_deg: float = nan
+    heading_reason: str = "it was not heard yet"
+    seen: float = nan
+
+
+UNHEARD = Bearing()
+
+
+def see(before: Bearing, attitude: AttitudeState, arrived: float, settings: DriveSettings) -> Bearing:
+    """Return what is believed after a new attitude; one that was overtaken changes nothing."""
+    seen = min(attitude.measured_s, arrived)  # this way round, NaN stays NaN
+    if seen <= before.seen and attitude.valid and attitude.epoch == before.epoch:
+        return before
+    turned_deg = nan if attitude.turned_deg is None else attitude.turned_deg
+    found = Bearing(
+        trouble=_trouble(attitude, turned_deg, seen),
+        epoch=attitude.epoch,
+        turned_deg=turned_deg,
+        heading_deg=_heading_deg(attitude),
+        heading_reason=attitude.heading_reason or "it is not measured",
+        seen=seen,
+    )
+    return found if found.trouble or before.trouble or found.epoch != before.epoch else _after(before, found, settings)
+
+
+def not_known(bearing: Bearing, settings: DriveSettings, now: float) -> str:
+    """Return why the base cannot turn by the attitude now, or nothing; comparisons are such that NaN cannot."""
+    if bearing.trouble:
+        return bearing.trouble
+    oldest_s = settings.attitude_max_age_s
+    return "" if now - bearing.seen <= oldest_s else f"the attitude is older than {oldest_s:g} s"
+
+
+def shortest_deg(heading_deg: float, wanted_deg: float) -> float:
+    """Return the shorter way from one heading to another, clockwise positive; clockwise if both are as long."""
+    way_deg = (wanted_deg - heading_deg) % 360.0
+    return way_deg if way_deg <= 180.0 else way_deg - 360.0
+
+
+def _after(before: Bearing, found: Bearing, settings: DriveSettings) -> Bearing:
+    elapsed_s = found.seen - before.seen
+    way_deg = found.turned_deg - before.turned_deg
+    most_deg = JUMP_DEG + JUMP_SHARE * settings.max_turn_dps * elapsed_s
+    if not abs(way_deg) <= most_deg:
+        return _with(found, trouble=f"the attitude jumped by {way_deg:.0f} degrees within {elapsed_s:.2f} s")
+    rate_dps = before.rate_dps + (way_deg / elapsed_s - before.rate_dps) * SMOOTHING
+    return _with(found, rate_dps=rate_dps)
+
+
+def _with(found: Bearing, *, trouble: str = "", rate_dps: float = 0.0) -> Bearing:
+    return Bearing(
+        trouble=trouble,
+        epoch=found.epoch,
+        turned_deg=found.turned_deg,
+        rate_dps=rate_dps,
+        heading_deg=found.heading_deg,
+        heading_reason=found.heading_reason,
+        seen=found.seen,
+    )
+
+
+def _trouble(attitude: AttitudeState, turned_deg: float, seen: float) -> str:
+    if not attitude.valid:
+        return f"the attitude is not known: {attitude.reason or 'no reason given'}"
+    if not (isfinite(turned_deg) and isfinite(seen)):
+        return "the attitude makes no sense: it has no angle or no time"
+    return ""
+
+
+def _heading_deg(attitude: AttitudeState) -> float:
+    heading_deg = nan if attitude.heading_deg is None else attitude.heading_deg
+    return heading_deg if 0.0 <= heading_deg <= 360.0 else nan

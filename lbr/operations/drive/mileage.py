@@ -1,0 +1,66 @@
+"""What is believed of the odometry: how far the base went, how fast it goes, and whether its wheels stall or slip."""
+
+from math import isfinite, nan
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.odometry import OdometryState
+from lbr.operations.drive.settings import DriveSettings
+
+LATE_S = 0.3
+JUMP_M = 0.2
+JUMP_SHARE = 2.0
+
+
+class Mileage(Struct, frozen=True, kw_only=True):
+    """The newest odometry; `trouble` says why no distance is to be driven by it. Backwards is negative."""
+
+    trouble: str = "no odometry was heard yet"
+    epoch: str = ""
+    distance_m: float = nan
+    speed_mps: float = 0.0
+    stalled: bool = False
+    slipping: bool = False
+    seen: float = nan
+
+
+UNHEARD = Mileage()
+
+
+def see(before: Mileage, odometry: OdometryState, arrived: float, settings: DriveSettings) -> Mileage:
+    """Return what is believed after new odometry; one that was overtaken changes nothing."""
+    counted_s = nan if odometry.counted_s is None else odometry.counted_s
+    seen = min(counted_s, arrived)  # this way round, NaN stays NaN
+    distance_m = nan if odometry.distance_m is None else odometry.distance_m
+    speed_mps = nan if odometry.speed_mps is None else odometry.speed_mps
+    found = Mileage(
+        trouble=_trouble(odometry, (seen, distance_m, speed_mps)),
+        epoch=odometry.epoch,
+        distance_m=distance_m,
+        speed_mps=speed_mps,
+        stalled=odometry.stalled,
+        slipping=odometry.slipping,
+        seen=seen,
+    )
+    if found.trouble or before.trouble or found.epoch != before.epoch:
+        return found
+    if seen < before.seen:
+        return before
+    way_m = distance_m - before.distance_m
+    most_m = JUMP_M + JUMP_SHARE * settings.max_speed_mps * (seen - before.seen)
+    jumped = f"the odometry jumped by {way_m:.2f} m within {seen - before.seen:.2f} s"
+    return found if abs(way_m) <= most_m else replace(found, trouble=jumped)
+
+
+def not_known(mileage: Mileage, now: float) -> str:
+    """Return why no distance can be driven now, or nothing; comparisons are such that NaN cannot."""
+    if mileage.trouble:
+        return mileage.trouble
+    return "" if now - mileage.seen <= LATE_S else f"the odometry is older than {LATE_S:g} s"
+
+
+def _trouble(odometry: OdometryState, numbers: tuple[float, ...]) -> str:
+    if not odometry.valid:
+        return f"the odometry is not known: {odometry.reason or 'no reason given'}"
+    return "" if all(isfinite(number) for number in numbers) else "the odometry makes no sense: a number is missing"

@@ -1,0 +1,119 @@
+"""Driving a distance by the wheels: how fast near its end, when it is there, and when the wheels do not follow."""
+
+from math import cos, isnan, nan, radians
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.drive import DriveCommand
+from lbr.operations.drive import mileage as mileages
+from lbr.operations.drive.asked import straight
+from lbr.operations.drive.mileage import Mileage
+from lbr.operations.drive.rules import allowed_mps
+from lbr.operations.drive.settings import DriveSettings
+
+STANDING_MPS = 0.03
+SETTLE_S = 0.2
+WRONG_M = 0.15
+
+
+class Way(Struct, frozen=True, kw_only=True):
+    """A distance that is being driven: `asked_m` from `begun_m`, towards `sense` (1 ahead, -1 back).
+
+    `quiet` is since when the base stands at its end (NaN: it does not); `backward_m` is how far it may roll the other
+    way at first. `slipped` once that was told.
+    """
+
+    asked_m: float
+    sense: float
+    begun_m: float
+    epoch: str
+    mileage: Mileage
+    backward_m: float
+    quiet: float = nan
+    slipped: bool = False
+
+    @property
+    def travelled_m(self) -> float:
+        """How far it came towards its end."""
+        return self.sense * (self.mileage.distance_m - self.begun_m)
+
+    @property
+    def left_m(self) -> float:
+        """How far it has yet to go."""
+        return self.asked_m - self.travelled_m
+
+
+def not_possible(command: DriveCommand, mileage: Mileage, now: float) -> str:
+    """Return why this distance cannot be driven, or nothing."""
+    if not command.distance_cm > 0.0:
+        return ""
+    if not straight(command):
+        return f"distance_cm goes straight ahead or back only (angle_deg 0 or 180), not {command.angle_deg:g}"
+    why = mileages.not_known(mileage, now)
+    return f"no distance can be driven: {why}" if why else ""
+
+
+def start(command: DriveCommand, mileage: Mileage, settings: DriveSettings) -> Way:
+    """Return the way that a command begins."""
+    sense = 1.0 if cos(radians(command.angle_deg)) > 0.0 else -1.0
+    speed = abs(mileage.speed_mps)
+    rolls_m = speed * settings.reaction_s + speed * speed / (2 * settings.brake_mps2)
+    return Way(
+        asked_m=command.distance_cm / 100,
+        sense=sense,
+        begun_m=mileage.distance_m,
+        epoch=mileage.epoch,
+        mileage=mileage,
+        backward_m=WRONG_M + rolls_m,
+    )
+
+
+def watch(way: Way, mileage: Mileage, pushing: float, settings: DriveSettings) -> Way:
+    """Return the way after new odometry, while the wheels are given `pushing`."""
+    if mileage.trouble or mileage.epoch != way.epoch:
+        return replace(way, mileage=mileage)
+    way = replace(way, mileage=mileage)
+    still = way.left_m <= settings.distance_tolerance_m and abs(mileage.speed_mps) <= STANDING_MPS
+    since = mileage.seen if isnan(way.quiet) else way.quiet
+    return replace(way, quiet=since if still and pushing == 0.0 else nan)
+
+
+def fault(way: Way, now: float) -> str:
+    """Return what is wrong with a way, or nothing; comparisons are such that NaN is wrong."""
+    if why := mileages.not_known(way.mileage, now):
+        return why
+    if way.mileage.epoch != way.epoch:
+        return "the odometry began anew on the way"
+    if way.mileage.stalled:
+        return "the wheels stand although the motors push"
+    if not way.travelled_m > -way.backward_m:
+        return "the wheels turn the other way: look at the motors' and the encoders' signs"
+    return ""
+
+
+def is_over(way: Way) -> bool:
+    """Say whether the base stands at the end, and has for a while."""
+    return way.mileage.seen - way.quiet >= SETTLE_S  # this way round, NaN is not over
+
+
+def power(way: Way, asked: float, settings: DriveSettings, now: float) -> float:
+    """Return the power now, `asked` at most: less near the end, nothing where the base will come to rest."""
+    lag_s = max(0.0, now - way.mileage.seen)
+    ahead_mps = max(0.0, way.sense * way.mileage.speed_mps)
+    left_m = way.left_m - ahead_mps * lag_s
+    if not left_m > ahead_mps * ahead_mps / (2 * settings.brake_mps2) + settings.distance_tolerance_m / 2:
+        return 0.0  # this way round, NaN is no power
+    wished = allowed_mps(left_m, settings) / settings.max_speed_mps
+    return min(asked, max(wished, settings.creep_power))
+
+
+def words(way: Way) -> str:
+    """Say how far it came of what was asked."""
+    return f"drove {way.travelled_m:.2f} of {way.asked_m:.4g} m"
+
+
+def ended(way: Way, elapsed_s: float) -> str:
+    """Say how a way that is over went."""
+    past_m = -way.left_m
+    return f"{words(way)} in {elapsed_s:.1f} s, {abs(past_m):.2f} m {'too far' if past_m > 0.0 else 'short'}"

@@ -1,0 +1,169 @@
+"""Turning on the spot to a target: how hard to push, when it is there, and when the base does not do as it should."""
+
+from math import copysign, isnan, nan, sqrt
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.drive import HeadingCommand, TurnCommand
+from lbr.operations.drive import bearing as bearings
+from lbr.operations.drive.bearing import Bearing
+from lbr.operations.drive.settings import DriveSettings
+
+QUIET_DPS = 3.0
+"""Slower than this the base stands."""
+RESTING_SHARE = 0.5
+"""A stop is aimed at by this share of the tolerance."""
+MOVED_DEG = 1.0
+WRONG_DEG = 5.0
+GRACE_S = 0.4
+"""How long a base may go on turning the other way after the power was reversed."""
+PATIENCE_S = 0.3
+"""After so long without any turn the power of a correction begins to grow."""
+
+
+class Push(Struct, frozen=True, kw_only=True):
+    """Since when the wheels push to one side, and what came of it: the farthest it got and when it last moved on."""
+
+    sense: float
+    since: float
+    best_deg: float
+    mark_deg: float
+    marked: float
+
+
+class Turn(Struct, frozen=True, kw_only=True):
+    """A turn that goes on: from `begun_deg` by `asked_deg`, in degrees that the body has turned, clockwise positive.
+
+    `quiet` is since when it stands at its target (NaN: it does not), `ends` when it should have got there.
+    """
+
+    asked_deg: float
+    begun_deg: float
+    epoch: str
+    bearing: Bearing
+    ends: float
+    allowed_s: float
+    quiet: float = nan
+    push: Push | None = None
+
+    @property
+    def turned_deg(self) -> float:
+        """How far it has turned since it began."""
+        return self.bearing.turned_deg - self.begun_deg
+
+    @property
+    def left_deg(self) -> float:
+        """How far it has yet to turn."""
+        return self.asked_deg - self.turned_deg
+
+
+def not_possible(command: TurnCommand | HeadingCommand, bearing: Bearing, settings: DriveSettings, now: float) -> str:
+    """Return why the base cannot turn like this, or nothing."""
+    if why := bearings.not_known(bearing, settings, now):
+        return why
+    if isinstance(command, HeadingCommand) and isnan(bearing.heading_deg):
+        return f"the heading is not known: {bearing.heading_reason}"
+    return ""
+
+
+def start(command: TurnCommand | HeadingCommand, bearing: Bearing, settings: DriveSettings, now: float) -> Turn:
+    """Return a turn that begins now; to a heading it is the shorter way, by where the base looks at this moment."""
+    asked_deg = (
+        command.angle_deg
+        if isinstance(command, TurnCommand)
+        else bearings.shortest_deg(bearing.heading_deg, command.heading_deg)
+    )
+    power = min(settings.turn_power, settings.max_power)
+    allowed_s = settings.turn_spare_s + 2.0 * abs(asked_deg) / (power * settings.max_turn_dps)
+    return Turn(
+        asked_deg=asked_deg,
+        begun_deg=bearing.turned_deg,
+        epoch=bearing.epoch,
+        bearing=bearing,
+        ends=now + allowed_s,
+        allowed_s=allowed_s,
+    )
+
+
+def watch(turn: Turn, bearing: Bearing, pushing: float, settings: DriveSettings) -> Turn:
+    """Return the turn after a new attitude, while the left wheel is given `pushing`."""
+    if bearing.trouble or bearing.epoch != turn.epoch:
+        return replace(turn, bearing=bearing)
+    turn = replace(turn, bearing=bearing, push=_push(turn.push, bearing, pushing))
+    still = abs(turn.left_deg) <= settings.turn_tolerance_deg and abs(bearing.rate_dps) <= QUIET_DPS
+    since = bearing.seen if isnan(turn.quiet) else turn.quiet
+    return replace(turn, quiet=since if still and pushing == 0.0 else nan)
+
+
+def fault(turn: Turn, settings: DriveSettings, now: float) -> str:
+    """Return what is wrong with a turn, or nothing; comparisons are such that NaN is wrong."""
+    bearing = turn.bearing
+    if why := bearings.not_known(bearing, settings, now):
+        return why
+    if bearing.epoch != turn.epoch:
+        return "the attitude began anew in the middle of the turn"
+    if not now < turn.ends:
+        return f"not within {turn.allowed_s:.1f} s: {words(turn)}"
+    return _without_effect(turn.push, bearing, settings) if turn.push is not None else ""
+
+
+def is_over(turn: Turn, settings: DriveSettings) -> bool:
+    """Say whether the base stands at its target, and has for a while."""
+    return turn.bearing.seen - turn.quiet >= settings.turn_settle_s  # this way round, NaN is not over
+
+
+def power(turn: Turn, settings: DriveSettings, now: float) -> float:
+    """Return how hard to push now, clockwise positive: less near the target, nothing where the base will come to rest."""
+    rate_dps, left_deg = turn.bearing.rate_dps, turn.left_deg
+    lag_s = min(max(0.0, now - turn.bearing.seen), settings.attitude_max_age_s) + settings.turn_lag_s
+    left_then_deg = left_deg - rate_dps * lag_s
+    rest_deg = left_then_deg - copysign(rate_dps * rate_dps / (4.0 * settings.turn_brake_dps2), rate_dps)
+    if abs(left_deg) <= settings.turn_tolerance_deg and abs(rate_dps) <= QUIET_DPS:
+        return 0.0
+    if not rest_deg * left_deg > 0.0 or abs(rest_deg) <= RESTING_SHARE * settings.turn_tolerance_deg:
+        return 0.0  # this way round, NaN is no power
+    highest = min(settings.turn_power, settings.max_power)
+    wished = sqrt(2.0 * settings.turn_brake_dps2 * abs(rest_deg)) / settings.max_turn_dps
+    return copysign(min(highest, max(wished, _least(turn.push, turn.bearing, settings))), left_deg)
+
+
+def words(turn: Turn) -> str:
+    """Say how far it has turned of what was asked."""
+    return f"turned {turn.turned_deg:.1f} of {turn.asked_deg:.4g} degrees"
+
+
+def ended(turn: Turn, elapsed_s: float) -> str:
+    """Say how a turn that is over went."""
+    past_deg = -turn.left_deg if turn.asked_deg >= 0.0 else turn.left_deg
+    how = "too far" if past_deg > 0.0 else "short"
+    return f"{words(turn)} in {elapsed_s:.1f} s, {abs(past_deg):.1f} {how}"
+
+
+def _push(before: Push | None, bearing: Bearing, pushing: float) -> Push | None:
+    if pushing == 0.0:
+        return None
+    sense, here_deg, seen = copysign(1.0, pushing), bearing.turned_deg, bearing.seen
+    if before is None or before.sense != sense:
+        return Push(sense=sense, since=seen, best_deg=here_deg, mark_deg=here_deg, marked=seen)
+    fresh = seen - before.since < GRACE_S
+    better = sense * (here_deg - before.best_deg) > 0.0
+    push = replace(before, best_deg=here_deg) if fresh or better else before
+    return replace(push, mark_deg=here_deg, marked=seen) if abs(here_deg - push.mark_deg) >= MOVED_DEG else push
+
+
+def _without_effect(push: Push, bearing: Bearing, settings: DriveSettings) -> str:
+    if not bearing.seen - push.marked < settings.turn_stuck_s:
+        moved_deg = abs(bearing.turned_deg - push.mark_deg)
+        return f"the base does not turn: {settings.turn_stuck_s:g} s of power turned it by {moved_deg:.1f} degrees"
+    if not push.sense * (bearing.turned_deg - push.best_deg) > -WRONG_DEG:
+        return "the base turns the other way: look at the motors' and the inertial unit's signs"
+    return ""
+
+
+def _least(push: Push | None, bearing: Bearing, settings: DriveSettings) -> float:
+    """Return the least power that turns the base; more of it when that does not."""
+    least = settings.turn_min_power
+    standing_s = 0.0 if push is None else bearing.seen - push.marked
+    more = (standing_s - PATIENCE_S) / max(settings.turn_stuck_s - PATIENCE_S, 0.1)
+    return least + max(0.0, settings.turn_power - least) * max(0.0, more)
