@@ -1,6 +1,8 @@
 """InvenSense MPU-9150 on i2c, an MPU-6050 with an AK8975 compass in one package: its kind and its settings."""
 
-from msgspec import Struct
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.imu import ImuSample
@@ -11,6 +13,26 @@ class Mpu9150Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """What a row of kind `mpu9150` may set."""
 
     device: Name
+    rate_hz: Annotated[float, Meta(ge=10.0, le=200.0, description="samples per second")] = 100.0
+    gyro_range_dps: Annotated[
+        Literal[250, 500, 1000, 2000], Meta(description="fastest turn it can measure, degrees per second")
+    ] = 500
+    accel_range_g: Annotated[
+        Literal[2, 4, 8, 16], Meta(description="largest acceleration it can measure, in standard gravities")
+    ] = 4
+    lowpass_hz: Annotated[
+        Literal[188, 98, 42, 20, 10, 5],
+        Meta(description="bandwidth of accelerometer and gyro; below half of `rate_hz`, or vibration aliases"),
+    ] = 42
+    mag_hz: Annotated[
+        float, Meta(ge=0.0, le=100.0, description="most compass readings per second; 0 leaves the compass alone")
+    ] = 50.0
+    temperature_offset_c: Annotated[
+        float, Meta(ge=-100.0, le=100.0, description="the temperature at which the sensor reads zero")
+    ] = 35.0
+    most_errors: Annotated[
+        int, Meta(ge=1, le=100, description="failed readings in a row after which the device is started anew")
+    ] = 5
 
 
 KIND = Kind(

@@ -1,0 +1,134 @@
+"""An i2c bus held by one driver: found by the address in its device row, and failures told to people.
+
+Addresses: `i2c:BUS:ADDRESS` (`i2c:1:0x68` is 0x68 on /dev/i2c-1), or `unix:PATH[:ADDRESS]` for a bus over a socket.
+"""
+
+import errno
+import fcntl
+import os
+import re
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any, NamedTuple, Protocol
+
+from lbr.capability.context import Device
+from lbr.drivers.i2c_socket import SocketBus
+from lbr.errors import DeviceError
+
+UNANSWERED = frozenset({errno.EREMOTEIO, errno.ENXIO, errno.ENODEV, errno.ETIMEDOUT, errno.EIO})
+"""What adapters say when nobody answers; each has its favourite, so none means anything more."""
+
+_FIRST, _LAST = 0x08, 0x77
+_I2C_TIMEOUT = 0x0702
+_TIMEOUT_10MS = 5
+
+
+class Bus(Protocol):
+    """The calls of `smbus2.SMBus` that drivers use; each raises OSError, with an errno, if it did not succeed."""
+
+    def read_byte_data(self, i2c_addr: int, register: int) -> int:
+        """Return one register."""
+
+    def read_word_data(self, i2c_addr: int, register: int) -> int:
+        """Return two registers, the low byte first."""
+
+    def read_i2c_block_data(self, i2c_addr: int, register: int, length: int) -> list[int]:
+        """Return up to 32 registers of one instant."""
+
+    def write_byte_data(self, i2c_addr: int, register: int, value: int) -> None:
+        """Set one register."""
+
+    def write_i2c_block_data(self, i2c_addr: int, register: int, data: Sequence[int]) -> None:
+        """Set up to 32 registers."""
+
+    def i2c_rdwr(self, *i2c_msgs: Any) -> None:
+        """Do one transaction of several messages."""
+
+    def close(self) -> None:
+        """Let go."""
+
+
+class Place(NamedTuple):
+    """Where a device is: on bus `number`, or at the socket `path`; `address` is its own."""
+
+    number: int
+    path: str
+    address: int
+
+
+def open_bus(device: Device, default_address: int) -> tuple[Bus, int]:
+    """Open the bus of a device row; return it and the device's address on it, `default_address` if the row has none."""
+    place = locate(device, default_address)
+    try:
+        return (SocketBus(place.path) if place.path else _kernel_bus(place.number)), place.address
+    except OSError as err:
+        raise DeviceError(_why_not(device, place, err)) from err
+
+
+def locate(device: Device, default_address: int) -> Place:
+    """Return what a device row's address means; raise DeviceError if it means nothing."""
+    if found := _KERNEL.fullmatch(device.address):
+        place = Place(int(found[1]), "", int(found[2], 0))
+    elif found := _SOCKET.fullmatch(device.address):
+        place = Place(-1, found[1], int(found[2], 0) if found[2] else default_address)
+    else:
+        said = f"device '{device.name}': address '{device.address}' is none of i2c:BUS:ADDRESS (i2c:1:0x68)"
+        raise DeviceError(f"{said}, unix:PATH, unix:PATH:ADDRESS; correct the device row")
+    if not _FIRST <= place.address <= _LAST:
+        said = f"device '{device.name}': i2c addresses are {_FIRST:#04x} to {_LAST:#04x}, not {place.address:#04x}"
+        raise DeviceError(f"{said}; correct the address in the device row")
+    return place
+
+
+def unanswered(device: Device, address: int, err: OSError, what: str = "") -> DeviceError:
+    """Return the error to raise when a device on an open bus does not do as it should."""
+    said = f"device '{device.name}' at {device.address}: {what or 'it'}"
+    if err.errno in UNANSWERED:
+        said = f"{said} does not answer at {address:#04x} ({_cause(err)}); check its power and wiring"
+    else:
+        said = f"{said} at {address:#04x} cannot be used ({_cause(err)})"
+    return DeviceError(f"{said}; {_look(device)}")
+
+
+def _kernel_bus(number: int) -> Bus:
+    try:
+        from smbus2 import SMBus  # noqa: PLC0415 - whoever is simulated, or has no i2c, needs none
+    except ImportError as err:
+        raise DeviceError("the package smbus2 is not installed; pip install lbr brings it") from err
+    bus = SMBus(number)
+    if bus.fd is not None:
+        with suppress(OSError):  # an adapter may wait a whole second otherwise
+            fcntl.ioctl(bus.fd, _I2C_TIMEOUT, _TIMEOUT_10MS)
+    return bus
+
+
+def _why_not(device: Device, place: Place, err: OSError) -> str:
+    if isinstance(err, DeviceError):
+        return f"device '{device.name}': {err}"
+    if place.path:
+        said = f"device '{device.name}': nobody serves {place.path} ({_cause(err)})"
+        return f"{said}; start what stands for the device there, or correct the address in the device row"
+    said = f"device '{device.name}' at {device.address}: /dev/i2c-{place.number}"
+    match err.errno:
+        case errno.ENOENT | errno.ENXIO | errno.ENODEV:
+            return (
+                f"{said} is missing; switch i2c on (on a Pi: raspi-config), or correct the device row; see lbr doctor"
+            )
+        case errno.EACCES | errno.EPERM:
+            return f"{said} may not be opened by this user; join the group i2c and log in anew"
+        case _:
+            return f"{said} cannot be opened ({_cause(err)}); see lbr doctor"
+
+
+def _look(device: Device) -> str:
+    if found := _KERNEL.fullmatch(device.address):
+        return f"'i2cdetect -y {found[1]}' shows what is there, 'lbr doctor' what is missing here"
+    return "'lbr status' shows whether what serves it is running"
+
+
+def _cause(err: OSError) -> str:
+    return os.strerror(err.errno) if err.errno else str(err)
+
+
+_KERNEL = re.compile(r"i2c:(\d{1,3}):(0[xX][0-9a-fA-F]{1,4}|[1-9]\d{0,3}|0)")
+_SOCKET = re.compile(r"unix:(.+?)(?::(0[xX][0-9a-fA-F]{1,4}|[1-9]\d{0,3}))?")

@@ -1,0 +1,56 @@
+"""The MPU-9150 as a capability: one sample at each tick, an invalid one where nothing was measured."""
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Context
+from lbr.drivers.i2c import open_bus
+from lbr.drivers.inertial import Notices
+from lbr.drivers.mpu9150 import Mpu9150Settings
+from lbr.drivers.mpu9150.controller import InertialUnit
+from lbr.drivers.mpu9150.registers import ADDRESS
+from lbr.errors import DeviceError
+from lbr.messages.imu import ImuSample
+
+
+class Mpu9150(Capability[Mpu9150Settings]):
+    """Publishes what the inertial unit measures."""
+
+    def __init__(self, ctx: Context[Mpu9150Settings]) -> None:
+        super().__init__(ctx)
+        self.rate_hz = ctx.settings.rate_hz
+        self._notices = Notices(ctx)
+        self._unit: InertialUnit | None = None
+        self._compass_trouble = ""
+
+    def open(self) -> None:
+        """Open the bus and start the unit."""
+        settings = self.ctx.settings
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        bus, address = open_bus(self.ctx.device, ADDRESS)
+        self._unit = InertialUnit(bus, address, self.ctx.device, settings, self._notices.tell, self.ctx.clock)
+        self._unit.start()
+        self._compass_trouble = ""
+
+    def step(self) -> None:
+        """Measure and publish."""
+        unit = self._unit
+        assert unit is not None
+        if not self.ctx.on_tick:
+            return
+        self.ctx.publish("sample", unit.sample())
+        if unit.compass_trouble != self._compass_trouble:
+            self._compass_trouble = unit.compass_trouble
+            if self._compass_trouble:
+                self.ctx.warn(f"no compass: {self._compass_trouble}")
+            else:
+                self.ctx.ready()
+
+    def degraded(self, reason: str) -> None:
+        """Tell that nothing is measured."""
+        self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
+
+    def close(self) -> None:
+        """Let go of the bus."""
+        unit, self._unit = self._unit, None
+        if unit is not None:
+            unit.close()

@@ -1,0 +1,210 @@
+"""The inertial unit as a device: started, read by one burst per sample, watched for what makes its numbers none."""
+
+import errno
+import time
+from collections.abc import Callable
+from contextlib import suppress
+
+from lbr.capability.context import Device
+from lbr.drivers.i2c import Bus, unanswered
+from lbr.drivers.inertial import LifeSigns
+from lbr.drivers.mpu9150 import Mpu9150Settings, registers
+from lbr.drivers.mpu9150.compass import Compass
+from lbr.errors import DeviceError
+from lbr.messages.imu import ImuSample
+from lbr.messages.units import Vector
+
+RESET_LIMIT_S = 0.2
+RESET_PAUSE_S = 0.01
+WAKE_S = 0.03
+CHECK_PERIOD_S = 0.2
+UNUSABLE_S = 1.0
+COMPASS_SILENT_S = 1.0
+MOST_ALIKE = 10
+
+Tell = Callable[[str, str], None]
+
+
+class InertialUnit:
+    """One unit on an open bus. A failed reading is an invalid sample, many in a row are a DeviceError.
+
+    `tell(kind, text)` takes what people should know of; it may come often. `compass_trouble`: why there have been no
+    compass readings for a second, empty if there have.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        address: int,
+        device: Device,
+        settings: Mpu9150Settings,
+        tell: Tell,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.compass_trouble = ""
+        self._bus = bus
+        self._address = address
+        self._device = device
+        self._settings = settings
+        self._tell = tell
+        self._clock = clock
+        self._sleep = sleep
+        self._compass = Compass(bus, settings.mag_hz, sleep) if settings.mag_hz else None
+        self._units = registers.units(settings)
+        self._wanted = registers.configuration(settings)
+        self._signs = LifeSigns(MOST_ALIKE)
+        self._errors = self._compass_errors = self._checks = 0
+        self._check_at = self._valid_at = self._field_at = 0.0
+
+    def start(self) -> None:
+        """Reset it, set it up and read that back, start its compass; takes some 0.1 s."""
+        try:
+            self._identify()
+            self._reset()
+            for register, value in self._wanted.items():
+                self._bus.write_i2c_block_data(self._address, register, value)
+                if register == registers.POWER:
+                    self._sleep(WAKE_S)
+        except DeviceError:
+            raise
+        except OSError as err:
+            raise self._unanswered(err) from err
+        for register in self._wanted:
+            self._verify(register, "does not keep its settings")
+        self._start_compass()
+        self._signs.reset()
+        self._errors = self._compass_errors = 0
+        self._valid_at = self._field_at = self._check_at = self._clock()
+
+    def sample(self) -> ImuSample:
+        """Measure now; raise DeviceError once it has to be started anew."""
+        now = self._clock()
+        try:
+            burst = bytes(self._bus.read_i2c_block_data(self._address, registers.MOTION, registers.MOTION_BYTES))
+        except OSError as err:
+            return self._failed(now, err)
+        self._errors = 0
+        counts = registers.decode_motion(burst)
+        missing = self._signs.missing(counts)
+        if missing:
+            return self._unusable(now, missing)
+        self._valid_at = now
+        self._check_settings(now)
+        accel, gyro = registers.motion(counts, self._units)
+        if accel is None or gyro is None:
+            ranges = "accel_range_g" if accel is None else "gyro_range_dps"
+            self._tell("out_of_range", f"what it measures is beyond its range; a larger {ranges} would show it")
+        return ImuSample(
+            valid=True,
+            time_s=now,
+            gyro_rps=gyro,
+            accel_mps2=accel,
+            mag_ut=self._field(now),
+            temperature_c=registers.temperature_c(counts[3], self._settings.temperature_offset_c),
+        )
+
+    def close(self) -> None:
+        """Let go of the bus."""
+        self._bus.close()
+
+    def _identify(self) -> None:
+        """Nothing is written to what is no MPU-9150."""
+        found = self._bus.read_byte_data(self._address, registers.WHO_AM_I)
+        if found != registers.OWN_ID:
+            said = f"device '{self._device.name}' at {self._device.address} is no MPU-9150: WHO_AM_I is {found:#04x}"
+            own = f"({registers.name_of(found)}), not {registers.OWN_ID:#04x}"
+            raise DeviceError(f"{said} {own}; check the address in the device row and the wiring")
+
+    def _reset(self) -> None:
+        self._bus.write_byte_data(self._address, registers.POWER, registers.RESET)
+        until = self._clock() + RESET_LIMIT_S
+        while True:
+            self._sleep(RESET_PAUSE_S)
+            with suppress(OSError):  # while it resets it need not answer
+                if not self._bus.read_byte_data(self._address, registers.POWER) & registers.RESET:
+                    return
+            if not self._clock() < until:
+                raise OSError(errno.ETIMEDOUT, "reset")
+
+    def _start_compass(self) -> None:
+        self.compass_trouble = ""
+        if self._compass is not None:
+            try:
+                self._compass.start(self._device.name)
+            except DeviceError:
+                raise
+            except OSError as err:
+                raise self._unanswered(err, registers.COMPASS_ADDRESS, "its compass") from err
+
+    def _failed(self, now: float, err: OSError) -> ImuSample:
+        """A bus that stalls costs its whole deadline each time, so it is given up at once."""
+        self._errors += 1
+        error = self._unanswered(err)
+        if self._errors >= self._settings.most_errors or err.errno == errno.ETIMEDOUT:
+            raise error from err
+        self._tell("bus", str(error))
+        return ImuSample(valid=False, time_s=now, reason=str(error))
+
+    def _unusable(self, now: float, reason: str) -> ImuSample:
+        said = f"device '{self._device.name}' at {self._device.address}: {reason}"
+        self._verify(registers.POWER, "lost its settings; was its power interrupted? It is started anew")
+        if not now - self._valid_at < UNUSABLE_S:
+            raise DeviceError(f"{said}; it is started anew; check its power and wiring")
+        self._tell("unusable", said)
+        return ImuSample(valid=False, time_s=now, reason=said)
+
+    def _check_settings(self, now: float) -> None:
+        """Look at one of its settings every now and then: a unit that was without power for a moment forgets them."""
+        if now >= self._check_at:
+            self._check_at = now + CHECK_PERIOD_S
+            self._checks += 1
+            registers_in_turn = tuple(self._wanted)
+            register = registers_in_turn[self._checks % len(registers_in_turn)]
+            self._verify(register, "lost its settings; was its power interrupted? It is started anew")
+
+    def _verify(self, register: int, otherwise: str) -> None:
+        """Raise DeviceError if a setting is twice not what was written; an error of the bus tells nothing."""
+        wanted = self._wanted[register]
+        found = b""
+        for _ in range(2):
+            try:
+                found = bytes(self._bus.read_i2c_block_data(self._address, register, len(wanted)))
+            except OSError:
+                return
+            if found == wanted:
+                return
+        said = f"device '{self._device.name}' at {self._device.address} {otherwise}"
+        raise DeviceError(f"{said} (register {register:#04x} is {found.hex(' ')}, not {wanted.hex(' ')})")
+
+    def _field(self, now: float) -> Vector | None:
+        if self._compass is None:
+            return None
+        try:
+            found = self._compass.poll(now)
+        except OSError as err:
+            self._compass_failed(now, err)
+            return None
+        self._compass_errors = 0
+        if found is not None and found.trouble:
+            self._tell("compass", found.trouble)
+            self._miss_compass(now, found.trouble)
+        elif found is not None:
+            self._field_at = now
+            self.compass_trouble = ""
+        return found.microtesla if found is not None else None
+
+    def _compass_failed(self, now: float, err: OSError) -> None:
+        self._compass_errors += 1
+        error = self._unanswered(err, registers.COMPASS_ADDRESS, "its compass")
+        if self._compass_errors >= self._settings.most_errors or err.errno == errno.ETIMEDOUT:
+            raise error from err
+        self._tell("compass", str(error))
+        self._miss_compass(now, str(error))
+
+    def _miss_compass(self, now: float, trouble: str) -> None:
+        if not now - self._field_at < COMPASS_SILENT_S:
+            self.compass_trouble = trouble
+
+    def _unanswered(self, err: OSError, address: int | None = None, what: str = "") -> DeviceError:
+        return unanswered(self._device, self._address if address is None else address, err, what)
