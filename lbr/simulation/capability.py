@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lbr.capability.base import Capability
-from lbr.capability.context import Call, Context, Device
+from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.sensing import Ranges, RangeStatus
 from lbr.messages.simulation import WorldScene
@@ -18,12 +18,13 @@ from lbr.simulation.requests import FaultReply, FaultRequest, PictureRequest
 from lbr.simulation.settings import WorldSettings
 from lbr.simulation.topdown import image
 from lbr.simulation.trace import OutputTrace
-from lbr.simulation.twins import RoboteqTwin, Twin, UltrasonicTwin
+from lbr.simulation.twins import TWINS, WITHOUT_TWIN, Surroundings, Twin
 
 _SWITCH_S = 0.0005
 """How soon the world's thread gets its turn; the usual 5 ms would show in the devices' answers."""
 
 _TRAIL_EVERY_M = 0.03
+_LOCAL = ("/", "unix:/")
 
 
 class World(Capability[WorldSettings]):
@@ -48,7 +49,7 @@ class World(Capability[WorldSettings]):
         self._painter = Painter()
         engine = Engine(self.ctx.settings)
         self._trace = OutputTrace(self.ctx.settings.trace)
-        self._twins = {device.name: twin for device in self.ctx.devices if (twin := self._twin(device, now))}
+        self._twins = self._plugged_in(Surroundings(seed=self.ctx.settings.seed, now=now, trace=self._trace))
         self._scene = engine.scene()
         self._scene_at = self._pose_at = now
         self._loop = WorldLoop(engine, tuple(self._twins.values()), self.ctx.clock)
@@ -98,22 +99,17 @@ class World(Capability[WorldSettings]):
             raise RuntimeError("the world is not open")
         return self._loop, self._scene
 
-    def _twin(self, device: Device, now: float) -> Twin | None:
-        trace, seed = self._trace, self.ctx.settings.seed
-        if trace is None or not device.address.startswith("/"):
-            return None
-        if device.type == "roboteq":
-            return RoboteqTwin(device, seed=seed, trace=trace)
-        if device.type == "ultrasonic_ring":
-            return UltrasonicTwin(device, seed=seed, now=now)
-        return None
+    def _plugged_in(self, around: Surroundings) -> dict[str, Twin]:
+        here = [device for device in self.ctx.devices if device.address.startswith(_LOCAL)]
+        return {device.name: TWINS[device.type](device, around) for device in here if device.type in TWINS}
 
     def _warn_of_devices_without_twin(self) -> None:
-        devices = (device for device in self.ctx.devices if device.name not in self._twins)
+        wanted = (device for device in self.ctx.devices if device.type not in WITHOUT_TWIN)
+        devices = (device for device in wanted if device.name not in self._twins)
         without = [f"{device.name} ({device.type} at {device.address or 'no address'})" for device in devices]
         if without:
-            allowed = "a roboteq or ultrasonic_ring whose address is a path"
-            self.ctx.warn(f"no emulated twin for {', '.join(without)}; there is one for {allowed}")
+            allowed = f"devices of type {', '.join(TWINS)} whose address is a path"
+            self.ctx.warn(f"no emulated twin for {', '.join(without)}; there are twins for {allowed}")
 
     def _remember(self, place: tuple[float, float]) -> None:
         if not self._trail or sum(abs(a - b) for a, b in zip(place, self._trail[-1], strict=True)) > _TRAIL_EVERY_M:

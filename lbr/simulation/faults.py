@@ -12,10 +12,16 @@ Side = Literal["forward", "left", "right", "back"]
 PinnedM = Annotated[float, Meta(ge=0.0, le=7.65, description="metres a sensor is made to see; null sees the world")]
 FaultValue = bool | float | str | tuple[str, ...] | None
 
-F = TypeVar("F", bound=Struct)
+F = TypeVar("F", bound="Faults")
 
 
-class RoboteqFaults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class Faults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What can go wrong with any device: `unplug`, its cable is out."""
+
+    unplug: bool = False
+
+
+class RoboteqFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of the motor controller.
 
     `silent`: it obeys but says nothing. `drop`, `bit_flip`, `garbage`: a reply is lost, has a bit wrong, has noise
@@ -32,11 +38,10 @@ class RoboteqFaults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     stop_reading: bool = False
     undervoltage: bool = False
     overheat: bool = False
-    unplug: bool = False
     brown_out: bool = False
 
 
-class UltrasonicFaults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class UltrasonicFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of a ring of ultrasonic sensors.
 
     `frozen`: the same numbers for ever. `garbage`, `half_lines`: a report has noise before it, or ends early without
@@ -52,17 +57,38 @@ class UltrasonicFaults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     missing: tuple[Side, ...] = ()
     over_range: tuple[Side, ...] = ()
     error: tuple[Side, ...] = ()
-    unplug: bool = False
     range_forward_m: PinnedM | None = None
     range_left_m: PinnedM | None = None
     range_right_m: PinnedM | None = None
     range_back_m: PinnedM | None = None
 
 
+class Mpu9150Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of an MPU-9150 on its bus; `unplug`: the bus is gone.
+
+    `silent`: the bus hangs, nothing is answered. `nak`: a transaction is not acknowledged. `half`: an answer ends early.
+    `all_ones`: whatever is read is 0xFF. `frozen`: the same sample for ever, though ready. `jump`: a sample's turn rate
+    is off by 4 rad/s. `noise`: times the usual noise, added. `no_compass`, `overflow`: the compass does not answer, or
+    says that its field is too strong. `brown_out`: without supply, and asleep with nothing set when that ends.
+    """
+
+    silent: bool = False
+    nak: Probability = 0.0
+    half: Probability = 0.0
+    all_ones: bool = False
+    frozen: bool = False
+    jump: Probability = 0.0
+    noise: Annotated[float, Meta(ge=0.0, le=1000.0)] = 0.0
+    no_compass: bool = False
+    overflow: bool = False
+    brown_out: bool = False
+
+
 def changed(faults: F, name: str, value: FaultValue) -> F:
     """Return the faults with one of them set; `replug` undoes `unplug`; raise InputError saying what is allowed.
 
-    A list of sensors may be one string with commas, and null puts a fault back to its default.
+    A list of sensors may be one string with commas, true is 1 where a number is meant, and null puts a fault back to its
+    default.
     """
     if name == "replug":
         name, value = "unplug", not (True if value is None else value)
@@ -74,6 +100,8 @@ def changed(faults: F, name: str, value: FaultValue) -> F:
         del fields[name]
     elif isinstance(fields[name], tuple) and isinstance(value, str):
         fields[name] = [part.strip() for part in value.split(",") if part.strip()]
+    elif isinstance(fields[name], float) and isinstance(value, bool):
+        fields[name] = float(value)
     else:
         fields[name] = value
     try:

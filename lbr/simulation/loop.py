@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from lbr.messages.simulation import WorldPose
 from lbr.simulation.engine import Engine
 from lbr.simulation.model import TIMESTEP_S
-from lbr.simulation.twins import RoboteqTwin, Twin
+from lbr.simulation.twins import Feeling, RoboteqTwin, Twin
 
 _LATEST_S = 0.1
 """The world never makes up for more than this: a machine that slept does not find its robot elsewhere."""
@@ -28,6 +28,7 @@ class WorldLoop:
         self._engine = engine
         self._twins = twins
         self._motors = next((twin for twin in twins if isinstance(twin, RoboteqTwin)), None)
+        self._feeling: list[Feeling] = [twin for twin in twins if isinstance(twin, Feeling)]
         self._clock = clock
         self._watched: dict[str, int] = {}
         self._closing = threading.Event()
@@ -95,6 +96,10 @@ class WorldLoop:
     def _advance(self, now: float, dt_s: float) -> None:
         left, right = self._motors.wheels(now) if self._motors else (0.0, 0.0)
         self._engine.step(left, right, dt_s)
+        if self._feeling:
+            reading = self._engine.imu()
+            for twin in self._feeling:
+                twin.feel(reading, now)
         self._rounds += 1
         if self._rounds % _SENSE_EVERY == 0:
             self._share()

@@ -1,13 +1,14 @@
 """What device rows may set for their emulated twins."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 
-from lbr.simulation.faults import RoboteqFaults, UltrasonicFaults
+from lbr.simulation.faults import Mpu9150Faults, RoboteqFaults, UltrasonicFaults
 
 Sense = Literal[-1, 1]
 Board = Literal["arduino", "parallax"]
+Fuse = Annotated[int, Meta(ge=0, le=255)]
 
 
 class RoboteqRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -24,3 +25,11 @@ class UltrasonicRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     faults: UltrasonicFaults = UltrasonicFaults()
     board: Board = "arduino"
+
+
+class Mpu9150Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where an `mpu9150` device row's chip answers (0x69 with AD0 high), and its compass's fuses (ASA of x, y, z)."""
+
+    faults: Mpu9150Faults = Mpu9150Faults()
+    i2c_address: Literal[0x68, 0x69] = 0x68
+    sensitivity: tuple[Fuse, Fuse, Fuse] = (176, 178, 166)

@@ -28,7 +28,7 @@ def test_one_fault_changes(faults, name, value, field, result):
 @pytest.mark.parametrize(
     ("name", "value", "complaint"),
     [
-        ("explode", True, "no fault 'explode'; allowed here: silent"),
+        ("explode", True, "no fault 'explode'; allowed here: unplug, silent"),
         ("half_lines", 2.0, "fault 'half_lines'"),
         ("silent", "maybe", "fault 'silent'"),
         ("missing", "up", "fault 'missing'"),

@@ -240,7 +240,7 @@ def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
     ("name", "message", "role", "reason"),
     [
         ("fault", FaultRequest(device="legs", name="unplug"), "operate", "there are: motors, ranges"),
-        ("fault", FaultRequest(device="motors", name="explode"), "operate", "allowed here: silent"),
+        ("fault", FaultRequest(device="motors", name="explode"), "operate", "allowed here: unplug, silent"),
         ("fault", FaultRequest(device="motors", name="drop", value=7.0), "operate", "fault 'drop'"),
         ("fault", FaultRequest(device="motors", name="unplug"), "view", "needs the role operate"),
         ("picture", PictureRequest(path="/tmp/room.png"), "view", "needs the role operate, unless no path"),

@@ -1,0 +1,152 @@
+"""A unix socket in place of a device that is no tty: an i2c bus, a camera."""
+
+import select
+import socket
+from contextlib import suppress
+from pathlib import Path
+from typing import Self
+
+from lbr.errors import DeviceError
+
+_READ_BYTES = 65_536
+_MOST_CLIENTS = 8
+_PREFIX = "unix:"
+
+
+class SocketPort:
+    """Listens at `path` and talks to whoever connects; never blocks. Clients are told apart by a number."""
+
+    def __init__(self, address: str | Path) -> None:
+        self.path = Path(str(address).removeprefix(_PREFIX))
+        self._poll: select.epoll | None = None
+        self._listener: socket.socket | None = None
+        self._clients: dict[int, socket.socket] = {}
+        self._identity: tuple[int, int] | None = None
+
+    def __enter__(self) -> Self:
+        self.plug()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.unplug()
+
+    @property
+    def plugged(self) -> bool:
+        """Say whether clients can connect."""
+        return self._poll is not None
+
+    @property
+    def clients(self) -> tuple[int, ...]:
+        """Return who is connected."""
+        return tuple(self._clients)
+
+    def fileno(self) -> int:
+        """Return a descriptor that is readable when anybody wants something; raise DeviceError while unplugged."""
+        if self._poll is None:
+            raise DeviceError(f"emulated port {self.path}: it is unplugged")
+        return self._poll.fileno()
+
+    def plug(self) -> None:
+        """Listen; raise DeviceError if the path is taken by something that is no socket, or cannot be."""
+        if self._poll is not None:
+            return
+        if self.path.exists() and not (self.path.is_socket() or self.path.is_symlink()):
+            raise DeviceError(f"emulated port {self.path}: something else is there; remove it or change the address")
+        listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self.path.unlink(missing_ok=True)
+            listener.setblocking(False)
+            listener.bind(str(self.path))
+            listener.listen(_MOST_CLIENTS)
+            stat = self.path.stat()
+        except OSError as err:
+            listener.close()
+            reason = err.strerror or err
+            raise DeviceError(f"emulated port {self.path}: {reason}; is the path too long or not writable?") from err
+        self._identity = (stat.st_dev, stat.st_ino)
+        self._listener, self._poll = listener, select.epoll()
+        self._poll.register(listener.fileno(), select.EPOLLIN)
+
+    def unplug(self) -> None:
+        """Close every connection and take the name away."""
+        for client in self.clients:
+            self.drop(client)
+        if self._listener is not None:
+            self._listener.close()
+            self._unlink()
+        if self._poll is not None:
+            self._poll.close()
+        self._listener = self._poll = None
+
+    def receive(self) -> list[tuple[int, bytes]]:
+        """Return what clients sent since; no bytes: this one is new, or has gone and is no longer in `clients`."""
+        if self._poll is None or self._listener is None:
+            return []
+        news = []
+        for descriptor, _ in self._poll.poll(0):
+            if descriptor == self._listener.fileno():
+                news += self._accept()
+            elif descriptor in self._clients:
+                news.append((descriptor, self._read(descriptor)))
+        return news
+
+    def send(self, client: int, data: bytes) -> int:
+        """Send what can be sent now and return how much went; a client that is gone is dropped."""
+        connection = self._clients.get(client)
+        if connection is None:
+            return 0
+        try:
+            return connection.send(data)
+        except BlockingIOError:
+            return 0
+        except OSError:
+            self.drop(client)
+            return 0
+
+    def watch(self, client: int, *, writable: bool) -> None:
+        """Also wake when this client can take more, or no longer."""
+        if self._poll is not None and client in self._clients:
+            self._poll.modify(client, select.EPOLLIN | (select.EPOLLOUT if writable else 0))
+
+    def drop(self, client: int) -> None:
+        """End a connection."""
+        connection = self._clients.pop(client, None)
+        if connection is None:
+            return
+        if self._poll is not None:
+            with suppress(OSError):
+                self._poll.unregister(client)
+        connection.close()
+
+    def _accept(self) -> list[tuple[int, bytes]]:
+        if self._listener is None or self._poll is None:
+            return []
+        try:
+            connection, _ = self._listener.accept()
+        except OSError:
+            return []
+        if len(self._clients) >= _MOST_CLIENTS:
+            connection.close()
+            return []
+        connection.setblocking(False)
+        self._clients[connection.fileno()] = connection
+        self._poll.register(connection.fileno(), select.EPOLLIN)
+        return [(connection.fileno(), b"")]
+
+    def _read(self, client: int) -> bytes:
+        try:
+            data = self._clients[client].recv(_READ_BYTES)
+        except BlockingIOError:
+            return b""
+        except OSError:
+            data = b""
+        if not data:
+            self.drop(client)
+        return data
+
+    def _unlink(self) -> None:
+        with suppress(OSError):
+            stat = self.path.stat()
+            if (stat.st_dev, stat.st_ino) == self._identity:
+                self.path.unlink()

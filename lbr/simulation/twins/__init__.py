@@ -1,0 +1,20 @@
+"""Emulated devices in the world: each a pure device on a port, wired to what the engine moves and senses."""
+
+from collections.abc import Mapping
+
+from lbr.simulation.twins.base import Factory, Feeling, Surroundings, Twin
+from lbr.simulation.twins.mpu9150 import Mpu9150Twin
+from lbr.simulation.twins.roboteq import RoboteqTwin
+from lbr.simulation.twins.ultrasonic import UltrasonicTwin
+
+__all__ = ["TWINS", "WITHOUT_TWIN", "Feeling", "RoboteqTwin", "Surroundings", "Twin"]
+
+TWINS: Mapping[str, Factory] = {
+    "roboteq": RoboteqTwin,
+    "ultrasonic_ring": UltrasonicTwin,
+    "mpu9150": Mpu9150Twin,
+}
+"""The twin of each type of device."""
+
+WITHOUT_TWIN = frozenset({"speaker"})
+"""Types whose place is enough: a folder into which things go."""

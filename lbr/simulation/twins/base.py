@@ -1,0 +1,116 @@
+"""What all emulated devices on ports have in common."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
+from zlib import crc32
+
+import msgspec
+from msgspec import Struct
+
+from lbr.capability.context import Device
+from lbr.errors import InputError
+from lbr.simulation.faults import Faults, FaultValue, changed
+from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.trace import OutputTrace
+
+S = TypeVar("S", bound=Struct)
+F = TypeVar("F", bound=Faults)
+
+
+class Port(Protocol):
+    """Where a device is plugged in."""
+
+    @property
+    def plugged(self) -> bool:
+        """Say whether it is."""
+
+    def fileno(self) -> int:
+        """Return the descriptor to select on."""
+
+    def plug(self) -> None:
+        """Plug it in."""
+
+    def unplug(self) -> None:
+        """Pull it out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What a twin is built with: the world's seed and time, and the trace of the motors' outputs."""
+
+    seed: int
+    now: float
+    trace: OutputTrace
+
+    def seed_for(self, device: Device) -> int:
+        """Return the seed of a device's own noise."""
+        return self.seed * 1_000_003 + crc32(device.name.encode())
+
+
+class Twin(Protocol):
+    """An emulated device on its port. `fault` is asked from another thread than the rest."""
+
+    name: str
+
+    @property
+    def port(self) -> Port:
+        """Where it is plugged in."""
+
+    def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
+        """Set a fault and return them all; raise InputError saying what is allowed."""
+
+    def reads(self) -> bool:
+        """Say whether it takes bytes from its port now."""
+
+    def service(self, now: float) -> None:
+        """Do all that is due: the cable, bytes in, bytes out."""
+
+    def next_due(self) -> float | None:
+        """Return when it next has something to do by itself."""
+
+    def sense(self, sensed: Sensed) -> None:
+        """Take in what the world lets it measure."""
+
+
+@runtime_checkable
+class Feeling(Protocol):
+    """A twin that is told of every step of the world what it feels of it."""
+
+    def feel(self, reading: ImuReading, now: float) -> None:
+        """Take in what an inertial unit measures now."""
+
+
+Factory = Callable[[Device, Surroundings], Twin]
+
+
+class Faulty(Generic[F]):
+    """A twin's faults: set by one thread, taken over by the world's at its next round."""
+
+    def __init__(self, name: str, faults: F) -> None:
+        self.name = name
+        self._faults = faults
+
+    def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
+        """Set a fault and return them all; raise InputError saying what is allowed."""
+        self._faults = changed(self._faults, name, value)
+        return msgspec.structs.asdict(self._faults)
+
+
+def plug(port: Port, *, present: bool) -> bool:
+    """Plug or unplug as need be; say whether it was plugged in."""
+    if present == port.plugged:
+        return False
+    if present:
+        port.plug()
+    else:
+        port.unplug()
+    return present
+
+
+def row(device: Device, kind: type[S]) -> S:
+    """Return what a device's row sets; raise InputError naming the device."""
+    try:
+        return msgspec.convert(device.settings, kind)
+    except msgspec.ValidationError as err:
+        raise InputError(f"device '{device.name}' ({device.type}): {err}") from err

@@ -1,0 +1,43 @@
+"""The emulated ring of ultrasonic sensors on its port."""
+
+from lbr.capability.context import Device
+from lbr.simulation.faults import UltrasonicFaults
+from lbr.simulation.measured import Sensed
+from lbr.simulation.port import PtyPort
+from lbr.simulation.rows import UltrasonicRow
+from lbr.simulation.twins.base import Faulty, Surroundings, plug, row
+from lbr.simulation.ultrasonic import UltrasonicBoard
+
+
+class UltrasonicTwin(Faulty[UltrasonicFaults]):
+    """Reports how far away things are."""
+
+    def __init__(self, device: Device, around: Surroundings) -> None:
+        settings = row(device, UltrasonicRow)
+        super().__init__(device.name, settings.faults)
+        self.port = PtyPort(device.address)
+        self._board = UltrasonicBoard(
+            settings.board, faults=settings.faults, seed=around.seed_for(device), powered_at=around.now
+        )
+
+    def reads(self) -> bool:
+        """Say whether it takes bytes from its port now."""
+        return self.port.plugged
+
+    def service(self, now: float) -> None:
+        """Do all that is due: the cable, bytes in, bytes out."""
+        self._board.faults = self._faults
+        if plug(self.port, present=not self._board.faults.unplug):
+            self._board.power_cycle(now)
+        heard = self.port.read()
+        said = self._board.feed(heard, now) if heard else self._board.poll(now)
+        if said:
+            self.port.write(said)
+
+    def next_due(self) -> float | None:
+        """Return when it next has something to do by itself."""
+        return self._board.next_due()
+
+    def sense(self, sensed: Sensed) -> None:
+        """Face what the world puts before the sensors."""
+        self._board.distances_m = sensed.ranges_m
