@@ -29,11 +29,28 @@ class SayCommand(Struct, frozen=True, kw_only=True):
 
 
 class HushCommand(Struct, frozen=True, kw_only=True):
-    """Say no more: ends what is being said and what waits."""
+    """Say no more: ends what is being said and what waits. With a `song`, ends that song alone, if it is being played."""
+
+    song: Annotated[str, Meta(max_length=80)] = ""
+
+
+class PlayCommand(Struct, frozen=True, kw_only=True):
+    """Play a song, `<song>.wav` below `$LBR_HOME/music`, now: what is being said is cut, what waits is said after it."""
+
+    song: Annotated[str, Meta(min_length=1, max_length=80)]
+
+
+class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """Whether a song is being played; since when, by the monotonic clock of the robot's computer, and how long it is."""
+
+    accepted: bool
+    reason: str = ""
+    began_s: float | None = None
+    duration_s: float | None = None
 
 
 class SpeechState(Struct, frozen=True, kw_only=True):
-    """What is being said, how much waits, and where it is heard."""
+    """What is being said, how much waits, and where it is heard; `playing` is the song that is being played."""
 
     speaking: bool
     text: str
@@ -42,3 +59,4 @@ class SpeechState(Struct, frozen=True, kw_only=True):
     failed: int
     sink: str
     reason: str = ""
+    playing: str = ""

@@ -1,28 +1,43 @@
 """Speech: text to sound in a process of its own, then to a sink that says whether it was heard."""
 
-from msgspec import Struct
+from typing import Annotated
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.drive import CommandReply
-from lbr.messages.speech import HushCommand, SayCommand, SpeechState
-from lbr.messages.units import Name
+from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SayCommand, SpeechState
+from lbr.messages.units import Fraction, Name
+
+LanguageTag = Annotated[str, Meta(pattern="^[a-z][a-z]+(-[a-z0-9]+)*$", max_length=20)]
 
 
 class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `speech` may set."""
+    """What a row of kind `speech` may set.
+
+    `language` is that of texts and of the phrases looked up first; `greets` says the phrases `hello` and `goodbye`.
+    """
 
     device: Name
+    language: LanguageTag = "en"
+    words_per_min: Annotated[int, Meta(ge=80, le=450)] = 150
+    volume: Fraction = 1.0
+    greets: bool = True
+    queue: Annotated[int, Meta(ge=1, le=64, description="how many texts may wait")] = 16
+    engine_timeout_s: Annotated[float, Meta(ge=0.1, le=60.0, description="for the engine to turn a text to sound")] = (
+        10.0
+    )
 
 
 KIND = Kind(
     name="speech",
-    summary="says texts and phrases aloud",
+    summary="says texts and phrases aloud, and plays songs",
     family="app",
     entry="lbr.apps.speech.capability:Speech",
     settings=SpeechSettings,
     outputs={"state": SpeechState},
-    commands={"say": SayCommand, "hush": HushCommand},
-    replies={"say": CommandReply, "hush": CommandReply},
+    commands={"say": SayCommand, "hush": HushCommand, "play": PlayCommand},
+    replies={"say": CommandReply, "hush": CommandReply, "play": PlayReply},
     device="speaker",
     emulated="folder",
     rows=("phrase",),

@@ -1,0 +1,264 @@
+"""Speech as a capability: takes texts, has them written to sound, plays them one after the other, and says what failed."""
+
+import shutil
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from lbr.apps.sound import wav
+from lbr.apps.sound.sinks import sink_at
+from lbr.apps.speech import SpeechSettings, files
+from lbr.apps.speech.jobs import Job, Jobs
+from lbr.apps.speech.speaker import Speaker
+from lbr.apps.speech.text import phrase, to_say
+from lbr.apps.speech.worker import Worker
+from lbr.apps.speech.writer import Writer
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.errors import DeviceError, InputError
+from lbr.messages.drive import CommandReply
+from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SayCommand, SpeechState
+
+RECORDING = "<"
+STATE_EVERY_S = 1.0
+FAREWELL_S = 0.5
+TEXT_TOLD = 200
+
+
+class Speech(Capability[SpeechSettings]):
+    """Says one text after the other; without engine or speaker it refuses what it cannot do, and says why."""
+
+    rate_hz = 20.0
+
+    def __init__(self, ctx: Context[SpeechSettings]) -> None:
+        super().__init__(ctx)
+        self._speaker: Speaker | None = None
+        self._jobs = Jobs(ctx.settings.queue)
+        self._saying: Job | None = None
+        self._farewell: Path | None = None
+        self._spoken = self._failed = 0
+        self._greeted = False
+        self._told: SpeechState | None = None
+        self._tell_at = 0.0
+        self._home = Path(ctx.home)
+        self._scratch = self._home / "run" / f"{ctx.robot}-{ctx.name}"
+        self._writer = Writer(Worker(ctx.clock), self._jobs, self._scratch, ctx.settings)
+
+    def open(self) -> None:
+        """Find the place for sound and start the engine; both are tried while it steps."""
+        device = self.ctx.device
+        if device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
+        sink = sink_at(device.address, self.ctx.clock)
+        try:
+            shutil.rmtree(self._scratch, ignore_errors=True)
+            self._scratch.mkdir(mode=0o700, parents=True)
+        except OSError as err:
+            raise DeviceError(f"{self._scratch} cannot be made ({err.strerror}); check the disk") from err
+        self._speaker = Speaker(sink, self._scratch, self.ctx.clock)
+        self._writer.poll()
+
+    def step(self) -> None:
+        """Go on with what is being written and said."""
+        speaker = self._opened()
+        for job, why in self._writer.poll():
+            self._written(job, why)
+        result = speaker.poll()
+        if result is not None:
+            self._said(result)
+        self._greet()
+        self._drop_what_cannot_be()
+        self._writer.go_on()
+        self._play_next(speaker)
+        self._tell()
+
+    def command(self, call: Call) -> None:
+        """Answer `say`, `hush` and `play`."""
+        try:
+            match call.message:
+                case SayCommand():
+                    call.reply(CommandReply(accepted=True, reason=self._say(call.message)))
+                case PlayCommand():
+                    call.reply(self._play(call.message))
+                case HushCommand():
+                    call.reply(CommandReply(accepted=True, reason=self._hush(call.message)))
+                case _:
+                    super().command(call)
+        except (InputError, DeviceError) as err:
+            call.refuse(str(err))
+        self._tell()
+
+    def degraded(self, reason: str) -> None:
+        """Tell that nothing is heard."""
+        self.ctx.publish("state", self._state(reason))
+
+    def close(self) -> None:
+        """Say good bye as far as the time allows, then let go of engine and speaker."""
+        speaker, self._speaker = self._speaker, None
+        if speaker is not None:
+            self._bid_farewell(speaker)
+            speaker.stop()
+        self._writer.close()
+        self._jobs.clear()
+        self._saying = None
+        shutil.rmtree(self._scratch, ignore_errors=True)
+
+    def _opened(self) -> Speaker:
+        if self._speaker is None:
+            raise RuntimeError("speech is not open")
+        return self._speaker
+
+    def _say(self, command: SayCommand) -> str:
+        if command.text.startswith(RECORDING) and not command.save:
+            job = Job(text=command.text, sound=files.recording(self._home, command.text[1:].strip()))
+        else:
+            text, language = to_say(command, self.ctx.phrases, self.ctx.settings.language)
+            keep = files.place_for(self._home, command.save) if command.save else None
+            job = Job(text=text, language=language, keep=keep)
+        if why := self._why_not(job):
+            raise DeviceError(why)
+        cut = self._silence() if command.interrupt and job.keep is None else ""
+        ahead = len(self._jobs) + (self._saying is not None)
+        self._jobs.add(job)
+        if job.keep is not None:
+            return f"will be sounds/{job.keep.name}"
+        return cut or (f"after {ahead} other{'s' if ahead > 1 else ''}" if ahead else "")
+
+    def _play(self, command: PlayCommand) -> PlayReply:
+        """Play a song at once: whoever moves to it has to know when it began."""
+        sound, speaker = files.song(self._home, command.song), self._opened()
+        if why := speaker.trouble or ("" if speaker.proven else "the speaker is still being tried; ask again"):
+            raise DeviceError(why)
+        self._stop_saying()
+        began = speaker.start(sound)
+        self._saying = Job(song=command.song, sound=sound)
+        return PlayReply(accepted=True, began_s=began, duration_s=round(sound.duration_s, 3))
+
+    def _hush(self, command: HushCommand) -> str:
+        if not command.song:
+            return self._silence() or "nothing was being said"
+        if self._saying is None or self._saying.song != command.song:
+            return f"'{command.song[:80]}' was not being played"
+        self._stop_saying()
+        return ""
+
+    def _silence(self) -> str:
+        """End what is being said and what waits; return what that was."""
+        ended = self._jobs.clear()
+        if self._saying is not None:
+            ended.insert(0, self._saying)
+        self._stop_saying()
+        self._forget(ended)
+        more = f" and {len(ended) - 1} more" if len(ended) > 1 else ""
+        return f"ended {ended[0].title}{more}" if ended else ""
+
+    def _stop_saying(self) -> None:
+        self._opened().stop()
+        saying, self._saying = self._saying, None
+        self._forget([saying] if saying else [])
+
+    def _why_not(self, job: Job) -> str:
+        speaker = self._opened()
+        if job.sound is None and self._writer.trouble:
+            return self._writer.trouble
+        return speaker.trouble if job.keep is None else ""
+
+    def _written(self, job: Job, why: str) -> None:
+        if why:
+            self._fail(job, why)
+        elif job.own and job.keep is not None:
+            self._farewell = job.keep
+        elif job.keep is not None:
+            self.ctx.event("saved", f"{job.title} is sounds/{job.keep.name}")
+
+    def _play_next(self, speaker: Speaker) -> None:
+        if self._saying is not None or not speaker.proven:
+            return
+        job = self._jobs.to_play()
+        if job is None or job.sound is None:
+            return
+        try:
+            speaker.start(job.sound)
+        except DeviceError as err:
+            self._fail(job, str(err))
+        else:
+            self._saying = job
+
+    def _said(self, result: str) -> None:
+        job, self._saying = self._saying, None
+        if job is None:
+            return
+        self._forget([job])
+        if result:
+            self._fail(job, result)
+        else:
+            self._spoken += 1
+
+    def _drop_what_cannot_be(self) -> None:
+        """Nothing waits for an engine or a speaker that is known to be away."""
+        speaker = self._opened()
+        if speaker.trouble:
+            self._forget(dropped := self._jobs.clear())
+            for job in dropped:
+                self._fail(job, speaker.trouble)
+        while self._writer.trouble and (unwritten := self._jobs.to_write()) is not None:
+            self._jobs.drop(unwritten)
+            self._fail(unwritten, self._writer.trouble)
+
+    def _fail(self, job: Job, why: str) -> None:
+        self._failed += 1
+        self.ctx.event(
+            "speech_failed", f"{job.title} was not {'saved' if job.keep else 'heard'}: {why}", level="warning"
+        )
+
+    def _forget(self, jobs: list[Job]) -> None:
+        """Remove the files that were written to be said once."""
+        for job in jobs:
+            if job.sound is not None and job.sound.path.parent == self._scratch:
+                job.sound.path.unlink(missing_ok=True)
+
+    def _greet(self) -> None:
+        """Once engine and speaker work: say hello, and have the farewell written while there is time."""
+        if self._greeted or not self._writer.ready or not self._opened().proven:
+            return
+        self._greeted = True
+        if self.ctx.settings.greets:
+            self._say_of_itself("hello", None)
+            self._say_of_itself("goodbye", self._scratch / "goodbye.wav")
+
+    def _say_of_itself(self, name: str, keep: Path | None) -> None:
+        with suppress(InputError):  # without such a phrase nothing is said
+            found = phrase(self.ctx.phrases, name, self.ctx.settings.language)
+            self._jobs.add(Job(text=found.text, language=found.language, keep=keep, own=True))
+
+    def _bid_farewell(self, speaker: Speaker) -> None:
+        farewell, self._farewell = self._farewell, None
+        if farewell is None or not speaker.proven:
+            return
+        with suppress(OSError, InputError):
+            speaker.start(wav.read(farewell))
+            end = time.monotonic() + FAREWELL_S
+            while not speaker.immediate and speaker.poll() is None and time.monotonic() < end:
+                time.sleep(0.01)
+
+    def _tell(self) -> None:
+        reason = "; ".join(why for why in (self._opened().trouble, self._writer.trouble) if why)
+        self.ctx.warn(reason) if reason else self.ctx.ready()
+        state = self._state(reason)
+        now = self.ctx.clock()
+        if state != self._told or now >= self._tell_at:
+            self._told, self._tell_at = state, now + STATE_EVERY_S
+            self.ctx.publish("state", state)
+
+    def _state(self, reason: str) -> SpeechState:
+        saying, device = self._saying, self.ctx.device
+        return SpeechState(
+            speaking=saying is not None and not saying.song,
+            text=saying.text[:TEXT_TOLD] if saying else "",
+            queued=len(self._jobs),
+            spoken=self._spoken,
+            failed=self._failed,
+            sink=device.address if device else "",
+            reason=reason,
+            playing=saying.song if saying else "",
+        )

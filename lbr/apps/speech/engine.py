@@ -1,0 +1,108 @@
+"""The speech engine's own process: `python -m lbr.apps.speech.engine`, texts as JSON lines in, WAV files out.
+
+It first says whether there is an engine at all. Then each request is answered by one line. What pyttsx3 prints goes to
+standard error, and it only ever writes files: its own playback reports success without a sound card.
+"""
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import msgspec
+from msgspec import Struct
+
+from lbr.apps.sound import wav
+from lbr.errors import LbrError
+
+INSTALL = "`sudo apt install espeak-ng` brings one"
+
+
+class Request(Struct, frozen=True, kw_only=True):
+    """A text to be written to a file as sound; `volume` from 0 to 1."""
+
+    text: str
+    language: str
+    words_per_min: int
+    volume: float
+    path: str
+
+
+class Answer(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """What became of a request, or at first, of the engine itself; no reason is success."""
+
+    reason: str = ""
+
+
+class Engine:
+    """pyttsx3, and what it does not say by itself."""
+
+    def __init__(self) -> None:
+        import pyttsx3  # noqa: PLC0415 - whether it can be imported is the question
+
+        self._errors: list[str] = []
+        self._engine = pyttsx3.init()  # type: ignore[no-untyped-call]
+        self._engine.connect("error", self._note)
+
+    def write(self, request: Request) -> None:
+        """Write the sound; raise LbrError if there is none."""
+        path = Path(request.path)
+        for voice in dict.fromkeys((request.language, request.language.partition("-")[0])):
+            self._errors.clear()
+            path.unlink(missing_ok=True)
+            self._engine.setProperty("voice", voice)
+            self._engine.setProperty("rate", request.words_per_min)
+            self._engine.setProperty("volume", request.volume)
+            self._engine.save_to_file(request.text, request.path)
+            self._engine.runAndWait()
+            if not self._errors:
+                break
+        if any("voice" in error.lower() for error in self._errors):
+            raise LbrError(f"the speech engine has no voice for '{request.language}'")
+        if self._errors:
+            raise LbrError(f"the speech engine failed: {self._errors[0][:200]}")
+        wav.read(path)
+        if request.volume > 0.0 and wav.peak(path) < wav.SILENT_PEAK:
+            raise LbrError("the speech engine has no sound for this text")
+
+    def _note(self, name: object, exception: object) -> None:
+        del name
+        self._errors.append(str(exception))
+
+
+def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
+    """Say whether there is an engine, then answer requests until they end."""
+    try:
+        engine = Engine()
+    except ImportError as err:
+        return answer(Answer(reason=f"there is no pyttsx3 ({err}); `pip install pyttsx3` brings it"))
+    except Exception as err:  # noqa: BLE001 - whatever it is, there is no engine
+        said = (str(err).strip().splitlines() or [type(err).__name__])[0]
+        return answer(Answer(reason=f"there is no speech engine ({said[:120]}); {INSTALL}"))
+    answer(Answer())
+    for line in requests:
+        try:
+            engine.write(msgspec.json.decode(line, type=Request))
+        except LbrError as err:
+            answer(Answer(reason=str(err)))
+        except Exception as err:  # noqa: BLE001 - the next text may do better
+            answer(Answer(reason=f"the speech engine failed: {type(err).__name__}: {str(err)[:200]}"))
+        else:
+            answer(Answer())
+    return None
+
+
+def main() -> None:
+    """Serve whoever started this process."""
+    out = os.dup(1)
+    os.dup2(2, 1)
+
+    def answer(message: Any) -> None:
+        os.write(out, msgspec.json.encode(message) + b"\n")
+
+    serve(sys.stdin.buffer, answer)
+
+
+if __name__ == "__main__":
+    main()

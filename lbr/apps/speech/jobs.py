@@ -1,0 +1,82 @@
+"""What waits to be said: in order, bounded, each first written to a file and then played. No I/O."""
+
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path
+
+from lbr.apps.sound.wav import Wav
+from lbr.errors import InputError
+
+WRITTEN_AHEAD = 2
+"""How many texts are sound already while another is being played."""
+
+
+@dataclass(eq=False, slots=True)
+class Job:
+    """A text to be said, or saved, or a recording or song to be played; `sound` is there once there is a file.
+
+    `keep` is where a text is saved to instead of being said; `own` is what speech says of itself, which nobody waits
+    for.
+    """
+
+    text: str = ""
+    language: str = ""
+    sound: Wav | None = None
+    keep: Path | None = None
+    song: str = ""
+    own: bool = False
+
+    @property
+    def title(self) -> str:
+        """What to call it."""
+        return self.song or (f"'{self.text[:40]}{'…' if len(self.text) > 40 else ''}'")
+
+
+class Jobs:
+    """The queue."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._waiting: deque[Job] = deque()
+
+    def __len__(self) -> int:
+        """How many texts of others wait to be said."""
+        return sum(not job.own and job.keep is None for job in self._waiting)
+
+    def add(self, job: Job) -> None:
+        """Put a job at the end; raise InputError if there are too many."""
+        if not job.own and sum(not other.own for other in self._waiting) >= self._most:
+            raise InputError(f"{self._most} texts wait already; try again later, or interrupt")
+        self._waiting.append(job)
+
+    def to_write(self) -> Job | None:
+        """Return the next job that needs a file: what is to be kept first, then what is to be said soon."""
+        unwritten = [job for job in self._waiting if job.sound is None]
+        kept = next((job for job in unwritten if job.keep is not None), None)
+        if kept is not None or not unwritten:
+            return kept
+        written = sum(job.sound is not None for job in self._waiting)
+        return unwritten[0] if written < WRITTEN_AHEAD else None
+
+    def to_play(self) -> Job | None:
+        """Take out and return the next job to be played, once it is a sound; nothing passes one before it."""
+        first = next((job for job in self._waiting if job.keep is None), None)
+        if first is None or first.sound is None:
+            return None
+        self._waiting.remove(first)
+        return first
+
+    def drop(self, job: Job) -> None:
+        """Take a job out, if it is still there."""
+        if job in self._waiting:
+            self._waiting.remove(job)
+
+    def clear(self) -> list[Job]:
+        """Take out and return all that waits to be said; what is to be kept stays."""
+        dropped = [job for job in self._waiting if job.keep is None]
+        self._waiting = deque(job for job in self._waiting if job.keep is not None)
+        return dropped
+
+    def __contains__(self, job: Job) -> bool:
+        """Whether a job still waits."""
+        return job in self._waiting

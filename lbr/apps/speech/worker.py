@@ -1,0 +1,137 @@
+"""The engine's process as speech sees it: started, given one text at a time, ended when it takes too long."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+
+import msgspec
+
+from lbr.apps.sound.sinks import with_us
+from lbr.apps.speech.engine import Answer, Request
+
+ENGINE = (sys.executable, "-P", "-m", "lbr.apps.speech.engine")
+START_S = 20.0
+RETRY_FIRST_S = 1.0
+RETRY_MOST_S = 30.0
+ANSWER_BYTES = 65536
+
+
+class Worker:
+    """A speech engine that is there again after it died; nothing here waits.
+
+    `trouble` says why there is no engine now, or nothing. One text at a time is under way; `poll` says how it ended.
+    """
+
+    def __init__(self, clock: Callable[[], float], program: Sequence[str] = ENGINE) -> None:
+        self.trouble = ""
+        self._clock = clock
+        self._program = list(program)
+        self._popen: subprocess.Popen[bytes] | None = None
+        self._heard = b""
+        self._greeted = False
+        self._asked = False
+        self._until = 0.0
+        self._retry_at = 0.0
+        self._retry_s = RETRY_FIRST_S
+
+    @property
+    def idle(self) -> bool:
+        """Whether it takes a text now."""
+        return self._greeted and not self._asked
+
+    def say(self, request: Request, limit_s: float) -> None:
+        """Give it a text; only when it is idle."""
+        assert self.idle
+        assert self._popen is not None
+        assert self._popen.stdin is not None
+        self._asked, self._until = True, self._clock() + limit_s
+        with suppress(OSError):  # it is dead then, which `poll` sees
+            os.write(self._popen.stdin.fileno(), msgspec.json.encode(request) + b"\n")
+
+    def poll(self) -> Answer | None:
+        """Return how the text under way ended, if it has; keeps the process going."""
+        if self._popen is None:
+            self._start_when_due()
+            return None
+        answer = self._read()
+        if answer is not None:
+            return self._take(answer)
+        if self._popen.poll() is not None:
+            return self._lost(f"the speech engine died ({self._how()})")
+        if not self._clock() < self._until and (self._asked or not self._greeted):
+            doing = "this text" if self._asked else "its start"
+            return self._lost(f"the speech engine did not come to an end with {doing}")
+        return None
+
+    def close(self) -> None:
+        """End the process."""
+        popen, self._popen = self._popen, None
+        self._greeted = self._asked = False
+        if popen is not None:
+            popen.kill()
+            popen.wait()
+            for pipe in (popen.stdin, popen.stdout):
+                assert pipe is not None
+                pipe.close()
+
+    def _start_when_due(self) -> None:
+        if self._clock() < self._retry_at:
+            return
+        self._heard = b""
+        try:
+            self._popen = subprocess.Popen(
+                with_us(self._program), stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
+            )
+        except OSError as err:
+            self._lost(f"the speech engine cannot be started: {err.strerror}")
+            return
+        assert self._popen.stdin is not None
+        assert self._popen.stdout is not None
+        os.set_blocking(self._popen.stdin.fileno(), False)  # one text fits into the pipe
+        os.set_blocking(self._popen.stdout.fileno(), False)
+        self._until = self._clock() + START_S
+
+    def _read(self) -> Answer | None:
+        assert self._popen is not None
+        assert self._popen.stdout is not None
+        try:
+            self._heard += os.read(self._popen.stdout.fileno(), ANSWER_BYTES)
+        except BlockingIOError:
+            return None
+        line, end, rest = self._heard.partition(b"\n")
+        if not end:
+            return None
+        self._heard = rest
+        try:
+            return msgspec.json.decode(line, type=Answer)
+        except (msgspec.DecodeError, UnicodeDecodeError):
+            return Answer(reason="the speech engine said what nobody understands")
+
+    def _take(self, answer: Answer) -> Answer | None:
+        if self._asked:
+            self._asked = False
+            return answer
+        if answer.reason:
+            return self._lost(answer.reason)
+        self._greeted, self.trouble = True, ""
+        self._until = self._clock()
+        self._retry_s = RETRY_FIRST_S
+        return None
+
+    def _lost(self, why: str) -> Answer | None:
+        """End the process. A text that it died of is no trouble for the next one; an engine that does not start is."""
+        asked = self._asked
+        self.close()
+        if asked:
+            return Answer(reason=why)
+        self.trouble = why
+        self._retry_at = self._clock() + self._retry_s
+        self._retry_s = min(2 * self._retry_s, RETRY_MOST_S)
+        return None
+
+    def _how(self) -> str:
+        assert self._popen is not None
+        code = self._popen.returncode
+        return f"signal {-code}" if code < 0 else f"exit code {code}"

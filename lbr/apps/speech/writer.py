@@ -1,0 +1,89 @@
+"""Turns the texts of the queue to sound, one after the other, by the engine's process."""
+
+from pathlib import Path
+
+from lbr.apps.sound import wav
+from lbr.apps.speech import SpeechSettings
+from lbr.apps.speech.engine import Request
+from lbr.apps.speech.jobs import Job, Jobs
+from lbr.apps.speech.worker import Worker
+from lbr.errors import InputError
+
+SECONDS_PER_CHARACTER = 0.02
+
+
+class Writer:
+    """Gives the engine what is to be written, and holds what it says against the file that is there."""
+
+    def __init__(self, worker: Worker, jobs: Jobs, scratch: Path, settings: SpeechSettings) -> None:
+        self._worker = worker
+        self._jobs = jobs
+        self._scratch = scratch
+        self._settings = settings
+        self._job: Job | None = None
+        self._count = 0
+
+    @property
+    def trouble(self) -> str:
+        """Why there is no engine now, or nothing."""
+        return self._worker.trouble
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is an engine that waits for a text."""
+        return self._worker.idle
+
+    def poll(self) -> list[tuple[Job, str]]:
+        """Return what was written now, or not, and then why; a text that was hushed meanwhile is forgotten."""
+        answer = self._worker.poll()
+        if answer is None:
+            return []
+        job, self._job = self._job, None
+        path = self._path()
+        why = "it was hushed"
+        if job is not None and job in self._jobs:
+            why = answer.reason or self._take(job, path)
+        if why:
+            path.unlink(missing_ok=True)
+        if job is None or job not in self._jobs:
+            return []
+        if why or job.keep is not None:
+            self._jobs.drop(job)
+        return [(job, why)]
+
+    def go_on(self) -> None:
+        """Give the engine the next text, if there is one."""
+        job = self._jobs.to_write() if self._worker.idle else None
+        if job is None:
+            return
+        self._job, self._count = job, self._count + 1
+        settings = self._settings
+        request = Request(
+            text=job.text,
+            language=job.language,
+            words_per_min=settings.words_per_min,
+            volume=settings.volume,
+            path=str(self._path()),
+        )
+        self._worker.say(request, settings.engine_timeout_s + SECONDS_PER_CHARACTER * len(job.text))
+
+    def close(self) -> None:
+        """End the engine."""
+        self._worker.close()
+        self._job = None
+
+    def _path(self) -> Path:
+        return self._scratch / f"{self._count}.wav"
+
+    def _take(self, job: Job, path: Path) -> str:
+        """Let a text be sound, or a recording; return why not, or nothing."""
+        try:
+            sound = wav.read(path)
+            if job.keep is None:
+                job.sound = sound
+            else:
+                job.keep.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                path.replace(job.keep)
+        except (InputError, OSError) as err:
+            return str(err)
+        return ""
