@@ -4,6 +4,7 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
+from lbr.bus import pictures
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 
@@ -33,7 +34,7 @@ class PictureDecoder:
 
     def decode(self, data: bytes) -> JpegFrame:
         """Return the picture; raise MalformedError if it is none."""
-        if not (data.startswith(b"\xff\xd8") and data.endswith(b"\xff\xd9")):
+        if not pictures.is_whole(data):
             raise MalformedError(f"not a whole JPEG picture ({len(data)} bytes)")
         return JpegFrame(data)
 

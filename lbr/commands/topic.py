@@ -222,6 +222,10 @@ def _print_message(message: "Raw", *, as_json: bool, raw: bool, named: bool) -> 
 def _value(payload: bytes) -> Any:
     import msgspec  # noqa: PLC0415
 
+    from lbr.bus import pictures  # noqa: PLC0415
+
+    if pictures.is_whole(payload):
+        return pictures.described(payload)
     try:
         return msgspec.json.decode(payload)
     except msgspec.DecodeError:

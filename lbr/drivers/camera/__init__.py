@@ -1,17 +1,32 @@
 """Cameras: V4L2, the Raspberry Pi's own, or a stream of pictures on a socket; their kind and its settings."""
 
-from msgspec import Struct
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
 from lbr.messages.drive import CommandReply
 from lbr.messages.units import Name
 
+Pixels = Annotated[int, Meta(ge=16, le=4096)]
+ControlName = Annotated[str, Meta(min_length=1, max_length=80)]
+
 
 class CameraSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `camera` may set."""
+    """What a row of kind `camera` may set; where a camera cannot do it exactly, its state says what it does.
+
+    `controls` are the camera's own, by their names in V4L2 (`v4l2-ctl --list-ctrls`) or libcamera; the rest stay as
+    they are.
+    """
 
     device: Name
+    on: Annotated[bool, Meta(description="whether it is switched on when the robot starts")] = False
+    width_px: Pixels = 640
+    height_px: Pixels = 360
+    fps: Annotated[int, Meta(ge=1, le=120, description="pictures a second")] = 15
+    controls: dict[ControlName, int | float] = {}
+    rotation_deg: Annotated[Literal[0, 180], Meta(description="for a camera at csi:N that hangs upside down")] = 0
 
 
 KIND = Kind(

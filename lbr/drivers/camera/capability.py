@@ -1,0 +1,180 @@
+"""A camera as a capability: every picture goes out at once, and switched off the device is closed."""
+
+from dataclasses import dataclass
+
+from lbr.bus import pictures
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.drivers.camera import CameraSettings, snapshot
+from lbr.drivers.camera.capture import Capture
+from lbr.drivers.camera.source import Picture, open_source
+from lbr.errors import DeviceError, InputError
+from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
+from lbr.messages.drive import CommandReply
+
+STATE_PERIOD_S = 1.0
+ANSWER_S = 1.0
+CLOSE_S = 0.3
+NEWEST_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Switching:
+    """A switch that waits for what comes of it; `was_on` is the wish that it replaced."""
+
+    call: Call
+    on: bool
+    was_on: bool
+    until: float
+
+
+class Camera(Capability[CameraSettings]):
+    """Publishes the newest picture. What it may see is up to `switch`, also while its device is away."""
+
+    rate_hz = 10.0
+
+    def __init__(self, ctx: Context[CameraSettings]) -> None:
+        super().__init__(ctx)
+        self._on = ctx.settings.on
+        self._capture: Capture | None = None
+        self._switching: _Switching | None = None
+        self._newest: Picture | None = None
+        self._frames = self._dropped_before = 0
+        self._fps: float | None = None
+        self._state_at = self._counted_at = 0.0
+        self._counted = 0
+        self._said = ("", False)
+
+    def open(self) -> None:
+        """Check the rows; the device is opened in the capture's own thread, and again whenever it was lost."""
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
+
+    def step(self) -> None:
+        """Publish what there is, and bring the device to where the switch wants it."""
+        self._follow_switch()
+        self._publish_picture()
+        self._answer_switch()
+        self._tell()
+
+    def command(self, call: Call) -> None:
+        """Switch it, or save a picture."""
+        if isinstance(call.message, SwitchCommand):
+            self._switch(call, on=call.message.on)
+        elif isinstance(call.message, SnapshotCommand):
+            call.reply(self._saved(call.message.name))
+
+    def close(self) -> None:
+        """Close the device."""
+        if self._capture is not None:
+            self._capture.stop()
+            self._capture.join(CLOSE_S)
+            self._capture = None
+
+    def _switch(self, call: Call, *, on: bool) -> None:
+        if self._switching is not None:
+            self._switching.call.refuse(f"{self.ctx.name} was switched again by {call.source}")
+        self._switching = _Switching(call, on, self._on, self.ctx.clock() + ANSWER_S)
+        self._on = on
+        self._follow_switch()
+
+    def _follow_switch(self) -> None:
+        capture = self._capture
+        if capture is not None:
+            if not self._on:
+                capture.stop()
+                self._forget()
+            if not (capture.stopping and capture.ended):
+                return
+            capture.join(CLOSE_S)
+            self._dropped_before += capture.dropped
+            self._capture = None
+        if self._on:
+            device, settings = self.ctx.device, self.ctx.settings
+            assert device is not None
+            self._capture = Capture(lambda: open_source(device, settings), self.ctx.wake, silent_s=2.5 / settings.fps)
+
+    def _forget(self) -> None:
+        """Nobody is given an old picture by a camera that is off or away."""
+        self._newest = None
+        self.ctx.forget("frame")
+
+    def _publish_picture(self) -> None:
+        picture = self._capture.take() if self._capture is not None and self._on else None
+        if self._newest is not None and self._capture is not None and self._capture.phase == "lost":
+            self._forget()
+        if picture is not None:
+            self._newest = picture
+            self._frames += 1
+            self.ctx.publish("frame", JpegFrame(picture.data), taken_s=picture.taken_s)
+
+    def _answer_switch(self) -> None:
+        waiting, capture = self._switching, self._capture
+        if waiting is None:
+            return
+        late = self.ctx.clock() > waiting.until
+        if not waiting.on:
+            if capture is None:
+                self._answer(CommandReply(accepted=True))
+            elif late:
+                self._answer(CommandReply(accepted=False, reason="its device is not closed yet"))
+        elif capture is None or capture.stopping or capture.phase == "opening":
+            if late:
+                self._answer(CommandReply(accepted=True, reason="it is opening"))
+        elif capture.phase == "streaming":
+            self._answer(CommandReply(accepted=True))
+        else:
+            self._on = waiting.was_on
+            self._answer(CommandReply(accepted=False, reason=capture.reason))
+            self._follow_switch()
+
+    def _answer(self, reply: CommandReply) -> None:
+        waiting, self._switching = self._switching, None
+        if waiting is not None:
+            waiting.call.reply(reply)
+
+    def _saved(self, name: str) -> SnapshotReply:
+        newest = self._newest
+        if newest is None or self.ctx.clock() - newest.taken_s > NEWEST_S:
+            reason = self._state().reason or "no picture has come yet"
+            return SnapshotReply(accepted=False, reason=reason if self._on else f"{self.ctx.name} is off")
+        try:
+            path = snapshot.save(self.ctx.home, name or snapshot.name_now(self.ctx.name), newest.data)
+        except InputError as err:
+            return SnapshotReply(accepted=False, reason=str(err))
+        return SnapshotReply(accepted=True, path=str(path))
+
+    def _tell(self) -> None:
+        state = self._state()
+        now = self.ctx.clock()
+        if now >= self._counted_at + STATE_PERIOD_S:
+            streamed = state.phase == "streaming" and self._counted_at
+            self._fps = round((self._frames - self._counted) / (now - self._counted_at), 1) if streamed else None
+            self._counted, self._counted_at = self._frames, now
+        changed = (state.phase + state.reason, state.on) != self._said
+        if not changed and now < self._state_at:
+            return
+        self._said, self._state_at = (state.phase + state.reason, state.on), now + STATE_PERIOD_S
+        self.ctx.publish("state", state)
+        if state.phase == "streaming":
+            self.ctx.ready()
+        elif state.phase == "off":
+            self.ctx.ready("off")
+        else:
+            self.ctx.warn(state.reason or "waiting for the first picture")
+
+    def _state(self) -> CameraState:
+        capture, newest, device = self._capture, self._newest, self.ctx.device
+        assert device is not None
+        size = pictures.size_px(newest.data) if newest is not None else None
+        return CameraState(
+            on=self._on,
+            phase=capture.phase if capture is not None else "off",
+            device=device.address,
+            width_px=size[0] if size else None,
+            height_px=size[1] if size else None,
+            fps=self._fps,
+            frames=self._frames,
+            dropped=self._dropped_before + (capture.dropped if capture is not None else 0),
+            reason=capture.reason if capture is not None else "",
+        )

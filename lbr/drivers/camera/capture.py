@@ -1,0 +1,112 @@
+"""Takes pictures in a thread of its own: opens the camera, keeps the newest picture, opens again when it was lost."""
+
+import os
+import select
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Literal
+
+from lbr.drivers.camera.source import Picture, Source, usable
+from lbr.errors import DeviceError
+
+SILENT_S = 1.0
+FIRST_S = 3.0
+OLDEST_S = 1.0
+RETRY_FIRST_S = 0.2
+RETRY_MOST_S = 2.0
+STEADY_S = 5.0
+
+Phase = Literal["opening", "streaming", "lost"]
+
+
+class Capture:
+    """One camera's thread and its slot. `wake` is called on that thread when there is something new.
+
+    It gives up a camera that is silent for a second (`silent_s`), and tries it again after 0.2 s, growing to 2 s.
+    """
+
+    def __init__(self, open_source: Callable[[], Source], wake: Callable[[], None], *, silent_s: float) -> None:
+        self.phase: Phase = "opening"
+        self.reason = ""
+        self.dropped = 0
+        self.ended = False  # the camera is closed for good
+        self._open_source = open_source
+        self._wake = wake
+        self._silent_s = silent_s
+        self._slot: deque[Picture] = deque(maxlen=1)
+        self._over = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._stopping = False
+        self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
+        self._thread.start()
+
+    def take(self) -> Picture | None:
+        """Return the newest picture, if it was not taken yet."""
+        with suppress(IndexError):
+            return self._slot.popleft()
+        return None
+
+    def stop(self) -> None:
+        """Ask the thread to close the camera; `ended` says when it has."""
+        if not self._stopping:
+            self._stopping = True
+            os.eventfd_write(self._over, 1)
+
+    @property
+    def stopping(self) -> bool:
+        """Whether it was asked to end."""
+        return self._stopping
+
+    def join(self, timeout_s: float) -> None:
+        """Wait for the end, and let go of what is left."""
+        self._thread.join(timeout_s)
+        if not self._thread.is_alive() and self._over >= 0:
+            os.close(self._over)
+            self._over = -1
+
+    def _run(self) -> None:
+        retry_s = RETRY_FIRST_S
+        while not self._stopping:
+            began = time.monotonic()
+            try:
+                self._stream(self._open_source())
+            except DeviceError as err:
+                self._tell("lost", str(err))
+            if time.monotonic() - began > STEADY_S:
+                retry_s = RETRY_FIRST_S
+            select.select([self._over], [], [], retry_s)
+            retry_s = min(retry_s * 2, RETRY_MOST_S)
+        self.ended = True
+        self._wake()
+
+    def _stream(self, source: Source) -> None:
+        try:
+            heard, allowed_s = time.monotonic(), FIRST_S
+            while True:
+                left_s = allowed_s - (time.monotonic() - heard)
+                readable, _, _ = select.select([source.fileno(), self._over], [], [], max(0.0, left_s))
+                if self._over in readable:
+                    return
+                if self._keep(source.take() if readable else []):
+                    heard, allowed_s = time.monotonic(), max(SILENT_S, self._silent_s)
+                elif left_s <= 0.0:
+                    raise DeviceError(f"no picture has come for {allowed_s:.1f} s; check the camera's cable")
+        finally:
+            source.close()
+
+    def _keep(self, taken: list[Picture]) -> bool:
+        """Put the newest picture into the slot unless it is old, and say whether there was any."""
+        good = [found for picture in taken if (found := usable(picture))]
+        fresh = [picture for picture in good[-1:] if time.monotonic() - picture.taken_s <= OLDEST_S]
+        self.dropped += len(taken) - len(fresh)
+        if fresh and not self._stopping:
+            self.dropped += len(self._slot)
+            self._slot.append(fresh[0])
+            self._tell("streaming")
+        return bool(good)
+
+    def _tell(self, phase: Phase, reason: str = "") -> None:
+        self.phase, self.reason = phase, reason
+        self._wake()

@@ -1,0 +1,36 @@
+"""A picture becomes a file below `$LBR_HOME/pictures`."""
+
+import os
+import re
+import shutil
+import time
+from pathlib import Path
+
+from lbr.errors import InputError
+
+KEPT_FREE_BYTES = 100 << 20
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
+
+
+def save(home: str, name: str, picture: bytes) -> Path:
+    """Write a new file and return it; InputError says in words why that cannot be."""
+    if _NAME.fullmatch(name) is None:
+        raise InputError("a picture's name has letters, digits, - and _, and begins with a letter or digit")
+    path = Path(home) / "pictures" / f"{name}.jpg"
+    try:
+        path.parent.mkdir(mode=0o700, exist_ok=True)
+        if shutil.disk_usage(path.parent).free < KEPT_FREE_BYTES:
+            raise InputError(f"the disk is almost full; make room in {path.parent}")
+        with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "wb") as file:
+            file.write(picture)
+    except FileExistsError as err:
+        raise InputError(f"{path} is there already; choose another name") from err
+    except OSError as err:
+        raise InputError(f"{path} cannot be written ({err.strerror}); check the disk") from err
+    return path
+
+
+def name_now(camera: str) -> str:
+    """Return a name made of camera and time, down to milliseconds."""
+    now = time.time()
+    return f"{camera}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}"
