@@ -1,10 +1,15 @@
 """Messages of the simulated world."""
 
+from typing import Literal
+
 from msgspec import Struct
 
 
 class WorldBox(Struct, frozen=True, kw_only=True):
-    """A box that stands on the floor, seen from above: centre and full size in metres, turned by `yaw_rad`."""
+    """What stands on the floor, seen from above: centre and full size in metres, turned by `yaw_rad`.
+
+    A cylinder is `length_m` thick. `colour` is as in #8a5a3c, or empty. What is not `solid` is only seen.
+    """
 
     name: str
     x_m: float
@@ -12,18 +17,43 @@ class WorldBox(Struct, frozen=True, kw_only=True):
     length_m: float
     width_m: float
     yaw_rad: float = 0.0
+    kind: Literal["box", "cylinder"] = "box"
+    bottom_m: float = 0.0
+    height_m: float = 1.5
+    colour: str = ""
+    solid: bool = True
+
+
+class WorldDock(Struct, frozen=True, kw_only=True):
+    """The charging dock: the middle of its face, which looks along `yaw_rad`, and what its infrared beams cover.
+
+    Each of the two reaches from `overlap_rad` / 2 beyond the middle line to `spread_rad` on its own side.
+    """
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    depth_m: float
+    width_m: float
+    reach_m: float
+    spread_rad: float
+    overlap_rad: float
 
 
 class WorldScene(Struct, frozen=True, kw_only=True):
-    """What does not move, and the robot's outline."""
+    """What does not move by itself, and the robot's outline."""
 
     walls: tuple[WorldBox, ...]
     robot_length_m: float
     robot_width_m: float
+    dock: WorldDock | None = None
 
 
 class WorldPose(Struct, frozen=True, kw_only=True):
-    """The truth about the robot (REP 103: x ahead, y left, yaw anticlockwise) and its emulated motor outputs."""
+    """The truth about the robot (REP 103: x ahead, y left, yaw anticlockwise) and its emulated motor outputs.
+
+    `touching`: it touches something else than the floor and its dock.
+    """
 
     x_m: float
     y_m: float
@@ -35,3 +65,4 @@ class WorldPose(Struct, frozen=True, kw_only=True):
     touching: bool
     battery_v: float
     time_s: float
+    charging: bool = False

@@ -1,18 +1,23 @@
-"""The physics of the simulated world: a differential-drive robot among boxes, its ranges, currents and battery."""
+"""The physics of the simulated world: a differential-drive robot among furniture, and what its devices measure there."""
 
 import importlib
 import os
-from math import atan2, cos, isfinite, pi, sin
+from math import atan2, cos, hypot, isfinite, pi, sin
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from lbr.errors import LbrError
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.battery import BatteryState
-from lbr.simulation.measured import ImuReading, Sensed
-from lbr.simulation.model import MAX_TORQUE_NM, TIMESTEP_S, model_xml
-from lbr.simulation.plan import CONE_RAD
+from lbr.simulation.docking import DockSense, world_dock
+from lbr.simulation.inertial import InertialUnit
+from lbr.simulation.measured import Beam, CameraPose, ImuReading, Sensed
+from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml, quaternion
+from lbr.simulation.placing import Placed
+from lbr.simulation.ranging import Ring
+from lbr.simulation.room import BoxSettings
 from lbr.simulation.settings import WorldSettings
 
 os.environ.pop("MUJOCO_GL", None)  # the choice of a renderer that is not installed would fail the import
@@ -21,15 +26,10 @@ try:
 except ImportError as err:
     raise LbrError(f"the simulated world needs MuJoCo ({err}); install lbr with its extra 'sim'") from err
 
-REACH_M = 7.65
-"""What an MB1220 reports at most."""
-
 _SENSE_EVERY = 10
-_HEIGHT_M = 0.30
-_RAYS = 15
+_SETTLING_STEPS = 100
 _AMPS_PER_NM = 3.0
 _AMPS_SETTLE = 0.15
-_DIRECTIONS: tuple[tuple[str, float], ...] = (("forward", 0.0), ("left", pi / 2), ("right", -pi / 2), ("back", pi))
 
 
 class Engine:
@@ -40,17 +40,22 @@ class Engine:
         self.battery = BatteryState(settings.battery)
         self._model = mujoco.MjModel.from_xml_string(model_xml(settings))
         self._data = mujoco.MjData(self._model)
-        self._random = np.random.default_rng(settings.seed)
-        self._ranges: dict[str, float | None] = {}
         self._amps = self._drawn = (0.0, 0.0)
         self._power = (0.0, 0.0)
         self._owed_s = 0.0
         self._steps = 0
-        self._groups = np.array([0, 1, 0, 0, 0, 0], dtype=np.uint8)
-        self._walls = frozenset(index for index in range(self._model.ngeom) if self._model.geom_group[index] == 1)
-        self._robot = frozenset(index for index in range(self._model.ngeom) if self._model.geom_group[index] == 2)
+        self._ranges: dict[str, float | None] = {}
+        self._beams: frozenset[Beam] = frozenset()
+        self._charging = False
+        self._ring = Ring(mujoco, self._model, settings.body, settings.ultrasonic, settings.seed)
+        self._imu = InertialUnit(settings.imu, settings.seed)
+        self._dock = DockSense(mujoco, self._model, settings.dock, settings.body) if settings.dock else None
+        self._placed = Placed(self._model)
+        self._turned = {name: np.array(quaternion(mount)) for name, mount in settings.cameras.items()}
+        self._walls = frozenset(self._geoms(STANDING)) - {self._model.geom(DOCK).id if settings.dock else -1}
+        self._robot = frozenset(self._geoms(ROBOT))
         self._wheels = [self._model.joint(name) for name in ("left", "right")]
-        mujoco.mj_forward(self._model, self._data)
+        self._settle()
         self._sense()
 
     @property
@@ -78,11 +83,39 @@ class Engine:
             counts=(int(turns[0] * per_turn), int(turns[1] * per_turn)),
             speeds_rpm=(speeds[0], speeds[1]),
             ranges_m=dict(self._ranges),
+            imu=self.imu(),
+            charging=self._charging,
+            charging_a=self.battery.charging_a,
+            beams=self._beams,
+            cameras=self.cameras(),
         )
 
     def imu(self) -> ImuReading:
         """Return what an inertial unit measures at the newest step of the physics; cheap, for a twin that is read."""
-        return ImuReading()
+        return self._imu.read(self._steps)
+
+    def cameras(self) -> dict[str, CameraPose]:
+        """Return where the robot's cameras are and which way they look."""
+        base, turned, fov = self._data.qpos[3:7], np.zeros(4), self.settings.camera_fov_deg
+        found = {}
+        for name, mounted in self._turned.items():
+            mujoco.mju_mulQuat(turned, base, mounted)
+            x, y, z = (float(value) for value in self._data.camera(name).xpos)
+            w, i, j, k = (float(value) for value in turned)
+            found[name] = CameraPose(x_m=x, y_m=y, z_m=z, orientation=(w, i, j, k), fov_deg=fov)
+        return found
+
+    def place(self, thing: WorldBox) -> None:
+        """Let a thing appear with the next step, or move it if one of its name was placed; any thread may ask.
+
+        Raise InputError if there is no room for it.
+        """
+        body = self.settings.body
+        self._placed.place(thing, (*self._place()[:2], hypot(body.length_m, body.width_m) / 2))
+
+    def remove(self, name: str) -> None:
+        """Let a thing that was placed vanish; raise InputError if there is none of that name."""
+        self._placed.remove(name)
 
     def pose(self) -> WorldPose:
         """Return the truth about the robot."""
@@ -99,19 +132,21 @@ class Engine:
             touching=self.touching(),
             battery_v=self.battery.voltage_v,
             time_s=self.time_s,
+            charging=self._charging,
         )
 
     def scene(self) -> WorldScene:
-        """Return what does not move, and the robot's outline."""
-        walls = (
-            WorldBox(name=b.name, x_m=b.x_m, y_m=b.y_m, length_m=b.length_m, width_m=b.width_m, yaw_rad=b.yaw_rad)
-            for b in self.settings.walls
+        """Return what does not move by itself, what was placed too, and the robot's outline."""
+        settings = self.settings
+        return WorldScene(
+            walls=(*map(_box, settings.walls), *self._placed.things),
+            robot_length_m=settings.body.length_m,
+            robot_width_m=settings.body.width_m,
+            dock=world_dock(settings.dock) if settings.dock else None,
         )
-        body = self.settings.body
-        return WorldScene(walls=tuple(walls), robot_length_m=body.length_m, robot_width_m=body.width_m)
 
     def touching(self) -> bool:
-        """Say whether the robot touches something that stands in the room."""
+        """Say whether the robot touches something that stands in the room, other than its dock."""
         data = self._data
         pairs = (data.contact.geom[index] for index in range(data.ncon))
         return any((a in self._walls and b in self._robot) or (b in self._walls and a in self._robot) for a, b in pairs)
@@ -120,10 +155,25 @@ class Engine:
         x, y, _, qw, qx, qy, qz = (float(value) for value in self._data.qpos[:7])
         return x, y, atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
 
+    def _geoms(self, group: int) -> list[int]:
+        return [index for index in range(self._model.ngeom) if self._model.geom_group[index] == group]
+
+    def _settle(self) -> None:
+        """Let the robot come to stand on its wheels, where it was put, before time begins."""
+        start = self._data.qpos.copy()
+        for _ in range(_SETTLING_STEPS):
+            mujoco.mj_step(self._model, self._data)
+        start[2:7] = self._data.qpos[2:7]
+        self._data.qpos[:], self._data.qvel[:], self._data.time = start, 0.0, 0.0
+        mujoco.mj_forward(self._model, self._data)
+        self._imu.follow(self._data)
+
     def _step_once(self) -> None:
+        self._placed.apply(self._model, self._data)
         for index, power in enumerate(self._power):
             self._data.ctrl[index] = self._ramped(float(self._data.ctrl[index]), power)
         mujoco.mj_step(self._model, self._data)
+        self._imu.follow(self._data)
         self._load()
         self._steps += 1
         if self._steps % _SENSE_EVERY == 0:
@@ -147,7 +197,8 @@ class Engine:
         duties = self._duties()
         self._amps = (left, right)
         self._drawn = (left * duties[0], right * duties[1])
-        self.battery.draw(sum(self._drawn), TIMESTEP_S)
+        dock = self.settings.dock
+        self.battery.draw(sum(self._drawn), TIMESTEP_S, dock.current_a if dock and self._charging else 0.0)
 
     def _duties(self) -> tuple[float, float]:
         """Return how far the bridges are open: as the wheels turn, and more as they are held."""
@@ -159,26 +210,16 @@ class Engine:
         return (left, right)
 
     def _sense(self) -> None:
-        """Let each sensor look along its cone, in turn; noise is drawn whether or not anybody listens."""
-        body = self.settings.body
-        x, y, yaw = self._place()
-        for side, angle in _DIRECTIONS:
-            offset = (body.length_m if side in {"forward", "back"} else body.width_m) / 2
-            heading = yaw + angle
-            origin = np.array([x + offset * cos(heading), y + offset * sin(heading), _HEIGHT_M])
-            nearest = self._nearest(origin, heading)
-            noise = float(self._random.normal(0.0, self.settings.range_noise_m))
-            self._ranges[side] = None if nearest is None else max(0.0, nearest + noise)
+        """Look around: what is measured less often than the physics steps."""
+        place = self._place()
+        self._ranges = self._ring.look(self._data, place, self._steps)
+        if self._dock is not None:
+            self._charging = self._dock.charging(place)
+            self._beams = self._dock.beams(self._data, place)
 
-    def _nearest(self, origin: "np.ndarray[tuple[int], np.dtype[np.float64]]", heading: float) -> float | None:
-        angles = heading + np.linspace(-CONE_RAD, CONE_RAD, _RAYS)
-        rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(_RAYS)], axis=1).ravel()
-        hit, distance = np.full(_RAYS, -1, dtype=np.int32), np.full(_RAYS, -1.0)
-        mujoco.mj_multiRay(
-            self._model, self._data, origin, rays, self._groups, 1, -1, hit, distance, None, _RAYS, REACH_M
-        )
-        seen = distance[hit >= 0]
-        return float(seen.min()) if seen.size else None
+
+def _box(box: BoxSettings) -> WorldBox:
+    return WorldBox(**msgspec.structs.asdict(box))
 
 
 def _limited(power: float) -> float:

@@ -1,9 +1,10 @@
 """The MuJoCo description of the robot and its room."""
 
-from math import pi
+from math import cos, pi, radians, sin
 from xml.sax.saxutils import quoteattr
 
-from lbr.simulation.settings import Body, BoxSettings, WorldSettings
+from lbr.simulation.room import BoxSettings
+from lbr.simulation.settings import Body, Dock, Mount, WorldSettings
 
 TIMESTEP_S = 0.004
 """The physics step: 250 Hz."""
@@ -14,26 +15,39 @@ MAX_TORQUE_NM = 5.0
 ROLLING_NM = 0.25
 """Gear and rolling friction of one wheel."""
 
+FLOOR, STANDING, ROBOT = 0, 1, 2
+"""Groups of geoms: the floor and what is only seen, what stands on it, the robot."""
+
+PLACEABLE = tuple(f"placed {number}" for number in range(4))
+"""Bodies that wait below the floor until something is placed."""
+
+PARKED_M = -10.0
+DOCK = "dock"
+IMU = "imu"
+
 _STIFFNESS_NMS = 4.0
 _CLEARANCE_M = 0.04
 _DECK_M = 0.20
 _WHEEL_WIDTH_M = 0.04
 _CASTER_M = 0.03
 _CASTER_GAP_M = 0.002
+_SMOOTH = 'friction="0.3 0.005 0.0001"'
 
 
 def model_xml(settings: WorldSettings) -> str:
-    """Return the model: group 0 the floor, group 1 what stands on it, group 2 the robot."""
-    walls = "".join(_wall(box) for box in settings.walls)
+    """Return the model, with a camera for each of the robot's; `FLOOR`, `STANDING` and `ROBOT` are its groups."""
     return f"""
 <mujoco model="world">
   <compiler angle="radian"/>
-  <option timestep="{TIMESTEP_S}" integrator="implicitfast"/>
+  <option timestep="{TIMESTEP_S}" integrator="implicitfast" magnetic="{_numbers(*_field(settings))}"/>
+  <visual><headlight ambient="0.45 0.45 0.45" diffuse="0.5 0.5 0.5" specular="0 0 0"/><quality offsamples="0"/></visual>
   <worldbody>
-    <geom name="floor" type="plane" size="50 50 0.1" group="0" friction="0.9 0.005 0.0001"/>{walls}{_robot(settings)}
+    <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001" rgba="0.74 0.68 0.6 1"/>
+{"".join(_thing(box) for box in settings.walls)}{_dock(settings.dock)}{"".join(map(_placeable, PLACEABLE))}
+{_robot(settings)}
   </worldbody>
-  <actuator>{_motor("left")}{_motor("right")}
-  </actuator>
+  <actuator>{_motor("left")}{_motor("right")}</actuator>
+  <sensor><gyro site="{IMU}"/><accelerometer site="{IMU}"/><magnetometer site="{IMU}"/></sensor>
 </mujoco>"""
 
 
@@ -42,11 +56,38 @@ def wheel_track_m(body: Body) -> float:
     return body.width_m - _WHEEL_WIDTH_M
 
 
-def _wall(box: BoxSettings) -> str:
-    size = f"{box.length_m / 2} {box.width_m / 2} {box.height_m / 2}"
+def _field(settings: WorldSettings) -> tuple[float, float, float]:
+    """Return the earth's field in the world's axes; z is up."""
+    compass = settings.compass
+    down, north = radians(compass.inclination_deg), radians(compass.north_deg)
+    level = compass.field_ut * cos(down)
+    return level * cos(north), level * sin(north), -compass.field_ut * sin(down)
+
+
+def _thing(box: BoxSettings) -> str:
+    half = (box.length_m / 2, box.width_m / 2, box.height_m / 2)
+    size = half if box.kind == "box" else (half[0], half[2])
+    group = f'group="{STANDING}"' if box.solid else f'group="{FLOOR}" contype="0" conaffinity="0"'
     return f"""
-    <geom name={quoteattr(box.name)} type="box" group="1" size="{size}" friction="0.3 0.005 0.0001"
-          pos="{box.x_m} {box.y_m} {box.height_m / 2}" euler="0 0 {box.yaw_rad}"/>"""
+    <geom name={quoteattr(box.name)} type="{box.kind}" {group} size="{_numbers(*size)}" {_SMOOTH} rgba="{_rgba(box.colour)}"
+          pos="{_numbers(box.x_m, box.y_m, box.bottom_m + half[2])}" euler="0 0 {box.yaw_rad}"/>"""
+
+
+def _dock(dock: Dock | None) -> str:
+    if dock is None:
+        return ""
+    depth, width, height = dock.depth_m / 2, dock.width_m / 2, dock.height_m / 2
+    x, y = dock.x_m - depth * cos(dock.yaw_rad), dock.y_m - depth * sin(dock.yaw_rad)
+    return f"""
+    <geom name="{DOCK}" type="box" group="{STANDING}" size="{_numbers(depth, width, height)}" {_SMOOTH}
+          rgba="0.15 0.15 0.18 1" pos="{_numbers(x, y, height)}" euler="0 0 {dock.yaw_rad}"/>"""
+
+
+def _placeable(name: str) -> str:
+    return f"""
+    <body name="{name}" mocap="true" pos="0 0 {PARKED_M}">
+      <geom name="{name}" type="box" group="{STANDING}" size="0.1 0.1 0.1" {_SMOOTH} rgba="0.8 0.25 0.2 1"/>
+    </body>"""
 
 
 def _robot(settings: WorldSettings) -> str:
@@ -58,15 +99,21 @@ def _robot(settings: WorldSettings) -> str:
     return f"""
     <body name="base" pos="{start.x_m} {start.y_m} {radius}" euler="0 0 {start.yaw_rad}">
       <freejoint name="base"/>
-      <geom name="deck" type="box" group="2" size="{half_length} {half_width} {_DECK_M / 2}" pos="0 0 {deck_z}"
-            mass="{body.mass_kg * 0.82}" friction="0.3 0.005 0.0001"/>
-      <geom name="mast" type="box" group="2" size="0.03 0.03 {mast}" pos="0 0 {deck_z + _DECK_M / 2 + mast}"
+      <geom name="deck" type="box" group="{ROBOT}" size="{half_length} {half_width} {_DECK_M / 2}" pos="0 0 {deck_z}"
+            mass="{body.mass_kg * 0.82}" {_SMOOTH}/>
+      <geom name="mast" type="box" group="{ROBOT}" size="0.03 0.03 {mast}" pos="0 0 {deck_z + _DECK_M / 2 + mast}"
             mass="{body.mass_kg * 0.08}"/>
-      <geom name="front_caster" type="sphere" group="2" size="{_CASTER_M}" pos="{caster_x} 0 {caster_z}" mass="0.05"
-            friction="0.001 0.0001 0.0001" priority="1" condim="1"/>
-      <geom name="rear_caster" type="sphere" group="2" size="{_CASTER_M}" pos="{-caster_x} 0 {caster_z}" mass="0.05"
-            friction="0.001 0.0001 0.0001" priority="1" condim="1"/>{_wheel("left", body, 1)}{_wheel("right", body, -1)}
+      {_caster("front", caster_x, caster_z)}{_caster("rear", -caster_x, caster_z)}
+      {_wheel("left", body, 1)}{_wheel("right", body, -1)}
+      <site name="{IMU}" {_place(settings.imu.mount, radius)} {_turned(settings.imu.mount)}/>
+      {"".join(_camera(name, mount, settings) for name, mount in settings.cameras.items())}
     </body>"""
+
+
+def _caster(name: str, x: float, z: float) -> str:
+    return f"""
+      <geom name="{name}_caster" type="sphere" group="{ROBOT}" size="{_CASTER_M}" pos="{x} 0 {z}" mass="0.05"
+            friction="0.001 0.0001 0.0001" priority="1" condim="1"/>"""
 
 
 def _wheel(name: str, body: Body, side: int) -> str:
@@ -74,11 +121,49 @@ def _wheel(name: str, body: Body, side: int) -> str:
     return f"""
       <body name="{name}_wheel" pos="0 {side * wheel_track_m(body) / 2} 0">
         <joint name="{name}" type="hinge" axis="0 1 0" frictionloss="{ROLLING_NM}" armature="0.02"/>
-        <geom name="{name}_wheel" type="cylinder" group="2" size="{radius} {_WHEEL_WIDTH_M / 2}"
+        <geom name="{name}_wheel" type="cylinder" group="{ROBOT}" size="{radius} {_WHEEL_WIDTH_M / 2}"
               euler="{pi / 2} 0 0" mass="{body.mass_kg * 0.05}" friction="1.0 0.005 0.0001" condim="4"/>
       </body>"""
+
+
+def _camera(name: str, mount: Mount, settings: WorldSettings) -> str:
+    """MuJoCo's cameras look along -z with x to the right: turned so, they look along their mount's x."""
+    pitch, yaw = radians(mount.pitch_deg), radians(mount.yaw_deg)
+    right = (sin(yaw), -cos(yaw), 0.0)
+    up = (cos(yaw) * sin(pitch), sin(yaw) * sin(pitch), cos(pitch))
+    return f"""
+      <camera name={quoteattr(name)} {_place(mount, settings.body.wheel_diameter_m / 2)}
+              xyaxes="{_numbers(*right, *up)}" fovy="{settings.camera_fov_deg}"/>"""
+
+
+def _place(mount: Mount, wheel_radius_m: float) -> str:
+    return f'pos="{_numbers(mount.x_m, mount.y_m, mount.z_m - wheel_radius_m)}"'
+
+
+def _turned(mount: Mount) -> str:
+    """Return yaw, then pitch, then roll, each about its own axis as the ones before have turned it."""
+    return f'quat="{_numbers(*quaternion(mount))}"'
+
+
+def quaternion(mount: Mount) -> tuple[float, float, float, float]:
+    """Return how something is turned on the robot: w, x, y, z."""
+    r, p, y = (radians(angle) / 2 for angle in (mount.roll_deg, mount.pitch_deg, mount.yaw_deg))
+    return (
+        cos(r) * cos(p) * cos(y) + sin(r) * sin(p) * sin(y),
+        sin(r) * cos(p) * cos(y) - cos(r) * sin(p) * sin(y),
+        cos(r) * sin(p) * cos(y) + sin(r) * cos(p) * sin(y),
+        cos(r) * cos(p) * sin(y) - sin(r) * sin(p) * cos(y),
+    )
 
 
 def _motor(name: str) -> str:
     return f"""
     <velocity name="{name}" joint="{name}" kv="{_STIFFNESS_NMS}" forcerange="{-MAX_TORQUE_NM} {MAX_TORQUE_NM}"/>"""
+
+
+def _rgba(colour: str) -> str:
+    return _numbers(*(int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)), 1.0)
+
+
+def _numbers(*values: float) -> str:
+    return " ".join(f"{value:.9g}" for value in values)

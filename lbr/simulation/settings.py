@@ -1,23 +1,29 @@
-"""What a `world` row may set; the defaults are a furnished room with the lbr6 robot in it."""
+"""What a `world` row may set; the defaults are a furnished room with the lbr6 robot and its dock in it."""
 
 from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import Meta, Struct, field
 
-Length = Annotated[float, Meta(gt=0.0, le=1000.0, description="metres")]
-Place = Annotated[float, Meta(ge=-1000.0, le=1000.0, description="metres")]
+from lbr.messages.units import Vector
+from lbr.simulation.room import ROOM, BoxSettings, Height, Length, Place
 
+__all__ = [
+    "Battery",
+    "Body",
+    "BoxSettings",
+    "Compass",
+    "Dock",
+    "Imu",
+    "Mount",
+    "StartPose",
+    "Ultrasonic",
+    "WorldSettings",
+]
 
-class BoxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A box that stands on the floor: its centre, its full size, and how far it is turned anticlockwise."""
+Degrees = Annotated[float, Meta(ge=-360.0, le=360.0)]
+Spread = Annotated[float, Meta(ge=0.0, description="standard deviation")]
 
-    name: str
-    x_m: Place
-    y_m: Place
-    length_m: Length
-    width_m: Length
-    height_m: Length = 1.5
-    yaw_rad: float = 0.0
+NO_IRON = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class StartPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -33,7 +39,7 @@ class Body(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     length_m: Annotated[float, Meta(ge=0.2, le=3.0)] = 0.43
     width_m: Annotated[float, Meta(ge=0.15, le=3.0)] = 0.30
-    height_m: Annotated[float, Meta(ge=0.2, le=3.0)] = 1.42
+    height_m: Annotated[float, Meta(ge=0.3, le=3.0)] = 1.42
     mass_kg: Annotated[float, Meta(ge=1.0, le=500.0)] = 16.0
     wheel_diameter_m: Annotated[float, Meta(ge=0.05, le=1.0)] = 0.1778
     counts_per_turn: Annotated[int, Meta(ge=1)] = 130
@@ -43,40 +49,123 @@ class Body(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Battery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A 12 V AGM: volts at rest when full, inner resistance, capacity, charge at the start, and what idles."""
+    """A 12 V AGM: volts at rest when full, inner resistance, capacity, charge at the start, and what idles.
+
+    On the dock its voltage rises to `charged_v` within a few times `charging_s`, and falls back as slowly.
+    """
 
     open_circuit_v: Annotated[float, Meta(ge=6.0, le=60.0)] = 12.7
     internal_ohm: Annotated[float, Meta(ge=0.0, le=5.0)] = 0.05
     capacity_ah: Annotated[float, Meta(gt=0.0)] = 35.0
     charge: Annotated[float, Meta(ge=0.0, le=1.0)] = 1.0
     idle_a: Annotated[float, Meta(ge=0.0, le=100.0)] = 1.5
+    charged_v: Annotated[float, Meta(ge=6.0, le=80.0)] = 13.8
+    charging_s: Annotated[float, Meta(gt=0.0)] = 60.0
 
 
-ROOM = (
-    BoxSettings(name="north wall", x_m=4.55, y_m=0.0, length_m=0.1, width_m=5.2, height_m=2.4),
-    BoxSettings(name="south wall", x_m=-1.55, y_m=0.0, length_m=0.1, width_m=5.2, height_m=2.4),
-    BoxSettings(name="west wall", x_m=1.5, y_m=2.55, length_m=6.2, width_m=0.1, height_m=2.4),
-    BoxSettings(name="east wall", x_m=1.5, y_m=-2.55, length_m=6.2, width_m=0.1, height_m=2.4),
-    BoxSettings(name="cupboard", x_m=3.9, y_m=-2.2, length_m=1.0, width_m=0.5),
-    BoxSettings(name="table", x_m=2.4, y_m=1.6, length_m=0.9, width_m=0.6, height_m=0.75),
-    BoxSettings(name="crate", x_m=1.1, y_m=-1.7, length_m=0.4, width_m=0.4, height_m=0.5, yaw_rad=0.5),
-    BoxSettings(name="shelf", x_m=-0.9, y_m=2.3, length_m=0.8, width_m=0.3),
-)
-"""A room of 6 by 5 m; the robot starts at the origin with 4.5 m free ahead of it."""
+class Mount(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where something sits on the robot, z above the floor, and how it is turned: yaw, then pitch, then roll (REP 103)."""
+
+    x_m: Place = 0.0
+    y_m: Place = 0.0
+    z_m: Height = 0.2
+    roll_deg: Degrees = 0.0
+    pitch_deg: Annotated[float, Meta(ge=-360.0, le=360.0, description="downwards positive")] = 0.0
+    yaw_deg: Degrees = 0.0
+
+
+class Imu(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The inertial unit: how it is mounted, its errors, and the iron that turns with it.
+
+    The compass reads `soft_iron` (rows of a matrix) times the field, plus `hard_iron_ut`, along the unit's own axes.
+    """
+
+    mount: Mount = Mount()
+    gyro_bias_rps: Vector = (0.011, -0.007, 0.009)
+    gyro_noise_rps: Spread = 0.0015
+    accel_bias_mps2: Vector = (0.08, -0.05, 0.1)
+    accel_noise_mps2: Spread = 0.04
+    hard_iron_ut: Vector = (6.0, -4.0, 3.0)
+    soft_iron: tuple[Vector, Vector, Vector] = ((1.04, 0.03, 0.0), (0.03, 0.97, 0.0), (0.0, 0.0, 1.0))
+    mag_noise_ut: Spread = 0.4
+    temperature_c: Annotated[float, Meta(ge=-40.0, le=125.0)] = 32.0
+
+
+class Compass(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The earth's magnetic field. `north_deg` is how far anticlockwise from the world's x axis magnetic north is.
+
+    As it is, x points north: a robot that has not turned heads 0 degrees, and the north wall is ahead.
+    """
+
+    field_ut: Annotated[float, Meta(ge=0.0, le=100.0)] = 48.0
+    inclination_deg: Annotated[float, Meta(ge=-90.0, le=90.0, description="how steeply the field points down")] = 65.0
+    north_deg: Degrees = 0.0
+
+
+class Ultrasonic(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The ring of MB1220: height, noise, and what it misses.
+
+    Noise is `noise_m` and `noise_per_m` for each metre. `dropout` is how often a reading finds nothing. An echo from a
+    surface hit at more than `grazing_deg` from its normal does not come back; 90: all do.
+    """
+
+    height_m: Height = 0.30
+    noise_m: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.008
+    noise_per_m: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.0
+    dropout: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
+    grazing_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 90.0
+
+
+class Dock(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The charging dock: the middle of its face, whose normal points along `yaw_rad`, and what it sends.
+
+    It is low enough for the ultrasonic sensors to look over it from nearby. The robot backs against it; it charges while
+    both contacts, `contacts_m` apart, touch within `give_m`, and within `plate_m` to each side. Its infrared beams reach
+    from `overlap_deg` / 2 beyond its middle line to `spread_deg`, the left one to its own left (y). The robot's receiver
+    sees within `receiver_deg` around straight back.
+    """
+
+    x_m: Place = -1.14
+    y_m: Place = 1.2
+    yaw_rad: float = 0.0
+    depth_m: Length = 0.36
+    width_m: Length = 0.30
+    height_m: Length = 0.16
+    contacts_m: Length = 0.10
+    give_m: Length = 0.02
+    plate_m: Length = 0.03
+    current_a: Annotated[float, Meta(ge=0.0, le=50.0)] = 3.0
+    reach_m: Length = 3.0
+    spread_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 25.0
+    overlap_deg: Annotated[float, Meta(ge=0.0, le=90.0)] = 6.0
+    receiver_deg: Annotated[float, Meta(gt=0.0, le=360.0)] = 120.0
+
+
+CAMERAS = {
+    "front": Mount(x_m=0.06, z_m=1.25, pitch_deg=12.0),
+    "rear": Mount(x_m=-0.06, z_m=1.25, pitch_deg=12.0, yaw_deg=180.0),
+}
+"""On the mast, looking a little down."""
 
 
 class WorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The simulated world: what stands in it, where the robot starts, and how often it tells.
 
-    `seed` fixes all noise. `trace` names a file that gets each change of the motor controller's outputs.
+    `seed` fixes all noise. `walls` is all that stands in it, furniture too. `dock` null: there is none. `cameras` are
+    where they sit, by name. `trace` names a file that gets each change of the motor controller's outputs.
     """
 
     seed: int = 1
     walls: tuple[BoxSettings, ...] = ROOM
+    dock: Dock | None = Dock()
     start: StartPose = StartPose()
     body: Body = Body()
     battery: Battery = Battery()
-    range_noise_m: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.008
+    imu: Imu = Imu()
+    compass: Compass = Compass()
+    ultrasonic: Ultrasonic = Ultrasonic()
+    cameras: dict[str, Mount] = field(default_factory=lambda: dict(CAMERAS))
+    camera_fov_deg: Annotated[float, Meta(gt=1.0, lt=170.0, description="from top to bottom")] = 45.0
     pose_hz: Annotated[float, Meta(ge=1.0, le=100.0)] = 20.0
     scene_every_s: Annotated[float, Meta(gt=0.0, le=60.0)] = 2.0
     trace: str = ""

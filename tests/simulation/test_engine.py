@@ -5,7 +5,7 @@ from math import cos, pi
 import pytest
 
 from lbr.simulation.engine import Engine
-from lbr.simulation.settings import Battery, BoxSettings, StartPose, WorldSettings
+from lbr.simulation.settings import Battery, BoxSettings, StartPose, Ultrasonic, WorldSettings
 
 WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 WALL_FACE_M = 1.95
@@ -53,7 +53,7 @@ def test_a_faster_right_wheel_turns_it_left():
 
 @pytest.mark.parametrize("yaw", [0.0, 0.15])
 def test_the_forward_range_is_the_distance_to_the_wall(yaw):
-    engine = world(walls=(WALL,), start=StartPose(yaw_rad=yaw), range_noise_m=0.008)
+    engine = world(walls=(WALL,), start=StartPose(yaw_rad=yaw), ultrasonic=Ultrasonic(noise_m=0.008))
     seen = []
     for _ in range(100):
         engine.step(0, 0, 0.04)
@@ -72,7 +72,7 @@ def test_each_side_looks_its_own_way():
         BoxSettings(name="right", x_m=0, y_m=-2.0, length_m=2, width_m=0.2),
         BoxSettings(name="behind", x_m=-3.0, y_m=0, length_m=0.2, width_m=2),
     )
-    ranges = world(walls=boxes, range_noise_m=0.0).sensed().ranges_m
+    ranges = world(walls=boxes, ultrasonic=Ultrasonic(noise_m=0.0)).sensed().ranges_m
     assert ranges == pytest.approx({"forward": 1.185, "left": 0.75, "right": 1.75, "back": 2.685}, abs=1e-6)
 
 
@@ -140,4 +140,6 @@ def test_time_is_kept_whatever_the_pieces():
 def test_the_default_room_has_walls_round_the_robot():
     engine = Engine(WorldSettings())
     assert all(value is not None and 1 < value < 6 for value in engine.sensed().ranges_m.values())
-    assert len(engine.scene().walls) == 8
+    names = [box.name for box in engine.scene().walls]
+    assert len(set(names)) == len(names)
+    assert {"north wall", "table", "chair leg 1", "rug"} <= set(names)

@@ -1,0 +1,47 @@
+"""What the inertial unit measures: MuJoCo's sensors with the biases, the iron and the noise of a cheap one."""
+
+from typing import Any
+
+import numpy as np
+
+from lbr.messages.units import Vector
+from lbr.simulation.measured import ImuReading
+from lbr.simulation.noise import Floats, Noise
+from lbr.simulation.settings import Imu
+
+_SMOOTHING = 0.5
+"""Share of the newest step in what is measured: a low pass of about 25 Hz at 250 steps a second."""
+
+
+class InertialUnit:
+    """One unit; `follow` each step, `read` whenever it is read."""
+
+    def __init__(self, settings: Imu, seed: int) -> None:
+        self._bias = np.array((*settings.gyro_bias_rps, *settings.accel_bias_mps2, *settings.hard_iron_ut))
+        spread = (settings.gyro_noise_rps, settings.accel_noise_mps2, settings.mag_noise_ut)
+        self._spread = np.repeat(spread, 3)
+        self._iron = np.array(settings.soft_iron)
+        self._temperature_c = settings.temperature_c
+        self._noise = Noise(seed, "imu", 9)
+        self._true: Floats | None = None
+
+    def follow(self, data: Any) -> None:
+        """Take in a step of the physics; its sensors are gyro, accelerometer and magnetometer, in this order."""
+        if self._true is None:
+            self._true = np.array(data.sensordata[:9])
+        else:
+            self._true += (data.sensordata[:9] - self._true) * _SMOOTHING
+
+    def read(self, step: int) -> ImuReading:
+        """Return what it measures at a step."""
+        true = np.zeros(9) if self._true is None else self._true.copy()
+        true[6:] = self._iron @ true[6:]
+        gyro, accel, mag = np.split(true + self._bias + self._spread * self._noise.at(step), 3)
+        return ImuReading(
+            gyro_rps=_vector(gyro), accel_mps2=_vector(accel), mag_ut=_vector(mag), temperature_c=self._temperature_c
+        )
+
+
+def _vector(values: Floats) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
