@@ -128,8 +128,9 @@ def opened(home: Path, address: str = "127.0.0.1", *, prefix: tuple[str, ...] = 
     endpoint = f"tls/{address}:{free_port()}"
     with running(home, "--listen", endpoint, prefix=prefix) as robot:
         until(lambda: robot.line("/r/0.1/90")["code"] == 0, what="it drives")
-        robot.line("stop")
-        yield Door(robot, endpoint, held, elsewhere)
+        door = Door(robot, endpoint, held, elsewhere)
+        door.rest()
+        yield door
 
 
 def add_token(home: Path, name: str, role: str, expires_at: str | None = None) -> Token:
