@@ -1,0 +1,60 @@
+"""The battery as a capability: its state twice a second, and warnings in words."""
+
+from math import inf
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Context
+from lbr.messages.battery import BatteryState
+from lbr.messages.speech import SayCommand
+from lbr.operations.battery import BatterySettings
+from lbr.operations.battery.gauge import Gauge
+
+PUBLISH_S = 0.5
+SAY_WITHIN_S = 2.0
+
+
+class Battery(Capability[BatterySettings]):
+    """Publishes on every change of level or charging, and twice a second; a voltage that is not there is no voltage."""
+
+    rate_hz = 5.0
+
+    def __init__(self, ctx: Context[BatterySettings]) -> None:
+        super().__init__(ctx)
+        self._gauge = Gauge(ctx.settings)
+        self._shown: BatteryState | None = None
+        self._publish_at = -inf
+        self._warned_at: dict[str, float] = {}
+
+    def step(self) -> None:
+        """Take in what was measured, and tell."""
+        for received in self.ctx.take("motors"):
+            self._gauge.see(received.message, received.arrived)
+        now = self.ctx.clock()
+        state, before = self._gauge.state(now), self._shown
+        if before is None or _gist(state) != _gist(before) or now >= self._publish_at:
+            self._shown, self._publish_at = state, now + PUBLISH_S
+            self.ctx.publish("state", state)
+        if before is None or state.valid != before.valid:
+            self.ctx.ready() if state.valid else self.ctx.warn(state.reason)
+        self._tell(state, before, now)
+
+    def _tell(self, state: BatteryState, before: BatteryState | None, now: float) -> None:
+        volts = f"{state.rest_voltage_v:.1f} V" if state.rest_voltage_v is not None else ""
+        if state.level == "critical":
+            self._warn("battery_critical", f"the battery is almost empty ({volts} at rest)", now)
+        elif state.level == "low":
+            self._warn("battery_low", f"the battery is low ({volts} at rest, charge {state.charge or 0.0:.0%})", now)
+        if state.charging and before is not None and before.charging is False:
+            self._warn("charging", f"the battery is being charged ({volts})", now, level="info")
+
+    def _warn(self, what: str, text: str, now: float, *, level: str = "warning") -> None:
+        """Say it as an event and aloud, unless that was done not long ago."""
+        if not now - self._warned_at.get(what, -inf) >= self.ctx.settings.repeat_s:
+            return
+        self._warned_at[what] = now
+        self.ctx.event(what, text, level=level)
+        self.ctx.ask("say", SayCommand(phrase=what), timeout_s=SAY_WITHIN_S)  # speech says what goes wrong with it
+
+
+def _gist(state: BatteryState) -> tuple[object, ...]:
+    return (state.valid, state.charging, state.level)
