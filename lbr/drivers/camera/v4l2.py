@@ -74,6 +74,7 @@ class V4l2Source:
         if given not in JPEG_FORMATS:
             raise DeviceError(f"{self._says} sends {given} and no {PIXEL_FORMAT}: lbr passes JPEG on and encodes none")
         capture.set_fps(settings.fps)
+        self._camera.controls.set_clipping(False)  # a value out of bounds is refused, not bent
         controls = {control.config_name: control for control in self._camera.controls.values()}
         check_controls(self._row, settings.controls, list(controls))
         for name, value in settings.controls.items():  # in the row's order: manual exposure comes before its time
