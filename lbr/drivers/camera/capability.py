@@ -13,7 +13,7 @@ from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, Snapsho
 from lbr.messages.drive import CommandReply
 
 STATE_PERIOD_S = 1.0
-ANSWER_S = 1.0
+ANSWER_S = 0.8
 CLOSE_S = 0.3
 NEWEST_S = 1.0
 
