@@ -25,10 +25,10 @@ class Canvas:
             part = step / steps
             self.dot(start[0] + (end[0] - start[0]) * part, start[1] + (end[1] - start[1]) * part)
 
-    def outline(self, corners: Sequence[tuple[float, float]]) -> None:
-        """Draw a closed line."""
+    def outline(self, corners: Sequence[tuple[float, float]], every: int = 1) -> None:
+        """Draw a closed line, or only each `every`-th of its dots."""
         for index, corner in enumerate(corners):
-            self.line(corners[index - 1], corner)
+            self.line(corners[index - 1], corner, every)
 
     def letter(self, x: float, y: float, letter: str) -> None:
         """Put a character over the dots."""

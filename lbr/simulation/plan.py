@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import cos, pi, sin, tau
 
 from lbr.messages.sensing import Ranges
-from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
+from lbr.messages.simulation import WorldBox, WorldDock, WorldPose, WorldScene
 
 Point = tuple[float, float]
 
@@ -14,6 +14,8 @@ CONE_RAD = 0.20
 
 _SIDES = (("forward", 0.0), ("left", pi / 2), ("right", -pi / 2), ("back", pi))
 _MARGIN_M = 0.15
+_OVERHEAD_M = 1.9
+_ROUND = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +43,33 @@ def fit(scene: WorldScene, pose: WorldPose, width: int, height: int) -> Scale:
     return Scale(((west + east) / 2, (south + north) / 2), dots_per_m, width, height)
 
 
+def below(scene: WorldScene) -> list[WorldBox]:
+    """Return what is not over everybody's head, the lowest first, so that what is above covers what is under it."""
+    return sorted(
+        (box for box in scene.walls if box.bottom_m < _OVERHEAD_M), key=lambda box: box.bottom_m + box.height_m
+    )
+
+
 def box_corners(box: WorldBox) -> list[Point]:
-    """Return a box's corners, anticlockwise."""
-    return _placed(box, _rectangle(box.length_m, box.width_m))
+    """Return a box's corners, anticlockwise; a cylinder has twelve."""
+    if box.kind == "box":
+        return _placed(box, _rectangle(box.length_m, box.width_m))
+    radius, angles = box.length_m / 2, (tau * step / _ROUND for step in range(_ROUND))
+    return [(box.x_m + radius * cos(angle), box.y_m + radius * sin(angle)) for angle in angles]
+
+
+def dock_corners(dock: WorldDock) -> list[Point]:
+    """Return the corners of the dock, anticlockwise."""
+    half, depth = dock.width_m / 2, dock.depth_m
+    return _placed(dock, ((0.0, half), (-depth, half), (-depth, -half), (0.0, -half)))
+
+
+def dock_beams(dock: WorldDock) -> Iterator[list[Point]]:
+    """Yield the area of the left beam and that of the right one: the dock's face, then the arc that they reach."""
+    near, far = -dock.overlap_rad / 2, dock.spread_rad
+    for side in (1, -1):
+        ways = [side * (near + (far - near) * step / 8) for step in range(9)]
+        yield _placed(dock, ((0.0, 0.0), *((dock.reach_m * cos(way), dock.reach_m * sin(way)) for way in ways)))
 
 
 def robot_corners(scene: WorldScene, pose: WorldPose) -> list[Point]:
@@ -75,6 +101,6 @@ def _rectangle(length: float, width: float) -> tuple[Point, ...]:
     return ((ahead, side), (-ahead, side), (-ahead, -side), (ahead, -side))
 
 
-def _placed(place: WorldBox | WorldPose, points: Iterable[Point]) -> list[Point]:
+def _placed(place: WorldBox | WorldPose | WorldDock, points: Iterable[Point]) -> list[Point]:
     c, s = cos(place.yaw_rad), sin(place.yaw_rad)
     return [(place.x_m + c * x - s * y, place.y_m + s * x + c * y) for x, y in points]

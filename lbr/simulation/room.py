@@ -59,7 +59,7 @@ def on_legs(top: BoxSettings, leg_m: float) -> tuple[BoxSettings, ...]:
     return (top, *legs)
 
 
-_PAINT, _WOOD, _DARK, _CLOTH, _LEAF, _CLAY = "#c9c3b4", "#a8763e", "#5a4632", "#3f5f8a", "#3e7d45", "#b4623e"
+_PAINT, _WOOD, _DARK, _CLOTH, _LEAF, _CLAY = "#aaa393", "#a8763e", "#5a4632", "#3f5f8a", "#3e7d45", "#b4623e"
 
 _WALLS = (
     BoxSettings(name="north wall", x_m=4.55, y_m=0.0, length_m=0.1, width_m=5.2, height_m=2.4, colour=_PAINT),
@@ -70,9 +70,9 @@ _WALLS = (
     BoxSettings(
         name="lintel", x_m=2.35, y_m=-2.55, length_m=0.9, width_m=0.1, bottom_m=2.0, height_m=0.4, colour=_PAINT
     ),
-    BoxSettings(name="hall", x_m=2.35, y_m=-3.85, length_m=2.2, width_m=0.1, height_m=2.4, colour=_PAINT),
-    BoxSettings(name="hall south", x_m=1.3, y_m=-3.2, length_m=0.1, width_m=1.2, height_m=2.4, colour=_PAINT),
-    BoxSettings(name="hall north", x_m=3.4, y_m=-3.2, length_m=0.1, width_m=1.2, height_m=2.4, colour=_PAINT),
+    BoxSettings(name="hall", x_m=2.35, y_m=-3.45, length_m=2.2, width_m=0.1, height_m=2.4, colour=_PAINT),
+    BoxSettings(name="hall south", x_m=1.3, y_m=-3.0, length_m=0.1, width_m=0.8, height_m=2.4, colour=_PAINT),
+    BoxSettings(name="hall north", x_m=3.4, y_m=-3.0, length_m=0.1, width_m=0.8, height_m=2.4, colour=_PAINT),
 )
 
 _FURNITURE = (
@@ -87,7 +87,10 @@ _FURNITURE = (
     ),
     BoxSettings(name="rug", x_m=1.9, y_m=0.0, length_m=1.8, width_m=1.2, height_m=0.005, colour="#9c4a4a", solid=False),
     *on_legs(
-        BoxSettings(name="table", x_m=2.4, y_m=1.7, length_m=1.1, width_m=0.7, bottom_m=0.72, height_m=0.03), 0.06
+        BoxSettings(
+            name="table", x_m=2.4, y_m=1.7, length_m=1.1, width_m=0.7, bottom_m=0.72, height_m=0.03, colour=_WOOD
+        ),
+        0.06,
     ),
     *on_legs(
         BoxSettings(

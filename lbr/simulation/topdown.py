@@ -6,9 +6,19 @@ from math import degrees, pi
 from typing import TYPE_CHECKING
 
 from lbr.messages.sensing import Ranges
-from lbr.messages.simulation import WorldPose, WorldScene
+from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.braille import Canvas
-from lbr.simulation.plan import Point, box_corners, cones, fit, robot_arrow, robot_corners
+from lbr.simulation.plan import (
+    Point,
+    below,
+    box_corners,
+    cones,
+    dock_beams,
+    dock_corners,
+    fit,
+    robot_arrow,
+    robot_corners,
+)
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -21,6 +31,7 @@ _SIDES = ("forward", "left", "right", "back")
 _LEGEND_PX = 48
 _PAPER, _WALL, _INK = (250, 250, 247), (96, 104, 112), (30, 34, 40)
 _TRAIL, _BODY, _BUMPED, _CONE = (86, 156, 214), (46, 160, 67), (207, 34, 46), (255, 170, 0, 60)
+_BEAMS, _RUG_ALPHA = ((207, 34, 46, 26), (46, 120, 200, 26)), 90
 
 
 def text(
@@ -30,8 +41,12 @@ def text(
     legend = legend_lines(pose, ranges)
     canvas = Canvas(max(1, width), max(1, height - len(legend)))
     scale = fit(scene, pose, canvas.width, canvas.height)
-    for box in scene.walls:
-        canvas.outline([scale.dot(corner) for corner in box_corners(box)])
+    for box in below(scene):
+        canvas.outline([scale.dot(corner) for corner in box_corners(box)], every=1 if box.solid else 4)
+    if scene.dock:
+        canvas.outline([scale.dot(corner) for corner in dock_corners(scene.dock)])
+        for face, *arc in dock_beams(scene.dock):
+            canvas.line(scale.dot(face), scale.dot(arc[-1]), every=5)
     for _, (origin, *rim) in cones(scene, pose, ranges) if ranges else ():
         canvas.line(scale.dot(origin), scale.dot(rim[len(rim) // 2]), every=4)
         for start, end in pairwise(rim):
@@ -50,7 +65,7 @@ def legend_lines(pose: WorldPose, ranges: Ranges | None = None) -> list[str]:
     """Return pose, wheel power and ranges in words; degrees clockwise, as at the console."""
     heading = round(-degrees(pose.yaw_rad)) % 360
     place = f"x {pose.x_m:+.2f} m  y {pose.y_m:+.2f} m  heading {heading}°  {pose.speed_mps:+.2f} m/s"
-    state = "  TOUCHING" if pose.touching else ""
+    state = _state_words(pose, "  ")
     wheels = f"left {power_bar(pose.left)} {pose.left:+.2f}  right {power_bar(pose.right)} {pose.right:+.2f}"
     lines = [f"{place}  {pose.battery_v:.1f} V{state}", wheels]
     if ranges:
@@ -84,16 +99,27 @@ def image(
     def dots(points: Iterable[Point]) -> list[Point]:
         return [scale.dot(point) for point in points]
 
+    for box in (box for box in below(scene) if not box.solid):
+        draw.polygon(dots(box_corners(box)), fill=(*_colour(box), _RUG_ALPHA))
+    if scene.dock:
+        for colour, beam in zip(_BEAMS, dock_beams(scene.dock), strict=True):
+            draw.polygon(dots(beam), fill=colour)
+        draw.polygon(dots(dock_corners(scene.dock)), fill=_INK)
     for _, cone in cones(scene, pose, ranges) if ranges else ():
         draw.polygon(dots(cone), fill=_CONE)
-    for box in scene.walls:
-        draw.polygon(dots(box_corners(box)), fill=_WALL)
+    for box in (box for box in below(scene) if box.solid):
+        draw.polygon(dots(box_corners(box)), fill=_colour(box))
     if len(trail) > 1:
         draw.line(dots(trail), fill=_TRAIL, width=3, joint="curve")
     draw.polygon(dots(robot_corners(scene, pose)), fill=_BUMPED if pose.touching else _BODY, outline=_INK)
     draw.polygon(dots(robot_arrow(scene, pose)), fill=_PAPER)
     _write_legend(draw, pose, ranges, (width, height), scale.dots_per_m)
     return picture
+
+
+def _colour(box: WorldBox) -> tuple[int, int, int]:
+    red, green, blue = (int(box.colour[at : at + 2], 16) for at in (1, 3, 5)) if box.colour else _WALL
+    return red, green, blue
 
 
 def _write_legend(
@@ -104,10 +130,9 @@ def _write_legend(
     font = ImageFont.load_default(size=13)
     width, height = size
     heading = round(-degrees(pose.yaw_rad)) % 360
-    rows = [
-        f"x {pose.x_m:+.2f} m   y {pose.y_m:+.2f} m   heading {heading} deg   {pose.speed_mps:+.2f} m/s   "
-        f"wheels {pose.left:+.2f} {pose.right:+.2f}   {pose.battery_v:.1f} V" + ("   TOUCHING" if pose.touching else "")
-    ]
+    place = f"x {pose.x_m:+.2f} m   y {pose.y_m:+.2f} m   heading {heading} deg   {pose.speed_mps:+.2f} m/s"
+    wheels = f"wheels {pose.left:+.2f} {pose.right:+.2f}   {pose.battery_v:.1f} V{_state_words(pose, '   ')}"
+    rows = [f"{place}   {wheels}"]
     if ranges:
         rows.append("ranges   " + "   ".join(_range_words(side, ranges) for side in _SIDES))
     for index, row in enumerate(rows):
@@ -115,6 +140,11 @@ def _write_legend(
     east = width - 12
     draw.line([(east - dots_per_m, height - 10), (east, height - 10)], fill=_INK, width=3)
     draw.text((east - dots_per_m, height - 28), "1 m", fill=_INK, font=font)
+
+
+def _state_words(pose: WorldPose, gap: str) -> str:
+    words = [word for word, so in (("TOUCHING", pose.touching), ("CHARGING", pose.charging)) if so]
+    return "".join(gap + word for word in words)
 
 
 def _range_words(side: str, ranges: Ranges) -> str:

@@ -25,7 +25,10 @@ _ERROR_CM = 0
 
 
 class UltrasonicBoard:
-    """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach)."""
+    """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach).
+
+    Each sensor takes its turn for as long as its echo takes, so that when they are told the first reading is the oldest.
+    """
 
     def __init__(
         self, board: Board, *, faults: UltrasonicFaults | None = None, seed: int = 0, powered_at: float = 0.0
@@ -40,9 +43,10 @@ class UltrasonicBoard:
     def power_cycle(self, now: float) -> None:
         """Start anew: sensors settle for half a second; the Arduino then waits for its `g`."""
         self._ranging = self.board == "parallax"
-        self._cycle_s = 0.0
+        self._cycle_s = self._told_s = 0.0
         self._next_at = now + _STARTUP_S
-        self._last: dict[Side, int] | None = None
+        self._last: dict[Side, int] = {}
+        self._turn = 0
         self._outbox.clear()
 
     def feed(self, data: bytes, now: float) -> bytes:
@@ -56,19 +60,25 @@ class UltrasonicBoard:
 
     def poll(self, now: float) -> bytes:
         """Return what has crossed the line to the host by now."""
-        if self._ranging and now >= self._next_at and not self._blocked():
-            self._report(self._measure(), now)
+        while self._ranging and now >= self._next_at and not self._blocked():
+            if self._turn == len(ORDER):
+                self._report(now)
+                break
+            self._take_turn(ORDER[self._turn])
         return self._outbox.due(now)
 
     def next_due(self) -> float | None:
-        """Return when this board next has something to say by itself."""
-        report = self._next_at if self._ranging and not self._blocked() else None
+        """Return the soonest time at which this board has something to say by itself; poll it meanwhile."""
+        left = len(ORDER) - self._turn
+        soonest = self._next_at + left * (_TRIGGER_S + MINIMUM_CM * _ECHO_S_PER_CM)
+        report = soonest if self._ranging and not self._blocked() else None
         return min((at for at in (self._outbox.next_due(), report) if at is not None), default=None)
 
     def _obey(self, byte: int, now: float) -> None:
         if byte == ord("g") and not self._ranging:
             self._ranging = True
-            self._next_at = max(self._next_at, now + len(ORDER) * _TRIGGER_S)
+            self._turn, self._cycle_s = 0, 0.0
+            self._next_at = max(self._next_at, now)
         elif byte == ord("s"):
             self._ranging = False
 
@@ -76,10 +86,14 @@ class UltrasonicBoard:
         """Say whether the board waits for an echo that never comes; only the Arduino's firmware gives up."""
         return self.board == "parallax" and bool(self.faults.missing)
 
-    def _measure(self) -> dict[Side, int]:
-        if not (self.faults.frozen and self._last):
-            self._last = {side: self._sense(side) for side in ORDER}
-        return self._last
+    def _take_turn(self, side: Side) -> None:
+        """Let one sensor measure what it faces now."""
+        if not (self.faults.frozen and side in self._last):
+            self._last[side] = self._sense(side)
+        turn_s = self._turn_s(side, self._last[side])
+        self._cycle_s += turn_s
+        self._next_at += turn_s
+        self._turn += 1
 
     def _sense(self, side: Side) -> int:
         faults = self.faults
@@ -94,17 +108,19 @@ class UltrasonicBoard:
         spread_cm = self._random.gauss(0.0, faults.noise_cm) if faults.noise_cm else 0.0
         return max(MINIMUM_CM, min(MAXIMUM_CM, round(faced * 100 + spread_cm)))
 
-    def _report(self, ranges_cm: Mapping[Side, int], now: float) -> None:
-        ticks = round(self._cycle_s * _TICKS_PER_S[self.board])
-        fields = ", ".join(f'"{side.capitalize()}": {ranges_cm[side]}' for side in ORDER)
+    def _report(self, now: float) -> None:
+        """Tell what was measured, with how long the cycle before took, and rest."""
+        ticks = round(self._told_s * _TICKS_PER_S[self.board])
+        fields = ", ".join(f'"{side.capitalize()}": {self._last[side]}' for side in ORDER)
         line = f'{{ "Ranges": {{ {fields}, "Bottom": {_BOTTOM[self.board]}, "Deltat": {ticks}}}}}\r\n'.encode("ascii")
         if self._hit(self.faults.garbage):
             self._send(noise(self._random), now)
         if self._hit(self.faults.half_lines):
             line = line[: self._random.randrange(1, len(line) - 2)]
         self._send(line, now)
-        self._cycle_s = _PAUSE_S + sum(self._turn_s(side, ranges_cm[side]) for side in ORDER)
-        self._next_at = max(self._next_at + self._cycle_s, now)
+        self._told_s, self._cycle_s = _PAUSE_S + self._cycle_s, 0.0
+        self._next_at = max(self._next_at + _PAUSE_S, now)
+        self._turn = 0
 
     def _turn_s(self, side: Side, range_cm: int) -> float:
         return _TRIGGER_S + (_NO_ECHO_S if side in self.faults.missing else range_cm * _ECHO_S_PER_CM)
