@@ -1,14 +1,24 @@
 """Dance: plays a song and moves the base to its beats, as anybody else would: by commands with a lease."""
 
-from msgspec import Struct
+from typing import Annotated
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.dance import DanceCommand, DanceState
 from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SpeechState
+from lbr.messages.units import Name
 
 
 class DanceSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `dance` may set."""
+    """What a row of kind `dance` may set: the choreography that is danced unless a command names another."""
+
+    dance: Name = "to_and_fro"
+    max_s: Annotated[float, Meta(gt=0.0, le=3600.0, description="the longest dance")] = 300.0
+    delay_s: Annotated[
+        float, Meta(ge=-2.0, le=2.0, description="from a song's beginning to its being heard; the moves wait as long")
+    ] = 0.0
 
 
 KIND = Kind(
@@ -17,9 +27,17 @@ KIND = Kind(
     family="app",
     entry="lbr.apps.dance.capability:Dance",
     settings=DanceSettings,
+    inputs={"speech": SpeechState},
     outputs={"state": DanceState},
     commands={"play": DanceCommand, "stop": StopCommand},
-    replies={"play": CommandReply, "stop": CommandReply, "motion": CommandReply, "halt": CommandReply},
-    requests={"motion": DriveCommand, "halt": StopCommand},
+    replies={
+        "play": CommandReply,
+        "stop": CommandReply,
+        "motion": CommandReply,
+        "halt": CommandReply,
+        "sound": PlayReply,
+        "hush": CommandReply,
+    },
+    requests={"motion": DriveCommand, "halt": StopCommand, "sound": PlayCommand, "hush": HushCommand},
     rows=("choreography",),
 )

@@ -2,6 +2,7 @@
 
 import shutil
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -242,13 +243,20 @@ class Speech(Capability[SpeechSettings]):
                 time.sleep(0.01)
 
     def _tell(self) -> None:
-        reason = "; ".join(why for why in (self._opened().trouble, self._writer.trouble) if why)
+        reason = "; ".join(self._what_is_missing())
         self.ctx.warn(reason) if reason else self.ctx.ready()
         state = self._state(reason)
         now = self.ctx.clock()
         if state != self._told or now >= self._tell_at:
             self._told, self._tell_at = state, now + STATE_EVERY_S
             self.ctx.publish("state", state)
+
+    def _what_is_missing(self) -> Iterator[str]:
+        speaker, writer = self._opened(), self._writer
+        if not speaker.proven:
+            yield speaker.trouble or "the speaker is being tried"
+        if writer.trouble or not writer.started:
+            yield writer.trouble or "the speech engine is starting"
 
     def _state(self, reason: str) -> SpeechState:
         saying, device = self._saying, self.ctx.device

@@ -1,7 +1,7 @@
 """The speech engine's own process: `python -m lbr.apps.speech.engine`, texts as JSON lines in, WAV files out.
 
-It first says whether there is an engine at all. Then each request is answered by one line. What pyttsx3 prints goes to
-standard error, and it only ever writes files: its own playback reports success without a sound card.
+It first says whether there is an engine at all. Then each request is answered by one line. What pyttsx3 prints goes
+nowhere, and it only ever writes files: its own playback reports success without a sound card.
 """
 
 import os
@@ -96,7 +96,7 @@ def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
 def main() -> None:
     """Serve whoever started this process."""
     out = os.dup(1)
-    os.dup2(2, 1)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
     def answer(message: Any) -> None:
         os.write(out, msgspec.json.encode(message) + b"\n")

@@ -37,6 +37,11 @@ class Worker:
         self._retry_s = RETRY_FIRST_S
 
     @property
+    def started(self) -> bool:
+        """Whether the engine works, on a text or not."""
+        return self._greeted
+
+    @property
     def idle(self) -> bool:
         """Whether it takes a text now."""
         return self._greeted and not self._asked

@@ -29,6 +29,11 @@ class Writer:
         return self._worker.trouble
 
     @property
+    def started(self) -> bool:
+        """Whether there is an engine."""
+        return self._worker.started
+
+    @property
     def ready(self) -> bool:
         """Whether there is an engine that waits for a text."""
         return self._worker.idle

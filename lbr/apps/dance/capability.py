@@ -1,0 +1,155 @@
+"""Dance as a capability: takes the base, has the song played, moves at each beat, and ends with whatever ends either."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from lbr.apps.dance import DanceSettings, metronome, songs
+from lbr.apps.dance.choreography import Choreography, beat_at, choose
+from lbr.apps.dance.mover import Mover
+from lbr.apps.dance.music import Music
+from lbr.apps.dance.songs import Song
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.errors import InputError
+from lbr.messages.dance import DanceCommand, DanceState
+from lbr.messages.drive import CommandReply, StopCommand
+
+STATE_EVERY_S = 1.0
+RESTING = DanceState(phase="resting")
+
+
+@dataclass(slots=True)
+class _Dance:
+    """The dance under way; `call` waits for the answer until it has begun."""
+
+    song: Song
+    choreography: Choreography
+    mover: Mover
+    call: Call | None
+    music: Music | None = None
+    beat: int = 0
+
+
+class Dance(Capability[DanceSettings]):
+    """Holds the base from before the song begins, so that a stop at any time is the end of the dance."""
+
+    rate_hz = 50.0
+
+    def __init__(self, ctx: Context[DanceSettings]) -> None:
+        super().__init__(ctx)
+        self._music = Path(ctx.home) / "music"
+        self._dance: _Dance | None = None
+        self._last = self._told = RESTING
+        self._tell_at = 0.0
+
+    def open(self) -> None:
+        """Nothing is needed before somebody wants to dance."""
+        self._tell_at = 0.0
+
+    def step(self) -> None:
+        """Go on dancing."""
+        if self._dance is not None:
+            self._go_on(self._dance)
+        self._tell()
+
+    def command(self, call: Call) -> None:
+        """Answer `play` and `stop`."""
+        if isinstance(call.message, DanceCommand):
+            try:
+                self._begin(call, call.message)
+            except InputError as err:
+                call.refuse(str(err))
+        elif isinstance(call.message, StopCommand):
+            said = f"stopped by {call.source}" + (f": {call.message.reason}" if call.message.reason else "")
+            self._end(said)
+            call.reply(CommandReply(accepted=True, reason="stopped"))
+        else:
+            super().command(call)
+        self._tell()
+
+    def close(self) -> None:
+        """Stop moving, then the song."""
+        self._end("dance is shutting down")
+
+    def _begin(self, call: Call, command: DanceCommand) -> None:
+        if self._dance is not None:
+            raise InputError(f"'{self._dance.song.name}' is being danced to; stop it first")
+        choreography = choose(self.ctx.dance_steps, command.dance or self.ctx.settings.dance)
+        try:
+            metronome.ensure(self._music)
+        except OSError as err:
+            raise InputError(f"{self._music} takes no songs ({err.strerror or err}); check the disk") from err
+        song = songs.load(self._music, command.song)
+        self._dance = _Dance(song, choreography, Mover(self.ctx, choreography.at(0)), call)
+
+    def _go_on(self, dance: _Dance) -> None:
+        dance.mover.step()
+        if dance.mover.ended:
+            self._end(dance.mover.ended)
+        elif dance.mover.holds:
+            self._follow(dance)
+
+    def _follow(self, dance: _Dance) -> None:
+        """Move to the music, once there is any."""
+        if dance.music is None:
+            dance.music = Music(self.ctx, dance.song.name, dance.song.duration_s)
+        dance.music.step()
+        if dance.music.began is None:
+            return
+        if dance.call is not None:
+            self._answer(dance, dance.call)
+        since_s = self.ctx.clock() - dance.music.began - self.ctx.settings.delay_s
+        beats, beat = dance.song.beats, beat_at(dance.song.beats, since_s)
+        if beat >= len(beats) - 1:
+            self._end("")
+        elif why := dance.music.cut():
+            self._end(why)
+        elif not since_s < self.ctx.settings.max_s:
+            self._end(f"{self.ctx.settings.max_s:g} s are the longest dance; the setting `max_s` says so")
+        elif beat >= 0:
+            dance.mover.move(dance.choreography.at(beat))
+            dance.mover.step()
+            dance.beat = beat + 1
+
+    def _answer(self, dance: _Dance, call: Call) -> None:
+        dance.call = None
+        silent = dance.music.silent if dance.music else ""
+        without = f", without sound: {silent}" if silent else ""
+        text = f"dances {dance.choreography.name} to {dance.song.name}{without}"
+        self.ctx.event("dance_began", text, level="warning" if silent else "info")
+        call.reply(CommandReply(accepted=True, reason=text))
+
+    def _end(self, why: str) -> None:
+        """End the dance; no reason is that it was danced to its end."""
+        dance, self._dance = self._dance, None
+        if dance is None:
+            return
+        dance.mover.release()
+        if dance.music is not None and why:
+            dance.music.stop()
+        if dance.call is not None:
+            dance.call.refuse(why)
+        else:
+            text = f"the dance to {dance.song.name} ended at beat {dance.beat}: {why}" if why else "danced to the end"
+            self.ctx.event("dance_ended", text, level="warning" if why else "info")
+        self._last = self._state(dance, "ended", why or "danced to the end")
+        self._tell()
+
+    def _state(self, dance: _Dance, phase: str, reason: str = "") -> DanceState:
+        return DanceState(
+            phase="ended" if phase == "ended" else "dancing",
+            song=dance.song.name,
+            dance=dance.choreography.name,
+            beat=dance.beat,
+            beats=len(dance.song.beats),
+            moves=dance.mover.changes,
+            reason=reason,
+        )
+
+    def _tell(self) -> None:
+        silent = self._dance.music.silent if self._dance and self._dance.music else ""
+        state = self._state(self._dance, "dancing", silent) if self._dance else self._last
+        now = self.ctx.clock()
+        if state != self._told or now >= self._tell_at:
+            self._told, self._tell_at = state, now + STATE_EVERY_S
+            self.ctx.publish("state", state)

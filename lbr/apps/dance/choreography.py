@@ -1,0 +1,47 @@
+"""Which move belongs to which beat. Pure."""
+
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
+from itertools import chain, repeat
+
+from msgspec import Struct
+
+from lbr.apps.sound.names import near
+from lbr.errors import InputError
+from lbr.messages.dance import DanceStep
+
+
+class Move(Struct, frozen=True):
+    """How to drive from one beat to the next."""
+
+    power: float = 0.0
+    angle_deg: float = 0.0
+
+
+REST = Move()
+
+
+class Choreography(Struct, frozen=True):
+    """A dance as rows: a move for each beat; after the last comes the first."""
+
+    name: str
+    moves: tuple[Move, ...]
+
+    def at(self, beat: int) -> Move:
+        """Return the move that begins with a beat, counted from 0."""
+        return self.moves[beat % len(self.moves)]
+
+
+def choose(steps: Iterable[DanceStep], name: str) -> Choreography:
+    """Return the choreography of this name; raise InputError naming which it may have been."""
+    rows = sorted(steps, key=lambda step: step.step)
+    own = [repeat(Move(step.power, step.angle_deg), step.beats) for step in rows if step.dance == name]
+    if not own:
+        known = {step.dance for step in rows}
+        raise InputError(f"there are no rows of a dance '{name[:40]}' in choreography; {near(name, known)}")
+    return Choreography(name, tuple(chain.from_iterable(own)))
+
+
+def beat_at(beats: Sequence[float], seconds: float) -> int:
+    """Return which beat was last, counted from 0; -1 before the first."""
+    return bisect_right(beats, seconds) - 1

@@ -1,0 +1,75 @@
+"""The song of a dance, played by speech: when it began, and whether it goes on. Without sound, beats are counted from now."""
+
+from typing import Any, Protocol
+
+from lbr.capability.context import Asked, Received
+from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SpeechState
+
+ANSWER_S = 1.0
+PLAUSIBLE_S = 3.0
+NEAR_THE_END_S = 0.5
+
+
+class Asking(Protocol):
+    """What is needed of a context."""
+
+    def ask(self, request: str, message: Any, timeout_s: float) -> Asked:
+        """Ask by a request port."""
+
+    def clock(self) -> float:
+        """Monotonic seconds."""
+
+    def latest(self, port: str) -> Received | None:
+        """Return the newest message of an input."""
+
+    def sources(self, port: str) -> tuple[str, ...]:
+        """Return the capabilities wired to an input."""
+
+    def alive(self, capability: str) -> bool:
+        """Say whether a capability's process is on the bus."""
+
+
+class Music:
+    """One song. `began` is None until it is known; `silent` says why nothing is heard, or nothing."""
+
+    def __init__(self, ctx: Asking, song: str, duration_s: float) -> None:
+        self.began: float | None = None
+        self.silent = ""
+        self._ctx = ctx
+        self._song = song
+        self._duration_s = duration_s
+        self._asked = ctx.ask("sound", PlayCommand(song=song), ANSWER_S)
+
+    def step(self) -> None:
+        """Find out when it began."""
+        answers = self._asked.answers() if self.began is None else None
+        if answers is None:
+            return
+        now = self._ctx.clock()
+        reply = next((each for each in answers.values() if isinstance(each, PlayReply)), None)
+        self.began = now
+        if reply is None:
+            self.silent = "speech does not answer" if answers else "no channel leads from 'sound' to speech"
+        elif not reply.accepted:
+            self.silent = reply.reason or "speech refused it"
+        elif reply.began_s is not None and now - PLAUSIBLE_S <= reply.began_s <= now:
+            self.began = reply.began_s
+
+    def cut(self) -> str:
+        """Return why the song is not being played any more although it is not over, or nothing."""
+        if self.began is None or self.silent:
+            return ""
+        if not self._ctx.clock() < self.began + self._duration_s - NEAR_THE_END_S:
+            return ""
+        sources = self._ctx.sources("speech")
+        if sources and not any(self._ctx.alive(source) for source in sources):
+            return "speech is gone, and the song with it"
+        told = self._ctx.latest("speech")
+        if told is None or told.arrived < self.began or not isinstance(told.message, SpeechState):
+            return ""
+        return "" if told.message.playing == self._song else "the song was ended"
+
+    def stop(self) -> None:
+        """End it, if it is being played or may be soon."""
+        if not self.silent:
+            self._ctx.ask("hush", HushCommand(song=self._song), ANSWER_S)
