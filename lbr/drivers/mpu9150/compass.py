@@ -43,17 +43,19 @@ class Compass:
         """Return a new reading if there is one, and ask for the next when it is time."""
         found = None
         if self._asked is not None and now - self._asked >= registers.CONVERSION_S:
-            found = self._collect(now - self._asked)
+            found = self._collect(now, now - self._asked)
         if self._asked is None and now >= self._next:
             self._mode(registers.SINGLE)
             self._asked, self._next = now, now + self._period_s - EARLY_S
         return found
 
-    def _collect(self, waited_s: float) -> MagneticField | None:
+    def _collect(self, now: float, waited_s: float) -> MagneticField | None:
         address, length = registers.COMPASS_ADDRESS, registers.COMPASS_READING_BYTES
         data = bytes(self._bus.read_i2c_block_data(address, registers.COMPASS_READING, length))
         found = registers.decode_field(data, self._unit)
         if found is None and waited_s > OVERDUE_S:
+            self._mode(registers.OFF)
+            self._next = now + MODE_CHANGE_S
             found = MagneticField(None, "the compass does not finish measuring")
         if found is not None:
             self._asked = None

@@ -1,6 +1,8 @@
 """Roboteq RIOX-1216AHRS on a serial line: its kind and its settings."""
 
-from msgspec import Struct
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.imu import ImuSample
@@ -8,9 +10,31 @@ from lbr.messages.units import Name
 
 
 class RioxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `riox` may set."""
+    """What a row of kind `riox` may set.
+
+    The scales are those that robots with this unit have used; no manual at hand confirms them, so compare them with a
+    turn, a tilt and a field that you know. `echo`: the unit repeats each query, and only what follows its own counts.
+    """
 
     device: Name
+    rate_hz: Annotated[float, Meta(ge=5.0, le=100.0, description="most samples per second")] = 50.0
+    orientation: Annotated[bool, Meta(description="also ask for the unit's own orientation")] = True
+    echo: bool = False
+    answer_s: Annotated[float, Meta(ge=0.02, le=1.0, description="a later answer is lost")] = 0.1
+    timeout_s: Annotated[float, Meta(ge=0.1, le=5.0, description="silence that counts as a fault")] = 0.5
+    gyro_lsb_per_dps: Annotated[float, Meta(gt=0.0, le=10000.0, description="unverified; 1000 deg/s full scale")] = (
+        32.75
+    )
+    accel_lsb_per_g: Annotated[float, Meta(gt=0.0, le=100000.0, description="unverified; 2 g full scale")] = 16384.0
+    mag_ut_per_lsb: Annotated[float, Meta(gt=0.0, le=100.0, description="unverified; microtesla")] = 0.3
+    temperature_lsb_per_c: Annotated[float, Meta(gt=0.0, le=10000.0, description="unverified")] = 340.0
+    temperature_offset_c: Annotated[
+        float, Meta(ge=-100.0, le=100.0, description="unverified; the temperature at which the sensor reads zero")
+    ] = 35.0
+    quaternion_divisor: Annotated[
+        float, Meta(gt=0.0, le=1e6, description="unverified; what one is in the orientation's numbers")
+    ] = 16384.0
+    baud: Literal[9600, 57600, 115200] = 115200
 
 
 KIND = Kind(

@@ -1,0 +1,46 @@
+"""The RIOX as a capability: every answer becomes a sample, and so does every answer that did not come."""
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Context
+from lbr.drivers.inertial import Notices
+from lbr.drivers.riox import RioxSettings
+from lbr.drivers.riox.controller import AhrsUnit
+from lbr.drivers.serial_line import open_line
+from lbr.errors import DeviceError
+from lbr.messages.imu import ImuSample
+
+
+class Riox(Capability[RioxSettings]):
+    """Publishes what the inertial unit measures."""
+
+    def __init__(self, ctx: Context[RioxSettings]) -> None:
+        super().__init__(ctx)
+        asked_for = 2 if ctx.settings.orientation else 1
+        self.rate_hz = asked_for * ctx.settings.rate_hz
+        self._notices = Notices(ctx)
+        self._unit: AhrsUnit | None = None
+
+    def open(self) -> None:
+        """Open the line."""
+        settings = self.ctx.settings
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        line = open_line(self.ctx.device, settings.baud)
+        self._unit = AhrsUnit(line, settings, self._notices.tell, self.ctx.clock)
+        self._unit.open()
+
+    def step(self) -> None:
+        """Publish what was answered, ask the next."""
+        assert self._unit is not None
+        for sample in self._unit.poll():
+            self.ctx.publish("sample", sample)
+
+    def degraded(self, reason: str) -> None:
+        """Tell that nothing is measured."""
+        self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
+
+    def close(self) -> None:
+        """Let go of the line."""
+        unit, self._unit = self._unit, None
+        if unit is not None:
+            unit.close()

@@ -1,0 +1,196 @@
+"""The RIOX as a device: asked one thing at a time, without ever waiting for an answer."""
+
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from lbr.drivers.inertial import LifeSigns
+from lbr.drivers.riox import RioxSettings
+from lbr.drivers.riox.protocol import (
+    MOTION,
+    ORIENTATION,
+    Answer,
+    BadLine,
+    Echo,
+    Refused,
+    Reply,
+    ReplyParser,
+    encode_query,
+    to_orientation,
+    to_sample,
+)
+from lbr.errors import DeviceError
+from lbr.messages.imu import ImuSample
+from lbr.messages.units import Quaternion
+
+HELD_UP_S = 0.25
+QUIET_S = 0.05
+MOST_ALIKE = 25
+MOST_REFUSALS = 3
+
+Tell = Callable[[str, str], None]
+
+
+class Line(Protocol):
+    """The bytes to and from the unit."""
+
+    def read(self, wait_s: float = 0.0) -> bytes:
+        """Return what has come in, waiting `wait_s` at most."""
+
+    def write(self, data: bytes) -> int:
+        """Hand over what the line takes at once and return how much."""
+
+    def drop_output(self) -> None:
+        """Throw away what has not left yet."""
+
+    def drop_input(self) -> None:
+        """Throw away what was not read yet."""
+
+    def close(self) -> None:
+        """Let go."""
+
+
+class AhrsUnit:
+    """One unit on an open line. An answer that is lost is an invalid sample, silence is a DeviceError.
+
+    A sample is one answer to `ML`, taken when it was asked for, with the orientation asked for just before.
+    `tell(kind, text)` takes what people should know of; it may come often.
+    """
+
+    def __init__(
+        self, line: Line, settings: RioxSettings, tell: Tell, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.bad_lines = 0
+        self._line = line
+        self._settings = settings
+        self._tell = tell
+        self._clock = clock
+        self._parser = ReplyParser()
+        self._signs = LifeSigns(MOST_ALIKE)
+        self._asked = ""
+        self._echoed = False
+        self._asked_at = self._next = self._quiet_until = 0.0
+        self._polled = self._heard = 0.0
+        self._oriented = settings.orientation
+        self._refusals = 0
+        self._orientation: Quaternion | None = None
+
+    def open(self) -> None:
+        """Begin with a line on which nothing is under way; an answer of before may still be on it."""
+        now = self._clock()
+        self._polled = self._heard = now
+        self._forget(now)
+
+    def poll(self) -> list[ImuSample]:
+        """Take in what was answered, ask the next; raise DeviceError once nothing usable came for too long."""
+        now = self._clock()
+        if now - self._polled > HELD_UP_S:
+            self._heard = now  # it was this process that was silent
+        self._polled = now
+        data = self._line.read()
+        samples: list[ImuSample] = []
+        if now < self._quiet_until:
+            return samples
+        for reply in self._parser.feed(data):
+            sample = self._take(reply)
+            if sample is not None:
+                samples.append(sample)
+        if any(sample.valid for sample in samples):
+            self._heard = now
+        elif not now - self._heard < self._settings.timeout_s:
+            raise DeviceError(self._silence(now))
+        if self._asked and not now - self._asked_at < self._settings.answer_s:
+            samples.append(self._lose(now))
+        if not self._asked and now >= self._quiet_until and now >= self._next:
+            self._begin(now)
+        return samples
+
+    def close(self) -> None:
+        """Let go of the line."""
+        self._line.close()
+
+    def _begin(self, now: float) -> None:
+        """Start with the next sample; one that comes too late does not hurry those after it."""
+        period = 1.0 / self._settings.rate_hz
+        self._next = max(self._next + period, now + period / 2.0)
+        self._orientation = None
+        self._ask(ORIENTATION if self._oriented else MOTION)
+
+    def _ask(self, name: str) -> None:
+        self._asked, self._asked_at, self._echoed = name, self._clock(), False
+        self._line.write(encode_query(name))  # what did not fit is not answered
+
+    def _take(self, reply: Reply) -> ImuSample | None:
+        match reply:
+            case BadLine():
+                self.bad_lines += 1
+                said = f"{self.bad_lines} lines from the inertial unit were no answers"
+                self._tell("bad_lines", f"{said}; the last began with '{reply.text}'")
+            case Echo(name):
+                self._echoed = self._echoed or name == self._asked
+            case Answer(name) if name == self._asked and self._counts:
+                return self._answered(reply)
+            case Refused() if self._asked and self._counts:
+                return self._refused()
+            case _:
+                pass  # of a query that was given up
+        return None
+
+    @property
+    def _counts(self) -> bool:
+        return self._echoed or not self._settings.echo
+
+    def _answered(self, answer: Answer) -> ImuSample | None:
+        asked_at, self._asked = self._asked_at, ""
+        if answer.name == ORIENTATION:
+            self._refusals = 0
+            self._orient(answer)
+            self._ask(MOTION)
+            return None
+        missing = self._signs.missing(answer.counts[:7])
+        if missing:
+            return self._invalid(asked_at, missing)
+        sample = to_sample(answer, self._orientation, asked_at, self._settings)
+        if sample.accel_mps2 is None or sample.gyro_rps is None:
+            self._tell("out_of_range", "what the inertial unit measures is beyond its range")
+        return sample
+
+    def _orient(self, answer: Answer) -> None:
+        self._orientation = to_orientation(answer, self._settings.quaternion_divisor)
+        if self._orientation is None:
+            numbers = ":".join(map(str, answer.counts))
+            self._tell("orientation", f"{numbers} is no orientation; is the setting quaternion_divisor right?")
+
+    def _refused(self) -> ImuSample | None:
+        asked, self._asked = self._asked, ""
+        if asked == MOTION:
+            return self._invalid(self._asked_at, f"the unit refuses ?{asked}; is it a RIOX-1216AHRS?")
+        self._refusals += 1
+        if self._refusals >= MOST_REFUSALS:
+            self._oriented = False
+            self._tell("orientation", f"the unit refuses ?{asked} and is not asked for it any more")
+        self._ask(MOTION)
+        return None
+
+    def _lose(self, now: float) -> ImuSample:
+        """Nothing tells a late answer from the next one, so let the line fall quiet first."""
+        lost, at = self._asked, self._asked_at
+        self._forget(now)
+        return self._invalid(at, f"no answer to ?{lost} within {self._settings.answer_s:g} s")
+
+    def _forget(self, now: float) -> None:
+        self._asked = ""
+        self._quiet_until = now + QUIET_S
+        self._line.drop_output()
+        self._line.drop_input()
+        self._parser.reset()
+
+    def _invalid(self, at: float, reason: str) -> ImuSample:
+        said = f"device '{self._settings.device}': {reason}"
+        self._tell("unusable", said)
+        return ImuSample(valid=False, time_s=at, reason=said)
+
+    def _silence(self, now: float) -> str:
+        said = f"device '{self._settings.device}': nothing usable for {now - self._heard:.1f} s"
+        heard = f", but {self.bad_lines} lines that are no answers" if self.bad_lines else ""
+        return f"{said}{heard}; check its cable, power and the setting `baud`"
