@@ -81,7 +81,8 @@ class Process:
         """Run until asked to stop; raise whatever the capability raises."""
         kind = registry.find(self._config.kind, Path(self._config.home))
         make = kind.load()
-        ctx = ProcessContext(self._config, kind, self._reporter, self._wake.set)
+        streams = self._wake.set if getattr(make, "woken_by_streams", True) else None
+        ctx = ProcessContext(self._config, kind, self._reporter, self._wake.set, streams)
         self._capability = capability = make(ctx)
         if kind.moves:
             gc.disable()  # collected at moments of our choice, so that no round takes longer than the others

@@ -91,9 +91,19 @@ class Port:
 
 
 class ProcessContext:
-    """What `Capability.ctx` is in a process of its own."""
+    """What `Capability.ctx` is in a process of its own.
 
-    def __init__(self, config: ProcessConfig, kind: Kind, reporter: Reporter, wake: Callable[[], None]) -> None:
+    `wake` is called from any thread for whatever arrives; for streams `wake_for_streams` is, or nothing if it is None.
+    """
+
+    def __init__(
+        self,
+        config: ProcessConfig,
+        kind: Kind,
+        reporter: Reporter,
+        wake: Callable[[], None],
+        wake_for_streams: Callable[[], None] | None,
+    ) -> None:
         self.robot = config.robot
         self.name = config.name
         self.settings = kind.parse(config.settings)
@@ -129,7 +139,7 @@ class ProcessContext:
         }
         ports = {**kind.inputs, **kind.setpoints}
         self._ports = {
-            name: Port(self._bus, config.wiring.get(name, ()), message, wake, self._refused)
+            name: Port(self._bus, config.wiring.get(name, ()), message, wake_for_streams or _sleep_on, self._refused)
             for name, message in ports.items()
         }
         self._commands = {
@@ -258,6 +268,10 @@ class ProcessContext:
                 self._complained.clear()
             self._complained[about] = now + 1 / COMPLAINTS_PER_S
             self.event("refused", text, level="warning")
+
+
+def _sleep_on() -> None:
+    """Wake nobody."""
 
 
 def _read(name: str, payload: bytes, decoder: Decoder[Any]) -> Any:

@@ -81,6 +81,6 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ] = 25.0
     calibration_limit_s: Annotated[float, Meta(gt=1.0, le=3600.0, description="longest calibration")] = 120.0
     min_coverage: Annotated[float, Meta(gt=0.0, le=1.0, description="part of a full turn that must be seen")] = 0.75
-    max_residual: Annotated[
-        float, Meta(gt=0.0, le=1.0, description="what a fit may leave, as a part of the field")
-    ] = 0.06
+    max_residual: Annotated[float, Meta(gt=0.0, le=1.0, description="what a fit may leave, as a part of the field")] = (
+        0.06
+    )
