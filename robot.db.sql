@@ -291,6 +291,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The ring of ultrasonic sensors: distances ahead, behind, left and right'),
     ('lbr', 'drive', 'drive', '{}', '["motors", "ranges"]',
      'The base: who drives, how fast and how near to obstacles'),
+    ('lbr', 'battery', 'battery', '{}', '["motors"]',
+     'The battery: its charge, whether it is being charged, and warnings when it is low'),
     ('lbr', 'world', 'world', '{}', '[]',
      'The simulated surroundings; runs only under a simulating launch profile');
 
@@ -304,6 +306,10 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
     ('lbr', 'motors.state', 'drive.motors', 1),
     ('lbr', 'ranges.readings', 'drive.ranges', 1);
+
+-- What needs no more than a few messages a second gets no more.
+INSERT INTO channel (robot, source, target, rate_hz) VALUES
+    ('lbr', 'motors.state', 'battery.motors', 5);
 
 INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
     ('lbr', 'r', '/r/{power}/{angle_deg}', 'drive.command', NULL, 'operate',
@@ -376,7 +382,10 @@ INSERT INTO phrase (name, language, text) VALUES
     ('main_battery', 'en', 'The main battery is at'),
     ('internal_voltage', 'en', 'The controller''s own supply is at'),
     ('motor_1_current', 'en', 'The left motor draws'),
-    ('motor_2_current', 'en', 'The right motor draws');
+    ('motor_2_current', 'en', 'The right motor draws'),
+    ('battery_low', 'en', 'My battery is low. I need my dock.'),
+    ('battery_critical', 'en', 'My battery is almost empty.'),
+    ('charging', 'en', 'I am being charged.');
 
 
 -- ---------------------------------------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ def test_rows_come_as_they_stand(database, client):
     client.execute("UPDATE channel SET rate_hz = 12.5, history = 4 WHERE source = 'motors.state'")
     client.execute("UPDATE device SET settings = '{\"faults\": {\"drop\": 0.1}}' WHERE name = 'motor_controller'")
     rows = database.load("lbr")
-    channel = next(row for row in rows.channels if row.source == "motors.state")
+    channel = next(row for row in rows.channels if row.target == "drive.motors")
     device = next(row for row in rows.devices if row.name == "motor_controller")
     alias = next(row for row in rows.verbs if row.pattern == "b")
     assert (channel.rate_hz, channel.history, channel.target_end) == (12.5, 4, ("drive", "motors"))
