@@ -1,0 +1,114 @@
+"""One camera on at a time: the others are switched off first, and whoever asked is told what did not work."""
+
+from collections import deque
+from dataclasses import dataclass
+
+from lbr.apps.cameras import CamerasSettings
+from lbr.capability.base import Capability
+from lbr.capability.context import Asked, Call, Context
+from lbr.messages.camera import CamerasState, CameraState, SelectCommand, SwitchCommand
+from lbr.messages.drive import CommandReply
+
+PREFIX = "camera_"
+OFF = "off"
+ANSWER_S = 0.9
+STATE_PERIOD_S = 1.0
+MOST_WAITING = 8
+
+
+@dataclass(slots=True)
+class _Selecting:
+    """A selection under way: first the others go off, then the one comes on."""
+
+    call: Call
+    wanted: str
+    others: list[str]
+    asked: Asked
+    failures: list[str]
+
+
+class Cameras(Capability[CamerasSettings]):
+    """Selects among the cameras that are wired to its request `switch`, by their names without `camera_`."""
+
+    rate_hz = 10.0
+
+    def __init__(self, ctx: Context[CamerasSettings]) -> None:
+        super().__init__(ctx)
+        self._names = {capability.removeprefix(PREFIX): capability for capability in ctx.targets("switch")}
+        self._states: dict[str, CameraState] = {}
+        self._waiting: deque[Call] = deque()
+        self._selecting: _Selecting | None = None
+        self._said: CamerasState | None = None
+        self._say_at = 0.0
+
+    def step(self) -> None:
+        """Go on with a selection, and tell which camera is on."""
+        for received in self.ctx.take("states"):
+            self._states[received.source] = received.message
+        self._go_on()
+        self._tell()
+
+    def command(self, call: Call) -> None:
+        """Take a selection; it is answered when the cameras have answered."""
+        message = call.message
+        if not isinstance(message, SelectCommand):
+            call.refuse(f"{call.name} is not understood here")
+        elif message.name not in {*self._names, OFF}:
+            call.refuse(f"there is no camera '{message.name}'; there are {', '.join([*self._names, OFF])}")
+        elif len(self._waiting) >= MOST_WAITING:
+            call.refuse("the cameras are still being switched")
+        else:
+            self._waiting.append(call)
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Take up what waits, and ask the next question once the last is answered."""
+        while True:
+            now = self._selecting
+            if now is None:
+                if not self._waiting:
+                    return
+                self._selecting = self._begun(self._waiting.popleft())
+                continue
+            answers = now.asked.answers()
+            if answers is None:
+                return
+            now.failures += [_failure(name, reply) for name, reply in answers.items() if not _done(reply)]
+            if now.wanted and now.others:
+                now.others = []
+                now.asked = self._ask([now.wanted], on=True)
+                continue
+            self._selecting = None
+            now.call.reply(_reply(now.failures))
+
+    def _begun(self, call: Call) -> _Selecting:
+        wanted = self._names.get(call.message.name, "")
+        others = [capability for capability in self._names.values() if capability != wanted]
+        asked = self._ask(others, on=False) if others else self._ask([wanted], on=True)
+        return _Selecting(call, wanted, others, asked, [])
+
+    def _ask(self, names: list[str], *, on: bool) -> Asked:
+        return self.ctx.ask("switch", SwitchCommand(on=on), ANSWER_S, only=names)
+
+    def _tell(self) -> None:
+        known = {short: self._states[name] for short, name in self._names.items() if name in self._states}
+        seen = {short: state for short, state in known.items() if self.ctx.alive(self._names[short])}
+        on = [short for short, state in seen.items() if state.on]
+        state = CamerasState(selected=", ".join(on) or OFF, cameras=seen)
+        now = self.ctx.clock()
+        if now >= self._say_at or self._said is None or state.selected != self._said.selected:
+            self._said, self._say_at = state, now + STATE_PERIOD_S
+            self.ctx.publish("state", state)
+
+
+def _done(reply: CommandReply | None) -> bool:
+    return reply is not None and reply.accepted
+
+
+def _failure(name: str, reply: CommandReply | None) -> str:
+    short = name.removeprefix(PREFIX)
+    return f"{short}: {reply.reason if reply is not None else 'no answer'}"
+
+
+def _reply(failures: list[str]) -> CommandReply:
+    return CommandReply(accepted=not failures, reason="; ".join(failures))
