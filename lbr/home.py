@@ -4,6 +4,7 @@ import fcntl
 import os
 import tempfile
 import time
+from collections.abc import Callable, Iterable
 from hashlib import blake2b
 from pathlib import Path
 
@@ -58,6 +59,31 @@ def socket_path(robot: str, part: str = "") -> Path:
     if _made(short).stat().st_uid != os.getuid():
         raise InputError(f"{short} belongs to somebody else; set TMPDIR or LBR_HOME to a place of your own")
     return short / f"{robot}{part}.sock"
+
+
+def credentials(make: Callable[[], Iterable[bytes]], *names: str) -> tuple[Path, ...]:
+    """Return files below `credentials/`; if one is missing all are made, by one process at a time, for the owner alone."""
+    folder = directory("credentials")
+    paths = tuple(folder / name for name in names)
+    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX)
+        if not all(path.exists() for path in paths):
+            for path, content in zip(paths, make(), strict=True):
+                write_private(path, content)
+    finally:
+        os.close(fd)
+    return paths
+
+
+def write_private(path: Path, content: bytes) -> None:
+    """Write a file as a whole or not at all, readable by the owner alone, and on the disk when this returns."""
+    new = path.with_name(f"{path.name}.new")
+    with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    new.replace(path)
 
 
 def running() -> list[Running]:

@@ -37,7 +37,7 @@ TOP = {"cli", "commands"}
 OWNERS = {
     "zenoh": {"bus"},
     "argon2": {"bus"},
-    "cryptography": {"executive"},
+    "cryptography": {"bus"},
     "sqlalchemy": {"database"},
     "alembic": {"database"},
     "sqlite3": {"database"},
