@@ -279,7 +279,8 @@ VALUES ('lbr', 'lbr6', 'Two driven wheels on a Roboteq SDC21xx, ultrasonic range
 -- puts emulated devices in their place.
 INSERT INTO device (robot, name, type, address, settings) VALUES
     ('lbr', 'motor_controller', 'roboteq', '/dev/serial/by-id/usb-Roboteq_Motor_Controller-if00', '{}'),
-    ('lbr', 'range_board', 'ultrasonic_ring', '/dev/serial/by-id/usb-Arduino-if00', '{}');
+    ('lbr', 'range_board', 'ultrasonic_ring', '/dev/serial/by-id/usb-Arduino-if00', '{}'),
+    ('lbr', 'speaker', 'speaker', 'alsa:default', '{}');
 
 INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('lbr', 'motors', 'roboteq',
@@ -293,6 +294,10 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The base: who drives, how fast and how near to obstacles'),
     ('lbr', 'battery', 'battery', '{}', '["motors"]',
      'The battery: its charge, whether it is being charged, and warnings when it is low'),
+    ('lbr', 'speech', 'speech', '{"device": "speaker"}', '[]',
+     'The voice: says texts and phrases, and plays songs'),
+    ('lbr', 'dance', 'dance', '{}', '["drive", "speech"]',
+     'Dances to a song: drives at its beats, within all that the drive allows'),
     ('lbr', 'world', 'world', '{}', '[]',
      'The simulated surroundings; runs only under a simulating launch profile');
 
@@ -305,7 +310,12 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
 INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
     ('lbr', 'motors.state', 'drive.motors', 1),
-    ('lbr', 'ranges.readings', 'drive.ranges', 1);
+    ('lbr', 'ranges.readings', 'drive.ranges', 1),
+    ('lbr', 'dance.motion', 'drive.command', 1),
+    ('lbr', 'dance.halt', 'drive.stop', 1),
+    ('lbr', 'dance.sound', 'speech.play', 1),
+    ('lbr', 'dance.hush', 'speech.hush', 1),
+    ('lbr', 'speech.state', 'dance.speech', 1);
 
 -- What needs no more than a few messages a second gets no more.
 INSERT INTO channel (robot, source, target, rate_hz) VALUES
@@ -325,6 +335,16 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
      'Drive ahead at a quarter of full power'),
     ('lbr', 'b', 'b', 'drive.command', '{"power": 0.25, "angle_deg": 180}', 'operate',
      'Drive back at a quarter of full power'),
+    ('lbr', 's', '/s/{text...}', 'speech.say', NULL, 'operate',
+     'Say a text, 5000 characters at most; one that is <name plays a recording'),
+    ('lbr', 'say', '/say/{phrase}', 'speech.say', NULL, 'operate', 'Say a phrase by its name, such as /say/hello'),
+    ('lbr', 'save', '/save/{save}/{text...}', 'speech.say', NULL, 'operate',
+     'Save a text as a recording instead of saying it; /s/<name plays it'),
+    ('lbr', 'hush', 'hush', 'speech.hush', NULL, 'operate', 'Say no more: ends speech and song, and drops what waits'),
+    ('lbr', 'd', '/d/{song}', 'dance.play', NULL, 'operate',
+     'Dance to a song: /d/metronome is always there; yours are NAME.wav and NAME.json in $LBR_HOME/music'),
+    ('lbr', 'd', '/d/{song}/{dance}', 'dance.play', NULL, 'operate',
+     'Dance to a song by a choreography, such as /d/metronome/to_and_fro'),
     ('lbr', 'report', '/report/{name}', 'executive.report', NULL, 'view',
      'Show telemetry, settings, statistics, health or events'),
     ('lbr', 'status', 'status', 'executive.status', NULL, 'view', 'Show what runs and how it is'),
