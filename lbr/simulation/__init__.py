@@ -3,7 +3,7 @@
 from lbr.capability.kind import Kind
 from lbr.messages.simulation import WorldPose, WorldScene
 from lbr.simulation.requests import FaultReply, FaultRequest, PictureReply, PictureRequest
-from lbr.simulation.rows import Mpu9150Row, RoboteqRow, UltrasonicRow
+from lbr.simulation.rows import InfraredRow, Mpu9150Row, RioxRow, RoboteqRow, UltrasonicRow
 from lbr.simulation.settings import WorldSettings
 
 KIND = Kind(
@@ -15,6 +15,12 @@ KIND = Kind(
     outputs={"pose": WorldPose, "scene": WorldScene},
     commands={"picture": PictureRequest, "fault": FaultRequest},
     roles={"picture": "admin", "fault": "admin"},
-    device_settings={"roboteq": RoboteqRow, "ultrasonic_ring": UltrasonicRow, "mpu9150": Mpu9150Row},
+    device_settings={
+        "roboteq": RoboteqRow,
+        "ultrasonic_ring": UltrasonicRow,
+        "mpu9150": Mpu9150Row,
+        "riox": RioxRow,
+        "infrared": InfraredRow,
+    },
     replies={"picture": PictureReply, "fault": FaultReply},
 )

@@ -21,13 +21,12 @@ class Faults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     unplug: bool = False
 
 
-class RoboteqFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of the motor controller.
+class LineFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a device that is talked to in lines; `unplug`: the cable is out while the device goes on.
 
     `silent`: it obeys but says nothing. `drop`, `bit_flip`, `garbage`: a reply is lost, has a bit wrong, has noise
     before it. `refuse`: a command is answered `-` and not obeyed. `stop_reading`: bytes pile up in the port.
-    `undervoltage`, `overheat`: the fault bit, with the power stage off. `unplug`: the USB cable is out while the
-    controller goes on. `brown_out`: its supply is gone, and with it all that was not saved.
+    `brown_out`: its supply is gone, and with it all that was not saved.
     """
 
     silent: bool = False
@@ -36,9 +35,58 @@ class RoboteqFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     garbage: Probability = 0.0
     refuse: Probability = 0.0
     stop_reading: bool = False
+    brown_out: bool = False
+
+
+class RoboteqFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of the motor controller: those of a line, and more.
+
+    `undervoltage`, `overheat`: the fault bit, with the power stage off.
+    """
+
     undervoltage: bool = False
     overheat: bool = False
-    brown_out: bool = False
+
+
+class RioxFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a RIOX: those of a line, and more.
+
+    `half`: an answer ends early, without its line end. `pieces`: answers come in pieces with pauses. `frozen`: the same
+    numbers for ever. `jump`: an answer's turn rate is off by 4 rad/s.
+    """
+
+    half: Probability = 0.0
+    pieces: bool = False
+    frozen: bool = False
+    jump: Probability = 0.0
+
+
+class InfraredFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of an infrared receiver.
+
+    `silent`: it sees nothing. `garbage`: a record has noise before it. `half`: a record ends early. `stray`: a code of
+    somebody else's remote control comes in between. `stuck`: the left beam all the time.
+    """
+
+    silent: bool = False
+    garbage: Probability = 0.0
+    half: Probability = 0.0
+    stray: Probability = 0.0
+    stuck: bool = False
+
+
+class CameraFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a camera.
+
+    `frozen`: the same picture for ever, always new. `stalled`: no picture comes. `slow`: one comes every second.
+    `black`: its cap is on. `garbage`: a picture is no JPEG.
+    """
+
+    frozen: bool = False
+    stalled: bool = False
+    slow: bool = False
+    black: bool = False
+    garbage: Probability = 0.0
 
 
 class UltrasonicFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -52,7 +52,7 @@ class WorldLoop:
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
         for twin in self._twins:
-            twin.port.unplug()
+            twin.close()
 
     def _turning(self) -> bool:
         return self._motors is not None and self._motors.wheels(self._clock()) != (0.0, 0.0)
@@ -80,7 +80,7 @@ class WorldLoop:
     def _watch(self, selector: selectors.BaseSelector) -> None:
         """Wait for bytes only where they will be read; a full port would wake the loop for ever."""
         for twin in self._twins:
-            wanted = twin.port.fileno() if twin.reads() else None
+            wanted = twin.watched()
             watched = self._watched.get(twin.name)
             if wanted == watched:
                 continue

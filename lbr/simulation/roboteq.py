@@ -7,26 +7,22 @@ while the emergency stop is latched, motor commands are answered `+` and remembe
 """
 
 from collections.abc import Callable, Sequence
-from random import Random
 
+from lbr.simulation.ascii_device import AsciiDevice
 from lbr.simulation.faults import RoboteqFaults
 from lbr.simulation.measured import Measured
 from lbr.simulation.power_stage import DEFAULT_WATCHDOG_MS, FULL, PowerStage
-from lbr.simulation.wire import Outbox, flip_one_bit, noise
 
-TURNAROUND_S = 0.0005
 REBOOT_S = 0.5
 
 _RESET_KEY = 321_654_987
 _HISTORY = 16
-_LINE_LIMIT = 64
-_QRY, _ACK = 0x05, b"\x06"
 _FACTORY = {"RWD": DEFAULT_WATCHDOG_MS, "MXMD": 0, "ECHOF": 0}
 _LIMITS = {"RWD": 65_000, "MXMD": 2, "ECHOF": 1}
 _IDENTITY = {"FID": "Roboteq v1.8 SDC2130 08/20/2016", "TRN": "RCB500:SDC2130"}
 
 
-class RoboteqDevice:
+class RoboteqDevice(AsciiDevice[RoboteqFaults]):
     """The controller from power-up on; `heard` is told each runtime command line just after it took effect."""
 
     def __init__(
@@ -37,36 +33,20 @@ class RoboteqDevice:
         heard: Callable[[str, float], None] | None = None,
     ) -> None:
         self.measured = Measured()
-        self._faults = faults or RoboteqFaults()
         self._heard = heard
-        self._random = Random(seed)
         self._saved = dict(_FACTORY)
         self._away = (0.0, 0.0)
         self._now = 0.0
         self._repeat_s = 0.0
         self._repeat_at = 0.0
-        self._outbox = Outbox()
-        self._boot()
-
-    @property
-    def faults(self) -> RoboteqFaults:
-        """What is made to go wrong; setting it takes effect at once."""
-        return self._faults
-
-    @faults.setter
-    def faults(self, faults: RoboteqFaults) -> None:
-        if self._faults.brown_out and not faults.brown_out:
-            self._boot()
-        self._faults = faults
+        super().__init__(faults or RoboteqFaults(), seed)
 
     def feed(self, data: bytes, now: float) -> bytes:
         """Take bytes from the host; return what has crossed the line back by now."""
         self._now = now
         if self.present(now):
             self._stage.expired(now)
-            for byte in data:
-                self._take(byte, now)
-            self._echo_partial(now)
+            self.hear(data, now)
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:
@@ -74,16 +54,16 @@ class RoboteqDevice:
         self._now = now
         self._stage.expired(now)
         if self._faults.brown_out:
-            self._outbox.clear()
+            self.outbox.clear()
         while self._repeat_s > 0 and now >= self._repeat_at:
             self._repeat_at = max(self._repeat_at + self._repeat_s, now - 10 * self._repeat_s)
             self._repeat_next(now)
-        return self._outbox.due(now)
+        return self.outbox.due(now)
 
     def next_due(self) -> float | None:
         """Return when this device next has something to do by itself: an answer, a repeat, the watchdog."""
         repeat = self._repeat_at if self._repeat_s > 0 and self._history else None
-        times = (self._outbox.next_due(), self._stage.expires_at(), repeat)
+        times = (self.outbox.next_due(), self._stage.expires_at(), repeat)
         return min((at for at in times if at is not None), default=None)
 
     def present(self, now: float) -> bool:
@@ -110,64 +90,22 @@ class RoboteqDevice:
     def _power_stage_off(self) -> bool:
         return self._faults.brown_out or self._faults.undervoltage or self._faults.overheat
 
-    def _boot(self) -> None:
+    def boot(self) -> None:
         """Start with what was saved; all else is forgotten."""
+        super().boot()
         self._stage = PowerStage()
         self._stage.watchdog_ms = self._saved["RWD"]
         self._stage.mixing = self._saved["MXMD"]
-        self._echo = not self._saved["ECHOF"]
-        self._line = bytearray()
-        self._echoed = 0
+        self.echo = not self._saved["ECHOF"]
         self._history: list[str] = []
         self._repeat_s = 0.0
         self._fresh = True
         self._count_zero = [0, 0]
 
-    # Bytes to lines, and answers to bytes.
-
-    def _take(self, byte: int, now: float) -> None:
-        self._outbox.received(1, now)
-        if byte == _QRY:
-            self._send(_ACK, now)
-        elif byte in b"\r_":
-            self._line.append(byte)
-            self._echo_partial(now)
-            line = self._line[:-1].decode("ascii").strip()
-            self._line.clear()
-            self._echoed = 0
-            self._execute(line, now)
-        elif 0x20 <= byte < 0x7F:
-            self._line.append(byte)
-            if len(self._line) > _LINE_LIMIT:
-                self._line.clear()
-                self._echoed = 0
-                self._answer("-", now)
-
-    def _echo_partial(self, now: float) -> None:
-        if self._echo and len(self._line) > self._echoed:
-            self._send(bytes(self._line[self._echoed :]), now)
-        self._echoed = len(self._line)
-
-    def _answer(self, text: str | None, now: float) -> None:
-        if text is None or self._hit(self._faults.drop):
-            return
-        if self._hit(self._faults.garbage):
-            self._send(noise(self._random), now)
-        self._send(text.encode("ascii") + b"\r", now)
-
-    def _send(self, data: bytes, now: float) -> None:
-        if self._faults.silent:
-            return
-        if self._hit(self._faults.bit_flip):
-            data = flip_one_bit(data, self._random)
-        self._outbox.send(data, now, TURNAROUND_S)
-
-    def _hit(self, probability: float) -> bool:
-        return probability > 0 and self._random.random() < probability
-
     # Lines to meaning.
 
-    def _execute(self, line: str, now: float) -> None:
+    def execute(self, line: str, now: float) -> None:
+        """Do what a line says, and answer."""
         if not line:
             return
         kind, rest = line[0], line[1:].upper()
@@ -175,13 +113,13 @@ class RoboteqDevice:
             self._repeat(rest.split(), now)
         elif kind == "?":
             self._history = [*(q for q in self._history if q != rest), rest][-_HISTORY:]
-            self._answer(self._query(rest), now)
+            self.answer(self._query(rest), now)
         elif kind == "~":
-            self._answer(self._read_setting(rest.split()), now)
+            self.answer(self._read_setting(rest.split()), now)
         else:
             act = {"!": self._runtime, "^": self._configure, "%": self._maintain}.get(kind)
-            obeyed = act is not None and not self._hit(self._faults.refuse) and act(rest, now)
-            self._answer("+" if obeyed else "-", now)
+            obeyed = act is not None and not self.hit(self._faults.refuse) and act(rest, now)
+            self.answer("+" if obeyed else "-", now)
         if kind == "!" and self._heard:
             self._heard(line, now)
 
@@ -228,10 +166,10 @@ class RoboteqDevice:
             case "MXMD":
                 self._stage.mixing = value
             case _:
-                self._echo = not value
+                self.echo = not value
 
     def _settings(self) -> dict[str, int]:
-        return {"RWD": self._stage.watchdog_ms, "MXMD": self._stage.mixing, "ECHOF": int(not self._echo)}
+        return {"RWD": self._stage.watchdog_ms, "MXMD": self._stage.mixing, "ECHOF": int(not self.echo)}
 
     def _read_setting(self, words: Sequence[str]) -> str:
         settings = self._settings()
@@ -243,9 +181,9 @@ class RoboteqDevice:
             self._saved = self._settings()
             return True
         if name == "RESET" and numbers == [_RESET_KEY]:
-            self._boot()
+            self.boot()
             self._away = (now, now + REBOOT_S)
-            self._outbox.clear()
+            self.outbox.clear()
             return True
         return False
 
@@ -259,7 +197,7 @@ class RoboteqDevice:
     def _repeat_next(self, now: float) -> None:
         if self._history and self.present(now):
             self._history.append(self._history.pop(0))
-            self._answer(self._query(self._history[-1]), now)
+            self.answer(self._query(self._history[-1]), now)
 
     # Queries.
 

@@ -4,10 +4,22 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.simulation.faults import Mpu9150Faults, RoboteqFaults, UltrasonicFaults
+from lbr.simulation.faults import (
+    InfraredFaults,
+    Mpu9150Faults,
+    RioxFaults,
+    RoboteqFaults,
+    UltrasonicFaults,
+)
+from lbr.simulation.measured import Beam
 
 Sense = Literal[-1, 1]
 Board = Literal["arduino", "parallax"]
+Scancode = (
+    Annotated[int, Meta(ge=1, lt=2**32)]
+    | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x40a1")]
+)
+Scale = Annotated[float, Meta(gt=0.0, le=1e6)]
 Fuse = Annotated[int, Meta(ge=0, le=255)]
 
 
@@ -33,3 +45,38 @@ class Mpu9150Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     faults: Mpu9150Faults = Mpu9150Faults()
     i2c_address: Literal[0x68, 0x69] = 0x68
     sensitivity: tuple[Fuse, Fuse, Fuse] = (176, 178, 166)
+
+
+class RioxRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How a `riox` device row's unit counts; `echo`: it repeats what it hears, until told otherwise."""
+
+    faults: RioxFaults = RioxFaults()
+    echo: bool = True
+    gyro_lsb_per_dps: Scale = 32.75
+    accel_lsb_per_g: Scale = 16384.0
+    mag_ut_per_lsb: Scale = 0.3
+    temperature_lsb_per_c: Scale = 340.0
+    temperature_offset_c: float = 35.0
+    quaternion_divisor: Scale = 16384.0
+    euler_lsb_per_deg: Scale = 10.0
+
+
+class BeamCodes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The scancode that the dock sends on each beam, as a number or in hexadecimal; null: it has no such beam."""
+
+    left: Scancode | None = "0x40a1"
+    right: Scancode | None = "0x40a2"
+    power: Scancode | None = "0x40a4"
+
+    def numbers(self) -> dict[Beam, int]:
+        """Return the codes as numbers."""
+        given: dict[Beam, Scancode | None] = {"left": self.left, "right": self.right, "power": self.power}
+        return {beam: int(code, 16) if isinstance(code, str) else code for beam, code in given.items() if code}
+
+
+class InfraredRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What an `infrared` device row's receiver hears of the dock; `protocol` is the kernel's number, 7 for Sony-15."""
+
+    faults: InfraredFaults = InfraredFaults()
+    codes: BeamCodes = BeamCodes()
+    protocol: Annotated[int, Meta(ge=0, le=63)] = 7

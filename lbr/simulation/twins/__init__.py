@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 
 from lbr.simulation.twins.base import Factory, Feeling, Surroundings, Twin
+from lbr.simulation.twins.infrared import InfraredTwin
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
+from lbr.simulation.twins.riox import RioxTwin
 from lbr.simulation.twins.roboteq import RoboteqTwin
 from lbr.simulation.twins.ultrasonic import UltrasonicTwin
 
@@ -13,6 +15,8 @@ TWINS: Mapping[str, Factory] = {
     "roboteq": RoboteqTwin,
     "ultrasonic_ring": UltrasonicTwin,
     "mpu9150": Mpu9150Twin,
+    "riox": RioxTwin,
+    "infrared": InfraredTwin,
 }
 """The twin of each type of device."""
 

@@ -35,6 +35,9 @@ class Port(Protocol):
         """Pull it out."""
 
 
+P = TypeVar("P", bound=Port)
+
+
 @dataclass(frozen=True, slots=True)
 class Surroundings:
     """What a twin is built with: the world's seed and time, and the trace of the motors' outputs."""
@@ -53,15 +56,11 @@ class Twin(Protocol):
 
     name: str
 
-    @property
-    def port(self) -> Port:
-        """Where it is plugged in."""
-
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
         """Set a fault and return them all; raise InputError saying what is allowed."""
 
-    def reads(self) -> bool:
-        """Say whether it takes bytes from its port now."""
+    def watched(self) -> int | None:
+        """Return the descriptor whose bytes it will take; None: none now."""
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out."""
@@ -71,6 +70,9 @@ class Twin(Protocol):
 
     def sense(self, sensed: Sensed) -> None:
         """Take in what the world lets it measure."""
+
+    def close(self) -> None:
+        """Pull it out."""
 
 
 @runtime_checkable
@@ -84,17 +86,26 @@ class Feeling(Protocol):
 Factory = Callable[[Device, Surroundings], Twin]
 
 
-class Faulty(Generic[F]):
-    """A twin's faults: set by one thread, taken over by the world's at its next round."""
+class PortTwin(Generic[P, F]):
+    """A twin's port and its faults, which are set by one thread and taken over by the world's at its next round."""
 
-    def __init__(self, name: str, faults: F) -> None:
+    def __init__(self, name: str, port: P, faults: F) -> None:
         self.name = name
+        self.port = port
         self._faults = faults
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
         """Set a fault and return them all; raise InputError saying what is allowed."""
         self._faults = changed(self._faults, name, value)
         return msgspec.structs.asdict(self._faults)
+
+    def watched(self) -> int | None:
+        """Return the descriptor whose bytes it will take; None: none now."""
+        return self.port.fileno() if self.port.plugged else None
+
+    def close(self) -> None:
+        """Pull it out."""
+        self.port.unplug()
 
 
 def plug(port: Port, *, present: bool) -> bool:

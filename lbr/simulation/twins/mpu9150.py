@@ -9,24 +9,19 @@ from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.mpu9150 import Mpu9150
 from lbr.simulation.rows import Mpu9150Row
 from lbr.simulation.socket_port import SocketPort
-from lbr.simulation.twins.base import Faulty, Surroundings, plug, row
+from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 
-class Mpu9150Twin(Faulty[Mpu9150Faults]):
+class Mpu9150Twin(PortTwin[SocketPort, Mpu9150Faults]):
     """Serves one transaction after another, for several clients as a bus does; takes no time for them."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, Mpu9150Row)
-        super().__init__(device.name, settings.faults)
-        self.port = SocketPort(device.address)
+        super().__init__(device.name, SocketPort(device.address), settings.faults)
         self._address = settings.i2c_address
         self._random = Random(around.seed_for(device) + 1)
         self._chip = Mpu9150(seed=around.seed_for(device), sensitivity=settings.sensitivity)
         self._requests: dict[int, RequestReader] = {}
-
-    def reads(self) -> bool:
-        """Say whether it takes bytes from its port now."""
-        return self.port.plugged
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, and every transaction that came."""
@@ -34,7 +29,7 @@ class Mpu9150Twin(Faulty[Mpu9150Faults]):
             self._chip.faults = self._faults
         if plug(self.port, present=not self._faults.unplug):
             self._requests.clear()
-        if self.reads():
+        if self.port.plugged:
             for client, data in self.port.receive():
                 self._serve(client, data, now)
 

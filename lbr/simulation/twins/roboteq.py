@@ -8,7 +8,7 @@ from lbr.simulation.measured import Measured, Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.roboteq import RoboteqDevice
 from lbr.simulation.rows import RoboteqRow
-from lbr.simulation.twins.base import Faulty, Surroundings, plug, row
+from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 Pair = tuple[float, float]
 N = TypeVar("N", int, float)
@@ -18,20 +18,19 @@ _AMBIENT_C = 28.0
 _WARMING_C_PER_A = 0.8
 
 
-class RoboteqTwin(Faulty[RoboteqFaults]):
+class RoboteqTwin(PortTwin[PtyPort, RoboteqFaults]):
     """Moves the wheels, and measures motors and battery."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         self._row = row(device, RoboteqRow)
-        super().__init__(device.name, self._row.faults)
-        self.port = PtyPort(device.address)
+        super().__init__(device.name, PtyPort(device.address), self._row.faults)
         self._trace = around.trace
         self._device = RoboteqDevice(faults=self._row.faults, seed=around.seed_for(device), heard=self._heard)
         self._left = self._row.left_channel - 1
 
-    def reads(self) -> bool:
-        """Say whether it takes bytes from its port now."""
-        return self.port.plugged and not self._device.faults.stop_reading
+    def watched(self) -> int | None:
+        """Return the descriptor whose bytes it will take; None: none now."""
+        return None if self._device.faults.stop_reading else super().watched()
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out, the outputs."""
@@ -41,7 +40,7 @@ class RoboteqTwin(Faulty[RoboteqFaults]):
         if self.port.plugged and not present and self._device.faults.unplug:
             self._trace.outputs(now, self.wheels(now), "unplug", always=True)
         plug(self.port, present=present)
-        heard = self.port.read() if self.reads() else b""
+        heard = b"" if self._device.faults.stop_reading else self.port.read()
         answer = self._device.feed(heard, now) if heard else self._device.poll(now)
         if answer:
             self.port.write(answer)

@@ -5,24 +5,19 @@ from lbr.simulation.faults import UltrasonicFaults
 from lbr.simulation.measured import Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.rows import UltrasonicRow
-from lbr.simulation.twins.base import Faulty, Surroundings, plug, row
+from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 from lbr.simulation.ultrasonic import UltrasonicBoard
 
 
-class UltrasonicTwin(Faulty[UltrasonicFaults]):
+class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
     """Reports how far away things are."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, UltrasonicRow)
-        super().__init__(device.name, settings.faults)
-        self.port = PtyPort(device.address)
+        super().__init__(device.name, PtyPort(device.address), settings.faults)
         self._board = UltrasonicBoard(
             settings.board, faults=settings.faults, seed=around.seed_for(device), powered_at=around.now
         )
-
-    def reads(self) -> bool:
-        """Say whether it takes bytes from its port now."""
-        return self.port.plugged
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out."""

@@ -1,0 +1,70 @@
+"""An emulated infrared receiver that sees a dock's beams: the kernel's own records, no I/O.
+
+Each beam is a remote control's key held down: a code every 110 ms while it is seen; the beams take turns.
+"""
+
+import struct
+from collections.abc import Mapping
+from random import Random
+
+from lbr.simulation.faults import InfraredFaults
+from lbr.simulation.measured import Beam
+from lbr.simulation.wire import noise
+
+EVERY_S = 0.11
+RECORD = struct.Struct("<QHHIQ")
+"""`struct lirc_scancode`: timestamp in ns, flags, protocol, key code, scancode."""
+
+ORDER: tuple[Beam, ...] = ("left", "right", "power")
+
+_STRAY_CODE = 0x0F1F
+
+
+class InfraredReceiver:
+    """A receiver and what it makes of `beams`, the ones that shine into it."""
+
+    def __init__(
+        self, codes: Mapping[Beam, int], *, protocol: int, faults: InfraredFaults | None = None, seed: int = 0
+    ) -> None:
+        self.faults = faults or InfraredFaults()
+        self.beams: frozenset[Beam] = frozenset()
+        self._codes = codes
+        self._protocol = protocol
+        self._random = Random(seed)
+        self._next_at: dict[Beam, float] = {}
+
+    def poll(self, now: float) -> bytes:
+        """Return the records that are due by now."""
+        said = b""
+        for turn, beam in enumerate(ORDER):
+            if not self._seen(beam):
+                self._next_at.pop(beam, None)
+                continue
+            at = self._next_at.setdefault(beam, now + turn * EVERY_S / len(ORDER))
+            if now >= at:
+                self._next_at[beam] = max(at + EVERY_S, now)
+                said += self._record(self._codes[beam], now)
+        return said
+
+    def next_due(self) -> float | None:
+        """Return when the next record is due."""
+        return min(self._next_at.values(), default=None)
+
+    def _seen(self, beam: Beam) -> bool:
+        if beam not in self._codes or self.faults.silent:
+            return False
+        return beam in self.beams or (self.faults.stuck and beam == "left")
+
+    def _record(self, code: int, now: float) -> bytes:
+        faults = self.faults
+        record = RECORD.pack(int(now * 1e9), 0, self._protocol, 0, code)
+        if self._hit(faults.half):
+            record = record[: self._random.randrange(RECORD.size)]
+        if self._hit(faults.garbage):
+            record = noise(self._random) + record
+        if self._hit(faults.stray):
+            record = RECORD.pack(int(now * 1e9), 0, self._protocol, 0, _STRAY_CODE) + record
+        return record
+
+    def _hit(self, probability: float) -> bool:
+        return probability > 0 and self._random.random() < probability

@@ -1,0 +1,114 @@
+"""An emulated Roboteq RIOX-1216AHRS: bytes in, bytes out, no I/O.
+
+No manual was at hand for its scales, so they are the row's to set. `?ML` answers accelerations, temperature, turn rates
+and field, `?QO` the quaternion w, x, y, z, `?EO` roll, pitch and yaw; whatever else is asked or said is refused
+with `-`. It echoes until `^ECHOF 1`.
+"""
+
+from collections.abc import Iterable
+from math import degrees
+
+from lbr.simulation.ahrs import Orientation, angles_deg
+from lbr.simulation.ascii_device import AsciiDevice
+from lbr.simulation.faults import RioxFaults
+from lbr.simulation.measured import ImuReading
+from lbr.simulation.rows import RioxRow
+
+G_MPS2 = 9.80665
+
+_JUMP_RPS = 4.0
+_PIECE_BYTES = 5
+_PAUSE_S = 0.003
+_IDENTITY = {"FID": "Roboteq v1.6 RIOX 06/01/2015", "TRN": "RIOX:RIOX1216AHRS"}
+
+
+class RioxDevice(AsciiDevice[RioxFaults]):
+    """The unit from power-up on."""
+
+    def __init__(self, settings: RioxRow, *, seed: int = 0) -> None:
+        self._settings = settings
+        self._felt = ImuReading()
+        self._orientation = Orientation()
+        super().__init__(settings.faults, seed)
+
+    def boot(self) -> None:
+        """Start as the row says; all else is forgotten."""
+        super().boot()
+        self.echo = self._settings.echo
+
+    def feel(self, reading: ImuReading, now: float) -> None:
+        """Take in what it measures from now on."""
+        if not self.faults.frozen:
+            self._felt = reading
+            self._orientation.follow(reading, now)
+
+    def feed(self, data: bytes, now: float) -> bytes:
+        """Take bytes from the host; return what has crossed the line back by now."""
+        if self.present(now):
+            self.hear(data, now)
+        return self.poll(now)
+
+    def poll(self, now: float) -> bytes:
+        """Return what has crossed the line to the host by now."""
+        if self.faults.brown_out:
+            self.outbox.clear()
+        return self.outbox.due(now)
+
+    def next_due(self) -> float | None:
+        """Return when an answer will have crossed."""
+        return self.outbox.next_due()
+
+    def present(self, now: float) -> bool:  # noqa: ARG002
+        """Say whether the host sees the port."""
+        return not (self.faults.unplug or self.faults.brown_out)
+
+    def execute(self, line: str, now: float) -> None:
+        """Do what a line says, and answer."""
+        if line:
+            words = line.upper().split()
+            refused = self.hit(self.faults.refuse)
+            self.answer("-" if refused else self._said(words), now)
+
+    def send(self, data: bytes, now: float) -> None:
+        """Put bytes on the line: whole, cut short or in pieces."""
+        if self.hit(self.faults.half):
+            data = data[: self.random.randrange(len(data))]
+        if not self.faults.pieces:
+            super().send(data, now)
+            return
+        for turn, start in enumerate(range(0, len(data), _PIECE_BYTES)):
+            super().send(data[start : start + _PIECE_BYTES], now + turn * _PAUSE_S)
+
+    def _said(self, words: list[str]) -> str:
+        match words:
+            case ["?ML"]:
+                return "ML=" + _list(self._measured())
+            case ["?QO"]:
+                scale = self._settings.quaternion_divisor
+                return "QO=" + _list(part * scale for part in self._orientation.quaternion or (1.0, 0.0, 0.0, 0.0))
+            case ["?EO"]:
+                angles = angles_deg(self._orientation.quaternion or (1.0, 0.0, 0.0, 0.0))
+                return "EO=" + _list(angle * self._settings.euler_lsb_per_deg for angle in angles)
+            case ["?FID" | "?TRN"]:
+                return f"{words[0][1:]}={_IDENTITY[words[0][1:]]}"
+            case ["^ECHOF", "0" | "1"]:
+                self.echo = words[1] == "0"
+                return "+"
+            case _:
+                return "-"
+
+    def _measured(self) -> list[float]:
+        row, felt = self._settings, self._felt
+        x, y, z = felt.gyro_rps
+        if self.hit(self.faults.jump):
+            z += self.random.choice((-_JUMP_RPS, _JUMP_RPS))
+        return [
+            *(axis / G_MPS2 * row.accel_lsb_per_g for axis in felt.accel_mps2),
+            (felt.temperature_c - row.temperature_offset_c) * row.temperature_lsb_per_c,
+            *(degrees(axis) * row.gyro_lsb_per_dps for axis in (x, y, z)),
+            *(axis / row.mag_ut_per_lsb for axis in felt.mag_ut),
+        ]
+
+
+def _list(values: Iterable[float]) -> str:
+    return ":".join(str(max(-32768, min(32767, round(value)))) for value in values)
