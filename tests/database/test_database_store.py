@@ -21,7 +21,7 @@ from lbr.messages.system import Event
 
 
 def test_rows_come_as_they_stand(database, client):
-    client.execute("UPDATE channel SET rate_hz = 12.5, history = 4 WHERE source = 'motors.state'")
+    client.execute("UPDATE channel SET rate_hz = 12.5, history = 4 WHERE target = 'drive.motors'")
     client.execute("UPDATE device SET settings = '{\"faults\": {\"drop\": 0.1}}' WHERE name = 'motor_controller'")
     rows = database.load("lbr")
     channel = next(row for row in rows.channels if row.target == "drive.motors")
