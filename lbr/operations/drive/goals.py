@@ -121,6 +121,13 @@ def wheels(
     return mix(power, angle_deg, settings)
 
 
+def driven(goal: Goal | None, left: float, elapsed_s: float, settings: DriveSettings) -> Goal | None:
+    """Return the goal after the left wheel was given this power for a while."""
+    if goal is None or goal.turn is None:
+        return goal
+    return replace(goal, turn=turning.driven(goal.turn, left, elapsed_s, settings))
+
+
 def _turned(goal: Goal, turn: turning.Turn, settings: DriveSettings, now: float) -> tuple[Ending, str] | None:
     if why := turning.fault(turn, settings, now):
         return "fault", why

@@ -68,7 +68,7 @@ class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     turn_brake_dps2: Annotated[float, Meta(gt=0.0, le=5000.0, description="how hard a turn slows down")] = 150.0
     turn_lag_s: Annotated[
         float, Meta(ge=0.0, le=1.0, description="from a new power to the first attitude that shows it")
-    ] = 0.08
+    ] = 0.12
     turn_tolerance_deg: Annotated[float, Meta(ge=0.2, le=45.0)] = 1.0
     turn_settle_s: Annotated[float, Meta(ge=0.0, le=2.0, description="rest at the target before a turn is over")] = 0.2
     turn_stuck_s: Annotated[float, Meta(gt=0.0, le=10.0, description="power without a turn for so long is a fault")] = (

@@ -1,6 +1,6 @@
 """Turning on the spot to a target: how hard to push, when it is there, and when the base does not do as it should."""
 
-from math import copysign, isnan, nan, sqrt
+from math import copysign, inf, isnan, nan, sqrt
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -14,28 +14,30 @@ QUIET_DPS = 3.0
 """Slower than this the base stands."""
 RESTING_SHARE = 0.5
 """A stop is aimed at by this share of the tolerance."""
+SWING_SHARE = 0.5
+"""A base that passed its target turns more than it should by so much power: after each time it gets less of it."""
 MOVED_DEG = 1.0
-WRONG_DEG = 5.0
-GRACE_S = 0.4
-"""How long a base may go on turning the other way after the power was reversed."""
+AWAY_DEG = 5.0
+COAST_S = 0.5
+"""It may get farther from its target by `AWAY_DEG`, and by what it turned already in this time."""
 PATIENCE_S = 0.3
 """After so long without any turn the power of a correction begins to grow."""
 
 
 class Push(Struct, frozen=True, kw_only=True):
-    """Since when the wheels push to one side, and what came of it: the farthest it got and when it last moved on."""
+    """The wheels push to one side; for `idle_s`, pauses not counted, that moved it less than a degree from `mark_deg`."""
 
     sense: float
-    since: float
-    best_deg: float
     mark_deg: float
-    marked: float
+    idle_s: float = 0.0
 
 
 class Turn(Struct, frozen=True, kw_only=True):
     """A turn that goes on: from `begun_deg` by `asked_deg`, in degrees that the body has turned, clockwise positive.
 
-    `quiet` is since when it stands at its target (NaN: it does not), `ends` when it should have got there.
+    `quiet` is since when it stands at its target (NaN: it does not), `ends` when it should have got there. `flow_dps` is
+    how fast the power of late should turn the base, whether or not that shows yet; `farthest_deg` is how far from its
+    target it may get now, `swings` how often it passed it.
     """
 
     asked_deg: float
@@ -45,6 +47,9 @@ class Turn(Struct, frozen=True, kw_only=True):
     ends: float
     allowed_s: float
     quiet: float = nan
+    flow_dps: float = 0.0
+    farthest_deg: float = inf
+    swings: int = 0
     push: Push | None = None
 
     @property
@@ -83,6 +88,7 @@ def start(command: TurnCommand | HeadingCommand, bearing: Bearing, settings: Dri
         bearing=bearing,
         ends=now + allowed_s,
         allowed_s=allowed_s,
+        farthest_deg=_farthest_deg(abs(asked_deg), bearing),
     )
 
 
@@ -90,10 +96,22 @@ def watch(turn: Turn, bearing: Bearing, pushing: float, settings: DriveSettings)
     """Return the turn after a new attitude, while the left wheel is given `pushing`."""
     if bearing.trouble or bearing.epoch != turn.epoch:
         return replace(turn, bearing=bearing)
-    turn = replace(turn, bearing=bearing, push=_push(turn.push, bearing, pushing))
+    elapsed_s = max(0.0, bearing.seen - turn.bearing.seen)
+    before_deg, after_deg = turn.left_deg, turn.left_deg + turn.bearing.turned_deg - bearing.turned_deg
+    passed = before_deg * after_deg < 0.0
+    farthest_deg = _farthest_deg(abs(after_deg), bearing)
+    farthest_deg = farthest_deg if passed else min(farthest_deg, turn.farthest_deg)
+    push = _push(turn.push, bearing, pushing, elapsed_s)
+    turn = replace(turn, bearing=bearing, push=push, farthest_deg=farthest_deg, swings=turn.swings + passed)
     still = abs(turn.left_deg) <= settings.turn_tolerance_deg and abs(bearing.rate_dps) <= QUIET_DPS
     since = bearing.seen if isnan(turn.quiet) else turn.quiet
     return replace(turn, quiet=since if still and pushing == 0.0 else nan)
+
+
+def driven(turn: Turn, left: float, elapsed_s: float, settings: DriveSettings) -> Turn:
+    """Return the turn after the left wheel was given this power for a while."""
+    share = min(1.0, elapsed_s / max(settings.turn_lag_s, 1e-3))
+    return replace(turn, flow_dps=turn.flow_dps + (left * settings.max_turn_dps - turn.flow_dps) * share)
 
 
 def fault(turn: Turn, settings: DriveSettings, now: float) -> str:
@@ -105,6 +123,10 @@ def fault(turn: Turn, settings: DriveSettings, now: float) -> str:
         return "the attitude began anew in the middle of the turn"
     if not now < turn.ends:
         return f"not within {turn.allowed_s:.1f} s: {words(turn)}"
+    if not abs(turn.left_deg) <= turn.farthest_deg:
+        return (
+            "the base turns away from its target: it is pushed, or the motors' or the inertial unit's signs are wrong"
+        )
     return _without_effect(turn.push, bearing, settings) if turn.push is not None else ""
 
 
@@ -116,16 +138,20 @@ def is_over(turn: Turn, settings: DriveSettings) -> bool:
 def power(turn: Turn, settings: DriveSettings, now: float) -> float:
     """Return how hard to push now, clockwise positive: less near the target, nothing where the base will come to rest."""
     rate_dps, left_deg = turn.bearing.rate_dps, turn.left_deg
-    lag_s = min(max(0.0, now - turn.bearing.seen), settings.attitude_max_age_s) + settings.turn_lag_s
-    left_then_deg = left_deg - rate_dps * lag_s
-    rest_deg = left_then_deg - copysign(rate_dps * rate_dps / (4.0 * settings.turn_brake_dps2), rate_dps)
+    age_s = min(max(0.0, now - turn.bearing.seen), settings.attitude_max_age_s)
+    flow_dps = rate_dps if turn.push is not None and turn.push.idle_s > PATIENCE_S else turn.flow_dps
+    flow_dps *= 1.0 + SWING_SHARE * turn.swings
+    faster_dps = max(rate_dps, flow_dps) if left_deg > 0.0 else min(rate_dps, flow_dps)
+    rest_deg = left_deg - rate_dps * age_s - faster_dps * settings.turn_lag_s
     if abs(left_deg) <= settings.turn_tolerance_deg and abs(rate_dps) <= QUIET_DPS:
         return 0.0
+    if min(rate_dps * copysign(1.0, left_deg), flow_dps * copysign(1.0, left_deg)) < -QUIET_DPS:
+        return 0.0  # it comes to rest before it turns back, or it would swing
     if not rest_deg * left_deg > 0.0 or abs(rest_deg) <= RESTING_SHARE * settings.turn_tolerance_deg:
         return 0.0  # this way round, NaN is no power
     highest = min(settings.turn_power, settings.max_power)
     wished = sqrt(2.0 * settings.turn_brake_dps2 * abs(rest_deg)) / settings.max_turn_dps
-    return copysign(min(highest, max(wished, _least(turn.push, turn.bearing, settings))), left_deg)
+    return copysign(min(highest, max(wished, _least(turn.push, settings))), left_deg)
 
 
 def words(turn: Turn) -> str:
@@ -140,30 +166,29 @@ def ended(turn: Turn, elapsed_s: float) -> str:
     return f"{words(turn)} in {elapsed_s:.1f} s, {abs(past_deg):.1f} {how}"
 
 
-def _push(before: Push | None, bearing: Bearing, pushing: float) -> Push | None:
+def _push(before: Push | None, bearing: Bearing, pushing: float, elapsed_s: float) -> Push | None:
     if pushing == 0.0:
-        return None
-    sense, here_deg, seen = copysign(1.0, pushing), bearing.turned_deg, bearing.seen
-    if before is None or before.sense != sense:
-        return Push(sense=sense, since=seen, best_deg=here_deg, mark_deg=here_deg, marked=seen)
-    fresh = seen - before.since < GRACE_S
-    better = sense * (here_deg - before.best_deg) > 0.0
-    push = replace(before, best_deg=here_deg) if fresh or better else before
-    return replace(push, mark_deg=here_deg, marked=seen) if abs(here_deg - push.mark_deg) >= MOVED_DEG else push
+        return before
+    sense, here_deg = copysign(1.0, pushing), bearing.turned_deg
+    if before is None or before.sense != sense or abs(here_deg - before.mark_deg) >= MOVED_DEG:
+        return Push(sense=sense, mark_deg=here_deg)
+    return replace(before, idle_s=before.idle_s + elapsed_s)
+
+
+def _farthest_deg(left_deg: float, bearing: Bearing) -> float:
+    return left_deg + AWAY_DEG + COAST_S * abs(bearing.rate_dps)
 
 
 def _without_effect(push: Push, bearing: Bearing, settings: DriveSettings) -> str:
-    if not bearing.seen - push.marked < settings.turn_stuck_s:
-        moved_deg = abs(bearing.turned_deg - push.mark_deg)
-        return f"the base does not turn: {settings.turn_stuck_s:g} s of power turned it by {moved_deg:.1f} degrees"
-    if not push.sense * (bearing.turned_deg - push.best_deg) > -WRONG_DEG:
-        return "the base turns the other way: look at the motors' and the inertial unit's signs"
-    return ""
+    if push.idle_s < settings.turn_stuck_s:
+        return ""
+    moved_deg = abs(bearing.turned_deg - push.mark_deg)
+    return f"the base does not turn: {settings.turn_stuck_s:g} s of power turned it by {moved_deg:.1f} degrees"
 
 
-def _least(push: Push | None, bearing: Bearing, settings: DriveSettings) -> float:
+def _least(push: Push | None, settings: DriveSettings) -> float:
     """Return the least power that turns the base; more of it when that does not."""
     least = settings.turn_min_power
-    standing_s = 0.0 if push is None else bearing.seen - push.marked
-    more = (standing_s - PATIENCE_S) / max(settings.turn_stuck_s - PATIENCE_S, 0.1)
+    idle_s = 0.0 if push is None else push.idle_s
+    more = (idle_s - PATIENCE_S) / max(settings.turn_stuck_s - PATIENCE_S, 0.1)
     return least + max(0.0, settings.turn_power - least) * max(0.0, more)

@@ -21,15 +21,18 @@ def next_wheels(state: State, now: float) -> State:
     settings = state.settings
     odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps)
     state = replace(state, odometer=odometer, ticked=now)
-    if state.hold is None:
+    hold = state.hold
+    if hold is None:
         return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="")
-    asked = goals.wheels(state.hold.goal, state.hold.power, state.hold.angle_deg, settings, now)
+    goal = goals.driven(hold.goal, state.left, elapsed_s, settings)
+    asked = goals.wheels(goal, hold.power, hold.angle_deg, settings, now)
     limited = limit(settings, state.views, asked, now, state.limited.blocked)
     step = settings.accel_per_s * elapsed_s
     wheels = slew((state.left, state.right), _scaled(asked, limited), step)
     between = limit(settings, state.views, wheels, now, limited.blocked)
     left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))
-    blocked = state.hold.power > 0.0 and not limited.scale > 0.0
+    state = replace(state, hold=replace(hold, goal=goal))
+    blocked = hold.power > 0.0 and not limited.scale > 0.0
     since = (now if isnan(state.blocked_since) else state.blocked_since) if blocked else nan
     return replace(state, left=left, right=right, limited=limited, blocked_since=since)
 

@@ -2,17 +2,21 @@
 
 from math import nan
 
-from lbr.messages.drive import CommandReply, DriveCommand, GoalResult
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.drive import CommandReply, DriveCommand, GoalResult, HeadingCommand, TurnCommand
 from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
+    AttitudeSeen,
     Command,
     EstopChanged,
     Happened,
     MotorsLost,
     MotorsSeen,
+    OdometrySeen,
     RangesSeen,
     Reply,
     Result,
@@ -89,11 +93,24 @@ class Bench:
         """Send a command from another machine, whose clock says `sender_s`."""
         return self._command(power, angle_deg, source, more, remote=True, sender_s=sender_s, answerable=answerable)
 
-    def _command(self, power, angle_deg, source, more, *, role="operate", received=None, **marks):
+    def turn(self, angle_deg, *, source="console", role="operate", checks=None, remote=False, **more):
+        """Ask for a turn on the spot."""
+        command = TurnCommand(angle_deg=angle_deg, **more)
+        return self.send(command, source, role=role, checks=checks or {}, remote=remote)
+
+    def head(self, heading_deg, *, source="console", **more):
+        """Ask for a turn to a heading."""
+        return self.send(HeadingCommand(heading_deg=heading_deg, **more), source)
+
+    def _command(self, power, angle_deg, source, more, **marks):
+        return self.send(DriveCommand(power=power, angle_deg=angle_deg, **more), source, **marks)
+
+    def send(self, command, source="console", *, role="operate", received=None, **marks):
+        """Send any motion command."""
         self._ids += 1
         self.event(
             Command(
-                command=DriveCommand(power=power, angle_deg=angle_deg, **more),
+                command=command,
                 source=source,
                 role=role,
                 new_lease=f"lease{self._ids}",
@@ -103,6 +120,16 @@ class Bench:
             )
         )
         return self.replies[-1]
+
+    def look(self, **fields):
+        """Let the attitude speak now."""
+        fields = {"valid": True, "epoch": "e1", "measured_s": self.now, "turned_deg": 0.0} | fields
+        self.event(AttitudeSeen(attitude=AttitudeState(**fields), arrived=self.now))
+
+    def count(self, **fields):
+        """Let the odometry speak now."""
+        told = {"valid": True, "epoch": "o1", "counted_s": self.now, "distance_m": 0.0, "speed_mps": 0.0} | fields
+        self.event(OdometrySeen(odometry=OdometryState(**told), arrived=self.now))
 
     def stop(self, source="phone", reason=""):
         self.event(Stop(source=source, received=self.now, reason=reason))

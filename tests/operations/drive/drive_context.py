@@ -7,7 +7,7 @@ from typing import Any
 from drive_bench import motors, ranges
 
 from lbr.capability.context import Received
-from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.messages.drive import CommandReply, DriveCommand, HeadingCommand, StopCommand, TurnCommand
 from lbr.operations.drive.settings import DriveSettings
 
 
@@ -67,7 +67,7 @@ class FakeContext:
         self.drivers_alive = True
         self.gone: set[str] = set()
         self._latest: dict[str, Received] = {}
-        self._arrived: list[Received] = []
+        self._arrived: dict[str, list[Received]] = {}
 
     def clock(self):
         return self.now
@@ -79,8 +79,7 @@ class FakeContext:
         return self._latest.get(port)
 
     def take(self, port):
-        taken, self._arrived = self._arrived, []
-        return taken if port == "ranges" else []
+        return self._arrived.pop(port, [])
 
     def sources(self, port):
         return (port,)
@@ -100,13 +99,22 @@ class FakeContext:
         self._latest["motors"] = Received(
             motors(armed=armed, reason="" if armed else "tripped"), None, self.now, "motors"
         )
-        self._arrived.append(Received(ranges(**metres), None, self.now, "ranges"))
+        self.arrive("ranges", ranges(**metres))
+
+    def arrive(self, port, message):
+        self._arrived.setdefault(port, []).append(Received(message, None, self.now, port))
 
     def said(self, output):
         return [message for name, message in self.published if name == output]
 
     def command(self, power, angle_deg=0.0, *, source="console", role="operate", **more):
         return FakeCall("command", DriveCommand(power=power, angle_deg=angle_deg, **more), self.now, source, role)
+
+    def turn(self, angle_deg, **more):
+        return FakeCall("turn", TurnCommand(angle_deg=angle_deg, **more), self.now)
+
+    def head(self, heading_deg, **more):
+        return FakeCall("heading", HeadingCommand(heading_deg=heading_deg, **more), self.now)
 
     def stop(self, source="phone"):
         return FakeCall("stop", StopCommand(reason="test"), self.now, source, "view")

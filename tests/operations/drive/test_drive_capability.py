@@ -4,7 +4,9 @@ import msgspec
 import pytest
 from drive_context import FakeContext
 
+from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import CheckVerdict
+from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import KIND
 from lbr.operations.drive.capability import Drive
 
@@ -311,3 +313,52 @@ def test_changes_of_holder_are_events_in_words_and_as_data(robot):
         (f"console lost the base: {why}", {"lost": "console", "why": why}),
     ]
     assert robot.ctx.said("state")[-1].reason == why
+
+
+def attitude(robot, turned_deg=0.0, **more):
+    now = robot.ctx.now
+    robot.ctx.arrive(
+        "attitude",
+        AttitudeState(valid=True, epoch="e", measured_s=now, turned_deg=turned_deg, heading_deg=10.0, **more),
+    )
+
+
+def test_a_turn_and_a_heading_are_commands_like_any_other(robot):
+    attitude(robot)
+    begun = robot.send(robot.ctx.turn(90.0))
+    assert (begun.answer.accepted, begun.answer.goal[:5]) == (True, "goal-")
+    attitude(robot)
+    robot.run(0.1, lambda: robot.send(robot.ctx.turn(90.0, lease=begun.answer.lease)))
+    left, right = robot.wheels
+    assert left == -right > 0.0
+    assert robot.send(robot.ctx.head(5.0, lease=begun.answer.lease)).answer.accepted
+    assert robot.ctx.said("state")[-1].angle_deg == -90.0
+    assert [result.result for result in robot.ctx.said("result")] == ["superseded"]
+
+
+def test_a_turn_without_an_attitude_is_refused_and_one_that_loses_it_ends(robot):
+    assert robot.send(robot.ctx.turn(90.0)).answer.reason == "no attitude was heard yet"
+    attitude(robot)
+    begun = robot.send(robot.ctx.turn(90.0))
+    robot.run(0.3, lambda: robot.send(robot.ctx.turn(90.0, lease=begun.answer.lease)))
+    assert robot.wheels == (0.0, 0.0)
+    assert robot.ctx.said("result")[-1].reason == "the attitude is older than 0.2 s"
+
+
+def test_a_distance_is_driven_by_the_odometry(robot):
+    message = OdometryState(valid=True, epoch="o", counted_s=robot.ctx.now, distance_m=3.0, speed_mps=0.0)
+    robot.ctx.arrive("odometry", message)
+    begun = robot.send(robot.ctx.command(0.5, distance_cm=100.0))
+    assert begun.answer.goal
+    robot.ctx.now += 0.25
+    robot.run(0.2)
+    assert robot.ctx.said("result")[-1].distance_m == 0.0
+
+
+def test_a_check_is_asked_of_a_turn_too(robot):
+    attitude(robot)
+    robot.ctx.checks = {"cliff": CheckVerdict(accepted=False, reason="a cliff")}
+    refused = robot.send(robot.ctx.turn(-20.0))
+    assert refused.answer.reason == "check cliff: a cliff"
+    (asked,) = robot.ctx.asked
+    assert (asked.message.turn.angle_deg, asked.message.command.angle_deg) == (-20.0, -90.0)
