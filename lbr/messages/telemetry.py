@@ -1,7 +1,140 @@
-"""The message on `telemetry/package`: everything the robot knows of itself."""
+"""The message on `telemetry/package`: everything the robot knows of itself, nested.
+
+Parts and nesting are those of the package that lbr robots have always told. Who has to speak its names finds them here:
+
+| here | there |
+|---|---|
+| `time_s` | `Timestamp` |
+| `ranges.forward_m`, `left_m`, `right_m`, `back_m`, `bottom_m` | `Ranges.Forward` …, whole centimetres |
+| `ranges.cycle_s` | `Ranges.Deltat`, milliseconds |
+| `imu.gyro_rps` | `MPU.gyro`, degrees a second, and a fourth number, the time |
+| `imu.accel_mps2` | `MPU.accel`, multiples of 9.81 |
+| `imu.mag_ut`, `heading_deg`, `temperature_c` | `MPU.mag`, `heading`, `temp` |
+| `imu.orientation` | `MPU.quat`, as text such as `1.000 +0.000i +0.000j +0.000k` |
+| `imu.turned_deg` | `MPU.qangle` |
+| `amperages.left_a`, `right_a` | `amperages.leftMotor`, `rightMotor` |
+| `battery.voltage_v`, `charge` | `Bat.voltage`, `level` |
+| `battery.source`: `battery`, `mains` | `Bat.source`: `BAT`, `AC` |
+| `counts.left`, `right` | `Count.left`, `right` |
+| `voltages.battery_v`, `internal_v`, `output_v` | `voltages.mainBattery`, `internal`, `vout` |
+| `dock_signal.left`, `right` | `dockSignal.left`, `right`: 1, 0 |
+| `cameras.cameras.NAME.device`, `on` | `cameras.NAME.device`, `status`: `on`, `off` |
+
+The time of a part there is `time_s` less `age_s` here.
+"""
+
+from typing import Literal
 
 from msgspec import Struct
 
+from lbr.messages.battery import BatteryLevel
+from lbr.messages.units import Quaternion, Vector
+
+
+class RangesPart(Struct, frozen=True, kw_only=True):
+    """Distances around the robot; null is not measured."""
+
+    age_s: float
+    forward_m: float | None
+    left_m: float | None
+    right_m: float | None
+    back_m: float | None
+    bottom_m: float | None
+    cycle_s: float | None
+
+
+class ImuPart(Struct, frozen=True, kw_only=True):
+    """What the inertial unit measures, along its own axes, and what attitude makes of it; as old as the older of both."""
+
+    age_s: float
+    gyro_rps: Vector | None = None
+    accel_mps2: Vector | None = None
+    mag_ut: Vector | None = None
+    temperature_c: float | None = None
+    heading_deg: float | None = None
+    orientation: Quaternion | None = None
+    turned_deg: float | None = None
+
+
+class AmperagesPart(Struct, frozen=True, kw_only=True):
+    """Currents of the motors, forward positive."""
+
+    age_s: float
+    left_a: float | None
+    right_a: float | None
+
+
+class BatteryPart(Struct, frozen=True, kw_only=True):
+    """The main battery; `charge` is 0 to 1."""
+
+    age_s: float
+    voltage_v: float | None
+    charge: float | None
+    charging: bool | None
+    source: Literal["battery", "mains"] | None
+    level: BatteryLevel
+
+
+class CountsPart(Struct, frozen=True, kw_only=True):
+    """Counts of the wheels' encoders, and what odometry makes of them: the way travelled, backwards negative.
+
+    As old as the older of both.
+    """
+
+    age_s: float
+    left: int | None
+    right: int | None
+    distance_m: float | None = None
+
+
+class VoltagesPart(Struct, frozen=True, kw_only=True):
+    """What the motor controller measures: the battery, its own supply, its 5 V output."""
+
+    age_s: float
+    battery_v: float | None
+    internal_v: float | None
+    output_v: float | None
+
+
+class DockSignalPart(Struct, frozen=True, kw_only=True):
+    """Which beams of the dock are seen."""
+
+    age_s: float
+    left: bool
+    right: bool
+    power: bool
+
+
+class CameraPart(Struct, frozen=True, kw_only=True):
+    """One camera."""
+
+    device: str
+    on: bool
+    phase: str
+    reason: str = ""
+
+
+class CamerasPart(Struct, frozen=True, kw_only=True):
+    """Which camera is on, `off` for none, and how each is."""
+
+    age_s: float
+    selected: str
+    cameras: dict[str, CameraPart]
+
 
 class Telemetry(Struct, frozen=True, kw_only=True):
-    """The nested package of the robot's readings."""
+    """The nested package of the robot's readings. A part is null until it was heard once.
+
+    Its `age_s` is how old it is; of a source that has fallen silent, the last is told with an age that grows. `time_s`
+    is when the package was made, in seconds since 1970.
+    """
+
+    time_s: float
+    ranges: RangesPart | None = None
+    imu: ImuPart | None = None
+    amperages: AmperagesPart | None = None
+    battery: BatteryPart | None = None
+    counts: CountsPart | None = None
+    voltages: VoltagesPart | None = None
+    dock_signal: DockSignalPart | None = None
+    cameras: CamerasPart | None = None

@@ -1,6 +1,8 @@
 """Telemetry: everything the robot knows of itself in one nested message, with the age of each part."""
 
-from msgspec import Struct
+from typing import Annotated
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.attitude import AttitudeState
@@ -16,6 +18,8 @@ from lbr.messages.telemetry import Telemetry
 
 class TelemetrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `telemetry` may set."""
+
+    rate_hz: Annotated[float, Meta(ge=0.1, le=20.0, description="packages a second")] = 5.0
 
 
 KIND = Kind(

@@ -1,0 +1,131 @@
+"""From the newest message of each source to the package. Pure."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from lbr.capability.context import Received
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.battery import BatteryState
+from lbr.messages.camera import CamerasState
+from lbr.messages.dock import DockSignal
+from lbr.messages.imu import ImuSample
+from lbr.messages.motors import MotorsState
+from lbr.messages.odometry import OdometryState
+from lbr.messages.sensing import Ranges
+from lbr.messages.telemetry import (
+    AmperagesPart,
+    BatteryPart,
+    CameraPart,
+    CamerasPart,
+    CountsPart,
+    DockSignalPart,
+    ImuPart,
+    RangesPart,
+    Telemetry,
+    VoltagesPart,
+)
+
+P = TypeVar("P")
+Latest = Callable[[str], Received | None]
+
+
+def package(latest: Latest, now: float, time_s: float) -> Telemetry:
+    """Return the package of what `latest` has of each source, `now` by the clock that messages are dated by."""
+
+    def part(port: str, make: Callable[[Any, float], P]) -> P | None:
+        received = latest(port)
+        return None if received is None else make(received.message, _age_s(received, now))
+
+    return Telemetry(
+        time_s=round(time_s, 3),
+        ranges=part("ranges", _ranges),
+        imu=_imu(latest("imu"), latest("attitude"), now),
+        amperages=part("motors", _amperages),
+        battery=part("battery", _battery),
+        counts=_counts(latest("motors"), latest("odometry"), now),
+        voltages=part("motors", _voltages),
+        dock_signal=part("dock", _dock_signal),
+        cameras=part("cameras", _cameras),
+    )
+
+
+def _age_s(received: Received, now: float) -> float:
+    return round(max(0.0, received.age_s(now)), 3)
+
+
+def _oldest_s(now: float, *sources: Received | None) -> float | None:
+    return max((_age_s(received, now) for received in sources if received is not None), default=None)
+
+
+def _ranges(ranges: Ranges, age_s: float) -> RangesPart:
+    return RangesPart(
+        age_s=age_s,
+        forward_m=ranges.forward_m,
+        left_m=ranges.left_m,
+        right_m=ranges.right_m,
+        back_m=ranges.back_m,
+        bottom_m=ranges.bottom_m,
+        cycle_s=ranges.cycle_s,
+    )
+
+
+def _imu(imu: Received | None, attitude: Received | None, now: float) -> ImuPart | None:
+    age_s = _oldest_s(now, imu, attitude)
+    if age_s is None:
+        return None
+    sample: ImuSample | None = imu.message if imu is not None else None
+    state: AttitudeState | None = attitude.message if attitude is not None else None
+    return ImuPart(
+        age_s=age_s,
+        gyro_rps=sample.gyro_rps if sample else None,
+        accel_mps2=sample.accel_mps2 if sample else None,
+        mag_ut=sample.mag_ut if sample else None,
+        temperature_c=sample.temperature_c if sample else None,
+        heading_deg=state.heading_deg if state else None,
+        orientation=state.orientation if state else None,
+        turned_deg=state.turned_deg if state else None,
+    )
+
+
+def _amperages(motors: MotorsState, age_s: float) -> AmperagesPart:
+    return AmperagesPart(age_s=age_s, left_a=motors.amps_left_a, right_a=motors.amps_right_a)
+
+
+def _battery(battery: BatteryState, age_s: float) -> BatteryPart:
+    return BatteryPart(
+        age_s=age_s,
+        voltage_v=battery.voltage_v,
+        charge=battery.charge,
+        charging=battery.charging,
+        source=battery.source,
+        level=battery.level,
+    )
+
+
+def _counts(motors: Received | None, odometry: Received | None, now: float) -> CountsPart | None:
+    if motors is None:
+        return None
+    state: MotorsState = motors.message
+    travelled: OdometryState | None = odometry.message if odometry is not None else None
+    return CountsPart(
+        age_s=_oldest_s(now, motors, odometry) or 0.0,
+        left=state.counts_left,
+        right=state.counts_right,
+        distance_m=travelled.distance_m if travelled is not None else None,
+    )
+
+
+def _voltages(motors: MotorsState, age_s: float) -> VoltagesPart:
+    return VoltagesPart(age_s=age_s, battery_v=motors.voltage_v, internal_v=motors.internal_v, output_v=motors.output_v)
+
+
+def _dock_signal(dock: DockSignal, age_s: float) -> DockSignalPart:
+    return DockSignalPart(age_s=age_s, left=dock.left, right=dock.right, power=dock.power)
+
+
+def _cameras(cameras: CamerasState, age_s: float) -> CamerasPart:
+    parts = {
+        name: CameraPart(device=camera.device, on=camera.on, phase=camera.phase, reason=camera.reason)
+        for name, camera in cameras.cameras.items()
+    }
+    return CamerasPart(age_s=age_s, selected=cameras.selected, cameras=parts)
