@@ -11,6 +11,15 @@ import sys
 PR_SET_PDEATHSIG = 1
 
 
+def tethered(argv: tuple[str, ...], *, within: str = "") -> list[str]:
+    """Return the command line that runs `argv` for as long as this process lives, confined to what a home allows.
+
+    Without `within` it may do what this process may. To be started from a thread that lives as long as the process,
+    because the kernel watches the thread.
+    """
+    return [sys.executable, "-I", "-S", os.path.abspath(__file__), str(os.getpid()), within, *argv]  # noqa: PTH100
+
+
 def main() -> None:
     """Ask the kernel for SIGKILL at the parent's death, then become the program."""
     parent, home, argv = int(sys.argv[1]), sys.argv[2], sys.argv[3:]

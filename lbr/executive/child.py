@@ -19,6 +19,7 @@ from lbr.bus.session import client_settings, leaf_environment
 from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
+from lbr.capability.tether import tethered
 from lbr.errors import MalformedError
 from lbr.executive import scheduling
 from lbr.executive.units import Unit
@@ -26,16 +27,6 @@ from lbr.executive.units import Unit
 LARGEST_DOCUMENT_BYTES = 1 << 20
 PIPE_BYTES = 1 << 16
 _reports = Decoder(Report)
-
-
-def tethered(argv: tuple[str, ...], *, within: str = "") -> list[str]:
-    """Return the command line that runs `argv` for as long as this process lives, confined to what a home allows.
-
-    Without `within` it may do what this process may. To be started from a thread that lives as long as the process,
-    because the kernel watches the thread.
-    """
-    tether = str(Path(__file__).resolve().parent.parent / "capability" / "tether.py")
-    return [sys.executable, "-I", "-S", tether, str(os.getpid()), within, *argv]
 
 
 class Child:

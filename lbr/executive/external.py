@@ -10,10 +10,10 @@ import time
 from pathlib import Path
 
 from lbr.bus.session import leaf_environment
+from lbr.capability.tether import tethered
 from lbr.database.rows import ExternalCommandRow
 from lbr.errors import InputError, LbrError
 from lbr.executive import scheduling
-from lbr.executive.child import tethered
 from lbr.executive.logs import open_log
 
 BLOCKING_LIMIT_S = 60.0
