@@ -1,0 +1,73 @@
+"""Those who asked to be told when the body has turned. No I/O, and nothing here moves or stops anything."""
+
+from dataclasses import dataclass
+
+from lbr.messages.attitude import AttitudeState
+
+MOST = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What there is to tell of one: `kind` is `turned`, or `turn_lost` for one that is given up."""
+
+    kind: str
+    text: str
+    data: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class _Turn:
+    angle_deg: float
+    from_deg: float
+    since_s: float
+    epoch: str
+
+
+class Turns:
+    """Takes what is asked by `watch`, and says by `look` what came of it."""
+
+    def __init__(self, longest_s: float) -> None:
+        self._longest_s = longest_s
+        self._turns: list[_Turn] = []
+
+    def watch(self, angle_deg: float, state: AttitudeState, now: float) -> str:
+        """Wait for a turn by an angle, clockwise positive; return why not, or nothing."""
+        if angle_deg == 0.0:
+            return "nobody turns by 0 degrees; say how far, -360 to 360, clockwise positive"
+        if not state.valid or state.turned_deg is None:
+            return f"how far the body turns is not known: {state.reason}"
+        if len(self._turns) >= MOST:
+            return f"{MOST} turns are watched already; one of them has to end first"
+        self._turns.append(_Turn(angle_deg, state.turned_deg, now, state.epoch))
+        return ""
+
+    def look(self, state: AttitudeState, now: float) -> list[Told]:
+        """Return what happened to those who wait."""
+        told, waiting = [], []
+        for turn in self._turns:
+            found = self._judge(turn, state, now)
+            if found is None:
+                waiting.append(turn)
+            else:
+                told.append(found)
+        self._turns = waiting
+        return told
+
+    def _judge(self, turn: _Turn, state: AttitudeState, now: float) -> Told | None:
+        elapsed_s = now - turn.since_s
+        wanted = f"the turn of {turn.angle_deg:g} degrees"
+        if state.epoch != turn.epoch:
+            return _lost(turn, f"{wanted} was lost sight of: {state.reason or 'samples were missing'}")
+        if state.turned_deg is not None:
+            turned_deg = state.turned_deg - turn.from_deg
+            if turned_deg >= turn.angle_deg if turn.angle_deg > 0.0 else turned_deg <= turn.angle_deg:
+                data = {"angle_deg": turn.angle_deg, "turned_deg": turned_deg, "elapsed_s": elapsed_s}
+                return Told("turned", f"turned {turned_deg:.1f} degrees in {elapsed_s:.1f} s", data)
+        if elapsed_s > self._longest_s:
+            return _lost(turn, f"{wanted} did not come within {elapsed_s:.0f} s; it is watched no longer")
+        return None
+
+
+def _lost(turn: _Turn, text: str) -> Told:
+    return Told("turn_lost", text, {"angle_deg": turn.angle_deg})
