@@ -2,7 +2,15 @@
 
 from lbr.capability.kind import Kind
 from lbr.messages.simulation import WorldPose, WorldScene
-from lbr.simulation.requests import FaultReply, FaultRequest, PictureReply, PictureRequest
+from lbr.simulation.requests import (
+    FaultReply,
+    FaultRequest,
+    PictureReply,
+    PictureRequest,
+    PlaceRequest,
+    RemoveRequest,
+    ThingsReply,
+)
 from lbr.simulation.rows import InfraredRow, Mpu9150Row, RioxRow, RoboteqRow, UltrasonicRow
 from lbr.simulation.settings import WorldSettings
 
@@ -13,8 +21,8 @@ KIND = Kind(
     entry="lbr.simulation.capability:World",
     settings=WorldSettings,
     outputs={"pose": WorldPose, "scene": WorldScene},
-    commands={"picture": PictureRequest, "fault": FaultRequest},
-    roles={"picture": "admin", "fault": "admin"},
+    commands={"picture": PictureRequest, "fault": FaultRequest, "place": PlaceRequest, "remove": RemoveRequest},
+    roles={"picture": "admin", "fault": "admin", "place": "admin", "remove": "admin"},
     device_settings={
         "roboteq": RoboteqRow,
         "ultrasonic_ring": UltrasonicRow,
@@ -22,5 +30,5 @@ KIND = Kind(
         "riox": RioxRow,
         "infrared": InfraredRow,
     },
-    replies={"picture": PictureReply, "fault": FaultReply},
+    replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},
 )

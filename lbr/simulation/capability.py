@@ -6,15 +6,24 @@ from collections import deque
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.sensing import Ranges, RangeStatus
-from lbr.messages.simulation import WorldScene
+from lbr.messages.simulation import WorldBox, WorldScene
 from lbr.simulation.engine import Engine
 from lbr.simulation.loop import WorldLoop
 from lbr.simulation.painter import Painter, picture_path
-from lbr.simulation.requests import FaultReply, FaultRequest, PictureRequest
+from lbr.simulation.requests import (
+    FaultReply,
+    FaultRequest,
+    PictureRequest,
+    PlaceRequest,
+    RemoveRequest,
+    ThingsReply,
+)
 from lbr.simulation.settings import WorldSettings
 from lbr.simulation.topdown import image
 from lbr.simulation.trace import OutputTrace
@@ -33,6 +42,7 @@ class World(Capability[WorldSettings]):
     def __init__(self, ctx: Context[WorldSettings]) -> None:
         super().__init__(ctx)
         self.rate_hz = ctx.settings.pose_hz
+        self._engine: Engine | None = None
         self._loop: WorldLoop | None = None
         self._trace: OutputTrace | None = None
         self._twins: dict[str, Twin] = {}
@@ -47,7 +57,7 @@ class World(Capability[WorldSettings]):
         sys.setswitchinterval(_SWITCH_S)
         now = self.ctx.clock()
         self._painter = Painter()
-        engine = Engine(self.ctx.settings)
+        engine = self._engine = Engine(self.ctx.settings)
         self._trace = OutputTrace(self.ctx.settings.trace)
         self._twins = self._plugged_in(Surroundings(seed=self.ctx.settings.seed, now=now, trace=self._trace))
         self._scene = engine.scene()
@@ -58,7 +68,7 @@ class World(Capability[WorldSettings]):
 
     def step(self) -> None:
         """Publish what is due; raise what ended the world's thread."""
-        loop, scene = self._running()
+        _, loop, scene = self._running()
         if loop.failure is not None:
             raise loop.failure
         self._painter.finish()
@@ -72,12 +82,14 @@ class World(Capability[WorldSettings]):
             self.ctx.publish("scene", scene)
 
     def command(self, call: Call) -> None:
-        """Answer `fault` and `picture`."""
-        named = isinstance(call.message, PictureRequest) and bool(call.message.path)
-        if call.role == "view" and (named or call.name == "fault"):
-            call.refuse(f"{call.name} needs the role operate{', unless no path is named' if named else ''}")
+        """Answer `fault`, `place`, `remove` and `picture`."""
+        drawn = isinstance(call.message, PictureRequest)
+        if call.role == "view" and not (drawn and not call.message.path):
+            call.refuse(f"{call.name} needs the role operate{', unless no path is named' if drawn else ''}")
         elif isinstance(call.message, FaultRequest):
             self._fault(call, call.message)
+        elif isinstance(call.message, PlaceRequest | RemoveRequest):
+            self._change(call, call.message)
         elif isinstance(call.message, PictureRequest):
             self._picture(call, call.message)
         else:
@@ -94,10 +106,10 @@ class World(Capability[WorldSettings]):
             self._trace = None
         sys.setswitchinterval(self._switch_s)
 
-    def _running(self) -> tuple[WorldLoop, WorldScene]:
-        if self._loop is None or self._scene is None:
+    def _running(self) -> tuple[Engine, WorldLoop, WorldScene]:
+        if self._engine is None or self._loop is None or self._scene is None:
             raise RuntimeError("the world is not open")
-        return self._loop, self._scene
+        return self._engine, self._loop, self._scene
 
     def _plugged_in(self, around: Surroundings) -> dict[str, Twin]:
         here = [device for device in self.ctx.devices if device.address.startswith(_LOCAL)]
@@ -129,8 +141,24 @@ class World(Capability[WorldSettings]):
         self.ctx.event("fault_injected", f"{request.device}: {request.name} is now {now}", level="warning")
         call.reply(FaultReply(accepted=True, faults=faults))
 
+    def _change(self, call: Call, request: PlaceRequest | RemoveRequest) -> None:
+        engine, _, _ = self._running()
+        try:
+            if isinstance(request, PlaceRequest):
+                engine.place(WorldBox(**msgspec.structs.asdict(request)))
+            else:
+                engine.remove(request.name)
+        except InputError as err:
+            call.refuse(str(err))
+            return
+        self._scene, self._scene_at = engine.scene(), self.ctx.clock()
+        verb = "stands in the world" if isinstance(request, PlaceRequest) else "has vanished"
+        self.ctx.event("world_changed", f"'{request.name}' {verb}")
+        known = {wall.name for wall in self.ctx.settings.walls}
+        call.reply(ThingsReply(accepted=True, things=tuple(w.name for w in self._scene.walls if w.name not in known)))
+
     def _picture(self, call: Call, request: PictureRequest) -> None:
-        loop, scene = self._running()
+        _, loop, scene = self._running()
         path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
         pose, ranges, trail = loop.pose, _as_ranges(loop.ranges_m), tuple(self._trail)
         size = {"width": request.width_px, "height": request.height_px}

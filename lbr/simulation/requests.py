@@ -6,6 +6,8 @@ from msgspec import Meta, Struct
 
 from lbr.messages.units import Name
 
+Metres = Annotated[float, Meta(ge=-1000.0, le=1000.0, description="metres")]
+Extent = Annotated[float, Meta(gt=0.0, le=10.0, description="metres")]
 Pixels = Annotated[int, Meta(ge=100, le=4000)]
 
 
@@ -23,6 +25,32 @@ class FaultReply(Struct, frozen=True, kw_only=True):
     accepted: bool
     reason: str = ""
     faults: dict[str, Any] = {}
+
+
+class PlaceRequest(Struct, frozen=True, kw_only=True):
+    """Let a box stand in the world, or move the one of that name; its middle, its full size, turned anticlockwise."""
+
+    x_m: Metres
+    y_m: Metres
+    name: Annotated[str, Meta(min_length=1, max_length=40)] = "obstacle"
+    length_m: Extent = 0.3
+    width_m: Extent = 0.3
+    height_m: Extent = 1.0
+    yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0)] = 0.0
+
+
+class RemoveRequest(Struct, frozen=True, kw_only=True):
+    """Let a thing that was placed vanish."""
+
+    name: Annotated[str, Meta(min_length=1, max_length=40)] = "obstacle"
+
+
+class ThingsReply(Struct, frozen=True, kw_only=True):
+    """What is placed now, or why nothing changed."""
+
+    accepted: bool
+    reason: str = ""
+    things: tuple[str, ...] = ()
 
 
 class PictureRequest(Struct, frozen=True, kw_only=True):

@@ -1,0 +1,103 @@
+"""A world with a wall, two devices and a fake context, and a client of its motor line."""
+
+import threading
+import time
+
+import serial
+
+from lbr.capability.context import Device
+from lbr.simulation.capability import World
+from lbr.simulation.requests import FaultRequest
+from lbr.simulation.settings import BoxSettings, WorldSettings
+
+WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
+
+
+class FakeContext:
+    """Our own contract, kept by lists."""
+
+    robot = "lbr"
+    name = "world"
+    device = None
+
+    def __init__(self, settings, devices):
+        self.settings = settings
+        self.devices = devices
+        self.published = {"pose": [], "scene": []}
+        self.events = []
+        self.warnings = []
+
+    def clock(self):
+        return time.monotonic()
+
+    def publish(self, output, message):
+        self.published[output].append(message)
+
+    def event(self, kind, text, *, level="info", data=None):
+        self.events.append((kind, text))
+
+    def warn(self, reason):
+        self.warnings.append(reason)
+
+
+class FakeCall:
+    role = "operate"
+
+    def __init__(self, name, message, role="operate"):
+        self.name, self.message, self.role = name, message, role
+        self.answer = self.refusal = None
+
+    def reply(self, answer, *, quiet=False):
+        self.answer = answer
+
+    def refuse(self, reason):
+        self.refusal = reason
+
+
+class Client:
+    """A motor line without echo."""
+
+    def __init__(self, path):
+        self.tty = serial.Serial(str(path), 115200, timeout=1, write_timeout=1, exclusive=True)
+        self.tty.write(b"^ECHOF 1\r")
+        assert self.tty.read_until(b"+\r").endswith(b"+\r")
+
+    def ask(self, line):
+        self.tty.write(line.encode() + b"\r")
+        return self.tty.read_until(b"\r")
+
+
+class Bench:
+    def __init__(self, folder, **settings):
+        self.motors_path, self.ranges_path = folder / "motors", folder / "ranges"
+        self.trace_path = folder / "trace.txt"
+        settings = WorldSettings(**{"walls": (WALL,), "trace": str(self.trace_path), **settings})
+        devices = (
+            Device("motors", "roboteq", str(self.motors_path), {}),
+            Device("ranges", "ultrasonic_ring", str(self.ranges_path), {"board": "arduino"}),
+        )
+        self.ctx = FakeContext(settings, devices)
+        self.world = World(self.ctx)
+
+    def ask(self, name, message, **more):
+        call = FakeCall(name, message, **more)
+        self.world.command(call)
+        return call
+
+    def fault(self, device, name, value=True):
+        call = self.ask("fault", FaultRequest(device=device, name=name, value=value))
+        assert call.refusal is None
+        return call.answer
+
+    def trace(self):
+        return [line.split() for line in self.trace_path.read_text().splitlines()]
+
+    def until(self, condition, seconds=3.0):
+        """Step as the runtime would until something is true."""
+        pause, end = threading.Event(), time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.world.step()
+            if condition():
+                return True
+            pause.wait(0.01)
+        return False
