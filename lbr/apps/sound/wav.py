@@ -63,7 +63,7 @@ def _opened(path: Path) -> Iterator[wave.Wave_read]:
             yield sound
     except OSError as err:
         raise InputError(f"{path} cannot be read ({err.strerror or err})") from err
-    except (wave.Error, EOFError, ValueError, ArithmeticError) as err:
+    except (wave.Error, EOFError, ValueError, ArithmeticError, RuntimeError) as err:  # as `wave` raises them
         if isinstance(err, InputError):
             raise
         why = str(err) or "it ends too soon"
@@ -75,6 +75,7 @@ def _opened(path: Path) -> Iterator[wave.Wave_read]:
 def _peak(block: bytes, width: int) -> float:
     if width == 1:
         return max(max(block) - 128, 128 - min(block)) / 128
+    block = block[: len(block) // width * width]
     top = bytearray(len(block) // width * 2)  # the two most significant bytes of each sample, little endian
     top[0::2], top[1::2] = block[width - 2 :: width], block[width - 1 :: width]
     samples = array("h", bytes(top))
