@@ -1,10 +1,11 @@
 """Publishing, receiving, answering and asking: thin, so that nothing but a slot write happens on Zenoh's threads."""
 
 import os
+import threading
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -293,6 +294,19 @@ def ask(
         return [raw(reply.ok) for reply in replies if reply.ok is not None]
     except zenoh.ZError as err:
         raise BusError(f"{key}: {err}") from err
+
+
+def ask_all(session: zenoh.Session, keys: Iterable[str], *, source: str, timeout_s: float) -> list[Raw]:
+    """Query several keys at once and return all answers that come in time."""
+    woken = threading.Event()
+    questions = [
+        Question(session, key, b"", timeout_s=timeout_s, source=source, wake=woken.set) for key in dict.fromkeys(keys)
+    ]
+    end = time.monotonic() + timeout_s
+    while not all(question.done for question in questions) and time.monotonic() < end:
+        woken.wait(max(0.0, end - time.monotonic()))
+        woken.clear()
+    return [answer for question in questions for answer in list(question.replies)]
 
 
 def put(session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False) -> bytes:

@@ -3,7 +3,7 @@
 import contextlib
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import msgspec
@@ -13,8 +13,12 @@ from lbr.bus.session import Session
 from lbr.console import wiring
 from lbr.errors import InputError, MalformedError
 from lbr.executive.robot import Robot
+from lbr.messages.camera import JpegFrame
+from lbr.messages.drive import DriveState
+from lbr.messages.telemetry import Telemetry
 
 NAMES = ("telemetry", "settings", "statistics", "health", "events", "wiring")
+ANSWERS_WITHIN_S = 1.0
 
 
 class Reports:
@@ -40,21 +44,40 @@ class Reports:
         texts: dict[str, Callable[[], str]] = {
             "health": self.health,
             "events": lambda: _events_text(data),
+            "telemetry": lambda: self._telemetry_text(data),
             "wiring": lambda: "\n".join(wiring.tree(wiring.from_plain(data))),
         }
         return data, texts[name]() if name in texts else flat(data)
 
     def telemetry(self) -> dict[str, Any]:
-        """Return what every stream last said, and how long ago."""
+        """Return what every stream but pictures last said, and how long ago."""
+        return self._said(key for key, message in self._streams() if message is not JpegFrame)
+
+    def _streams(self) -> Iterator[tuple[str, Any]]:
+        """Yield the key of every output, setpoints too, and what it carries; None for a program's own."""
+        plan = self._robot.plan
+        for unit in plan.units.values():
+            for output, wires in unit.config.outputs.items():
+                yield from ((each.key, plan.kinds[unit.name].outputs.get(output)) for each in wires)
+
+    def _said(self, keys: Iterable[str]) -> dict[str, Any]:
+        """Return the latest of streams by capability and output; all are asked at once."""
         found: dict[str, Any] = {}
-        for raw in wire.ask(self._bus, f"{self._robot.plan.robot}/*/*", None, source="executive", timeout_s=1.0):
+        for raw in wire.ask_all(self._bus, keys, source="executive", timeout_s=ANSWERS_WITHIN_S):
             said = stamp.read(raw.attachment)
             age = (time.monotonic_ns() - said.mono_ns) / 1e9 if said and said.boot == stamp.boot_id() else None
-            with contextlib.suppress(MalformedError):  # a picture, say
+            with contextlib.suppress(MalformedError):  # what a program publishes may be anything
                 value = codec.decode(raw.payload)
                 if isinstance(value, dict):
                     found[raw.key.partition("/")[2]] = value | ({"age_s": round(age, 3)} if age is not None else {})
         return dict(sorted(found.items()))
+
+    def _telemetry_text(self, data: dict[str, Any]) -> str:
+        """Return the robot's own package part by part, and then every stream."""
+        robot = self._robot.plan.robot
+        packages = {key.removeprefix(f"{robot}/") for key, message in self._streams() if message is Telemetry}
+        parts = {name: part for key in packages for name, part in data.get(key, {}).items() if isinstance(part, dict)}
+        return flat(parts | {name: fields for name, fields in data.items() if name not in packages})
 
     def _wiring(self) -> dict[str, Any]:
         return wiring.plain(wiring.graph(self._robot.plan.rows, *wiring.running(self._robot.status())))
@@ -67,8 +90,9 @@ class Reports:
         status = self._robot.status()
         fields = ("rates_hz", "restarts", "uptime_s", "cpu_percent", "memory_mb")
         found = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
-        loop = self.telemetry().get("drive/state", {}).get("loop")
-        return {**found, **({"drive/loop": loop} if loop else {})}
+        drives = self._said(key for key, message in self._streams() if message is DriveState)
+        loops = {f"{name.partition('/')[0]}/loop": said.get("loop") for name, said in drives.items()}
+        return found | {name: loop for name, loop in loops.items() if loop}
 
     def health(self) -> str:
         """Return how every capability is, in lines."""
