@@ -298,6 +298,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The voice: says texts and phrases, and plays songs'),
     ('lbr', 'dance', 'dance', '{}', '["drive", "speech"]',
      'Dances to a song: drives at its beats, within all that the drive allows'),
+    ('lbr', 'telemetry', 'telemetry', '{}', '[]',
+     'All that the robot knows of itself, in one message'),
     ('lbr', 'world', 'world', '{}', '[]',
      'The simulated surroundings; runs only under a simulating launch profile');
 
@@ -319,7 +321,11 @@ INSERT INTO channel (robot, source, target, history) VALUES
 
 -- What needs no more than a few messages a second gets no more.
 INSERT INTO channel (robot, source, target, rate_hz) VALUES
-    ('lbr', 'motors.state', 'battery.motors', 5);
+    ('lbr', 'motors.state', 'battery.motors', 5),
+    ('lbr', 'battery.say', 'speech.say', NULL),
+    ('lbr', 'ranges.readings', 'telemetry.ranges', 10),
+    ('lbr', 'motors.state', 'telemetry.motors', 10),
+    ('lbr', 'battery.state', 'telemetry.battery', 10);
 
 INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
     ('lbr', 'r', '/r/{power}/{angle_deg}', 'drive.command', NULL, 'operate',
