@@ -184,9 +184,19 @@ def stop(session: Session, key: str, source: str, reason: str = "") -> bool:
 
 
 def describe(result: GoalResult) -> str:
-    """Say in one line how a bounded move ended."""
+    """Say in one line how a bounded move or a turn ended."""
+    by_itself = result.turned_deg is not None or (result.distance_m is not None and result.range_cm is None)
+    if result.result == "reached" and by_itself:
+        return result.reason
     at = f" at {result.range_cm:g} cm" if result.range_cm is not None else ""
     planned = result.result in {"reached", "interval"}
     why = f": {result.reason}" if result.reason and result.reason != result.result and not planned else ""
     said = {"reached": "range reached", "interval": "time is over"}.get(result.result, result.result)
-    return f"{said}{at} after {result.elapsed_s:.1f} s{why}"
+    return f"{said}{at} after {result.elapsed_s:.1f} s{_how_far(result)}{why}"
+
+
+def _how_far(result: GoalResult) -> str:
+    """Say how far the base came by then."""
+    if result.turned_deg is not None:
+        return f", turned {result.turned_deg:.1f} degrees"
+    return f", drove {abs(result.distance_m):.2f} m" if result.distance_m is not None else ""

@@ -1,6 +1,8 @@
 """Odometry: how far the base went, from the wheels' encoders and the attitude."""
 
-from msgspec import Struct
+from typing import Annotated
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.attitude import AttitudeState
@@ -9,7 +11,31 @@ from lbr.messages.odometry import OdometryState
 
 
 class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `odometry` may set."""
+    """What a row of kind `odometry` may set.
+
+    `track_m` is the distance between the wheels as it works out when turning on the spot: more than what a ruler says.
+    A wheel stalls that is given `stall_power`, or draws `stall_a`, and counts nothing for `stall_s`. The base slips when
+    wheels and attitude differ by more than `slip_dps`, and by more than `slip_share` of the faster, for `slip_s`.
+    """
+
+    wheel_diameter_m: Annotated[float, Meta(gt=0.0, le=2.0)] = 0.1778
+    counts_per_turn: Annotated[
+        float, Meta(gt=0.0, le=1_000_000.0, description="of an encoder, for a turn of its wheel")
+    ] = 130.0
+    track_m: Annotated[float, Meta(gt=0.0, le=5.0)] = 0.27
+    max_speed_mps: Annotated[
+        float, Meta(gt=0.0, le=10.0, description="what counts faster than twice this, was reset")
+    ] = 1.0
+    speed_window_s: Annotated[float, Meta(gt=0.0, le=2.0, description="speeds are averages over this")] = 0.3
+    stall_power: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.05
+    stall_a: Annotated[float, Meta(gt=0.0, le=200.0)] = 5.0
+    stall_s: Annotated[float, Meta(gt=0.0, le=5.0)] = 0.5
+    slip_dps: Annotated[float, Meta(gt=0.0, le=360.0)] = 15.0
+    slip_share: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
+    slip_s: Annotated[float, Meta(gt=0.0, le=5.0)] = 0.6
+    silent_s: Annotated[
+        float, Meta(gt=0.0, le=5.0, description="without the motors' state for so long nothing is known")
+    ] = 0.3
 
 
 KIND = Kind(

@@ -1,0 +1,45 @@
+"""The process around the reckoning: feeds it what arrives, and publishes what it says each time the motors tell."""
+
+import secrets
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Context
+from lbr.operations.odometry import OdometrySettings
+from lbr.operations.odometry.reckoning import Reckoning
+
+SILENT_PERIOD_S = 0.5
+
+
+class Odometry(Capability[OdometrySettings]):
+    """Odometry: an answer to each of the motors' states."""
+
+    rate_hz = 25.0
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[OdometrySettings]) -> None:
+        super().__init__(ctx)
+        self._reckoning = self._fresh()
+        self._said_s = 0.0
+
+    def open(self) -> None:
+        """Begin to count anew."""
+        self._reckoning = self._fresh()
+        self._publish()
+
+    def step(self) -> None:
+        """Take in what arrived, and tell."""
+        for received in self.ctx.take("attitude"):
+            self._reckoning.look(received.message)
+        arrived = self.ctx.take("motors")
+        for received in arrived:
+            self._reckoning.count(received.message, received.arrived)
+        self._reckoning.silence(self.ctx.clock())
+        if arrived or self.ctx.clock() - self._said_s >= SILENT_PERIOD_S:
+            self._publish()
+
+    def _fresh(self) -> Reckoning:
+        return Reckoning(self.ctx.settings, secrets.token_hex(3))
+
+    def _publish(self) -> None:
+        self._said_s = self.ctx.clock()
+        self.ctx.publish("state", self._reckoning.state())

@@ -1,0 +1,189 @@
+"""From encoder counts to how far the base went. No I/O and no clock of its own: the same events give the same states."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from math import cos, inf, isfinite, pi, radians, sin
+
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.motors import MotorsState
+from lbr.messages.odometry import OdometryState
+from lbr.operations.odometry import OdometrySettings
+
+WRAP = 2**32
+"""Counts are signed 32-bit numbers and go round."""
+JUMP_M = 0.1
+JUMP_SHARE = 2.0
+LOOK_S = 0.2
+"""An attitude older than this turns nothing."""
+NO_COUNTS = "the motor controller tells no encoder counts; look at its encoders' settings"
+
+
+@dataclass(frozen=True, slots=True)
+class _Mark:
+    """Where the wheels and the body were at a time: metres along each wheel, radians anticlockwise."""
+
+    time_s: float
+    left_m: float
+    right_m: float
+    yaw_rad: float
+
+
+@dataclass(slots=True)
+class _Run:
+    """What is counted in one epoch. `idle_s`: for how long each wheel was pushed and stood."""
+
+    counts: tuple[int, int] | None = None
+    counted_s: float = -inf
+    x_m: float = 0.0
+    y_m: float = 0.0
+    yaw_rad: float = 0.0
+    distance_m: float = 0.0
+    wheels_m: tuple[float, float] = (0.0, 0.0)
+    idle_s: tuple[float, float] = (0.0, 0.0)
+    slip_s: float = 0.0
+    seen: tuple[str, float, float] | None = None
+    by_body: bool = False
+    marks: deque[_Mark] = field(default_factory=deque)
+
+
+class Reckoning:
+    """Takes what motors and attitude say, and says by `state` what follows."""
+
+    def __init__(self, settings: OdometrySettings, name: str) -> None:
+        self._settings = settings
+        self._name = name
+        self._epochs = 1
+        self._per_count_m = pi * settings.wheel_diameter_m / settings.counts_per_turn
+        self._look: tuple[str, float, float] | None = None
+        self._trouble = "the motor driver was not heard yet"
+        self._run = _Run()
+
+    @property
+    def epoch(self) -> str:
+        """Name the count of distance that goes on now."""
+        return f"{self._name}-{self._epochs}"
+
+    def look(self, attitude: AttitudeState) -> None:
+        """Take in the attitude; what is not valid is not used."""
+        turned_deg = attitude.turned_deg
+        known = attitude.valid and turned_deg is not None and isfinite(turned_deg) and isfinite(attitude.measured_s)
+        self._look = (attitude.epoch, turned_deg, attitude.measured_s) if known and turned_deg is not None else None
+
+    def count(self, motors: MotorsState, now: float) -> None:
+        """Take in the motors' state, which came now."""
+        if motors.counts_left is None or motors.counts_right is None:
+            self._fail(NO_COUNTS if motors.reason == "" or motors.armed else f"{NO_COUNTS} ({motors.reason})")
+            return
+        counts = (motors.counts_left, motors.counts_right)
+        before, self._run.counts = self._run.counts, counts
+        if self._trouble or before is None:
+            self._trouble = ""
+            self._start(now)
+            return
+        elapsed_s = now - self._run.counted_s
+        if not elapsed_s > 0.0:  # this way round, NaN is no time
+            self._run.counts = before
+            return
+        left_m, right_m = (_difference(new, old) * self._per_count_m for new, old in zip(counts, before, strict=True))
+        most_m = JUMP_M + JUMP_SHARE * self._settings.max_speed_mps * elapsed_s
+        if max(abs(left_m), abs(right_m)) > most_m:  # the controller began to count anew: how far it went is not known
+            self._begin_anew()
+            self._run.counts = counts
+            self._start(now)
+            return
+        self._run.counted_s = now
+        self._move(left_m, right_m)
+        self._feel(motors, (left_m, right_m), elapsed_s)
+
+    def silence(self, now: float) -> None:
+        """Look whether the motors have been silent for too long."""
+        if not self._trouble and not now - self._run.counted_s <= self._settings.silent_s:
+            self._fail(f"the motor driver has been silent for more than {self._settings.silent_s:g} s")
+
+    def state(self) -> OdometryState:
+        """Return what is known."""
+        if self._trouble:
+            return OdometryState(valid=False, epoch=self.epoch, reason=self._trouble)
+        speed_mps, turn_rps, _ = self._speeds()
+        return OdometryState(
+            valid=True,
+            epoch=self.epoch,
+            counted_s=self._run.counted_s,
+            x_m=round(self._run.x_m, 4),
+            y_m=round(self._run.y_m, 4),
+            yaw_rad=round(self._run.yaw_rad, 4),
+            distance_m=round(self._run.distance_m, 4),
+            speed_mps=round(speed_mps, 3),
+            turn_rps=round(turn_rps, 3),
+            stalled=max(self._run.idle_s) >= self._settings.stall_s,
+            slipping=self._run.slip_s >= self._settings.slip_s,
+        )
+
+    def _fail(self, why: str) -> None:
+        if not self._trouble:
+            self._begin_anew()
+        self._trouble = why
+
+    def _begin_anew(self) -> None:
+        self._epochs += 1
+        self._run = _Run()
+
+    def _start(self, now: float) -> None:
+        self._run.counted_s = now
+        self._run.seen = self._look
+        self._run.marks.append(_Mark(now, 0.0, 0.0, 0.0))
+
+    def _move(self, left_m: float, right_m: float) -> None:
+        way_m = (left_m + right_m) / 2
+        by_wheels_rad = (right_m - left_m) / self._settings.track_m
+        by_body_rad = self._turned_rad()
+        turned_rad = by_wheels_rad if by_body_rad is None else by_body_rad
+        middle_rad = self._run.yaw_rad + turned_rad / 2
+        self._run.x_m += way_m * cos(middle_rad)
+        self._run.y_m += way_m * sin(middle_rad)
+        self._run.yaw_rad += turned_rad
+        self._run.distance_m += way_m
+        self._run.wheels_m = (self._run.wheels_m[0] + left_m, self._run.wheels_m[1] + right_m)
+        mark = _Mark(self._run.counted_s, *self._run.wheels_m, self._run.yaw_rad)
+        self._run.marks.append(mark)
+        while len(self._run.marks) > 2 and mark.time_s - self._run.marks[1].time_s >= self._settings.speed_window_s:
+            self._run.marks.popleft()
+        self._run.by_body = by_body_rad is not None
+
+    def _turned_rad(self) -> float | None:
+        """Return how far the body turned since the last counts by the attitude, anticlockwise; None if it is not known."""
+        before, self._run.seen = self._run.seen, self._look
+        if before is None or self._look is None or before[0] != self._look[0]:
+            return None
+        return -radians(self._look[1] - before[1]) if self._run.counted_s - self._look[2] <= LOOK_S else None
+
+    def _feel(self, motors: MotorsState, way_m: tuple[float, float], elapsed_s: float) -> None:
+        """Look whether a wheel stands that is pushed, and whether the wheels turn otherwise than the body."""
+        settings = self._settings
+        wheels = ((motors.left, motors.amps_left_a), (motors.right, motors.amps_right_a))
+        pushed = [abs(power) >= settings.stall_power or abs(amps or 0.0) >= settings.stall_a for power, amps in wheels]
+        left_s, right_s = (
+            idle_s + elapsed_s if push and step_m == 0.0 else 0.0
+            for idle_s, push, step_m in zip(self._run.idle_s, pushed, way_m, strict=True)
+        )
+        self._run.idle_s = (left_s, right_s)
+        _, by_body_rps, by_wheels_rps = self._speeds()
+        apart_rps = abs(by_wheels_rps - by_body_rps)
+        faster_rps = max(abs(by_wheels_rps), abs(by_body_rps))
+        slips = self._run.by_body and apart_rps > max(radians(settings.slip_dps), settings.slip_share * faster_rps)
+        self._run.slip_s = self._run.slip_s + elapsed_s if slips else 0.0
+
+    def _speeds(self) -> tuple[float, float, float]:
+        """Return speed, turn rate of the body, and turn rate by the wheels, over the last moments."""
+        first, last = self._run.marks[0], self._run.marks[-1]
+        elapsed_s = last.time_s - first.time_s
+        if elapsed_s <= 0.0:
+            return 0.0, 0.0, 0.0
+        left_mps, right_mps = (last.left_m - first.left_m) / elapsed_s, (last.right_m - first.right_m) / elapsed_s
+        turn_rps = (last.yaw_rad - first.yaw_rad) / elapsed_s
+        return (left_mps + right_mps) / 2, turn_rps, (right_mps - left_mps) / self._settings.track_m
+
+
+def _difference(new: int, old: int) -> int:
+    """Return how far a 32-bit count went from one reading to the next."""
+    return (new - old + WRAP // 2) % WRAP - WRAP // 2
