@@ -280,7 +280,8 @@ VALUES ('lbr', 'lbr6', 'Two driven wheels on a Roboteq SDC21xx, ultrasonic range
 INSERT INTO device (robot, name, type, address, settings) VALUES
     ('lbr', 'motor_controller', 'roboteq', '/dev/serial/by-id/usb-Roboteq_Motor_Controller-if00', '{}'),
     ('lbr', 'range_board', 'ultrasonic_ring', '/dev/serial/by-id/usb-Arduino-if00', '{}'),
-    ('lbr', 'speaker', 'speaker', 'alsa:default', '{}');
+    ('lbr', 'speaker', 'speaker', 'alsa:default', '{}'),
+    ('lbr', 'dock_receiver', 'infrared', '/dev/lirc0', '{}');
 
 INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('lbr', 'motors', 'roboteq',
@@ -292,12 +293,16 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The ring of ultrasonic sensors: distances ahead, behind, left and right'),
     ('lbr', 'drive', 'drive', '{}', '["motors", "ranges"]',
      'The base: who drives, how fast and how near to obstacles'),
+    ('lbr', 'odometry', 'odometry', '{}', '["motors"]',
+     'The odometry: how far the base went by its wheels, and whether they stall or slip'),
     ('lbr', 'battery', 'battery', '{}', '["motors"]',
      'The battery: its charge, whether it is being charged, and warnings when it is low'),
     ('lbr', 'speech', 'speech', '{"device": "speaker"}', '[]',
      'The voice: says texts and phrases, and plays songs'),
     ('lbr', 'dance', 'dance', '{}', '["drive", "speech"]',
      'Dances to a song: drives at its beats, within all that the drive allows'),
+    ('lbr', 'dock', 'infrared', '{"device": "dock_receiver"}', '[]',
+     'The receiver of the charging dock''s infrared beams: which of them it sees'),
     ('lbr', 'telemetry', 'telemetry', '{}', '[]',
      'All that the robot knows of itself, in one message'),
     ('lbr', 'world', 'world', '{}', '[]',
@@ -313,6 +318,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
     ('lbr', 'motors.state', 'drive.motors', 1),
     ('lbr', 'ranges.readings', 'drive.ranges', 1),
+    ('lbr', 'motors.state', 'odometry.motors', 1),
+    ('lbr', 'odometry.state', 'drive.odometry', 1),
     ('lbr', 'dance.motion', 'drive.command', 1),
     ('lbr', 'dance.halt', 'drive.stop', 1),
     ('lbr', 'dance.sound', 'speech.play', 1),
@@ -325,7 +332,8 @@ INSERT INTO channel (robot, source, target, rate_hz) VALUES
     ('lbr', 'battery.say', 'speech.say', NULL),
     ('lbr', 'ranges.readings', 'telemetry.ranges', 10),
     ('lbr', 'motors.state', 'telemetry.motors', 10),
-    ('lbr', 'battery.state', 'telemetry.battery', 10);
+    ('lbr', 'battery.state', 'telemetry.battery', 10),
+    ('lbr', 'dock.signal', 'telemetry.dock', 10);
 
 INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
     ('lbr', 'r', '/r/{power}/{angle_deg}', 'drive.command', NULL, 'operate',
@@ -341,6 +349,14 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
      'Drive ahead at a quarter of full power'),
     ('lbr', 'b', 'b', 'drive.command', '{"power": 0.25, "angle_deg": 180}', 'operate',
      'Drive back at a quarter of full power'),
+    ('lbr', 'go', '/go/{distance_cm}/{power}', 'drive.command', '{"angle_deg": 0}', 'operate',
+     'Drive straight ahead by a distance, 1 to 10000 cm, such as /go/150/0.3: slower near its end, then stop'),
+    ('lbr', 'back', '/back/{distance_cm}/{power}', 'drive.command', '{"angle_deg": 180}', 'operate',
+     'Drive straight back by a distance, 1 to 10000 cm, such as /back/50/0.2'),
+    ('lbr', 't', '/t/{angle_deg}', 'drive.turn', NULL, 'operate',
+     'Turn on the spot by an angle, -360 to 360 degrees, clockwise positive, such as /t/90 or /t/-45'),
+    ('lbr', 'h', '/h/{heading_deg}', 'drive.heading', NULL, 'operate',
+     'Turn on the spot to a compass heading, 0 to 360 degrees (0 north, 90 east), the shorter way'),
     ('lbr', 's', '/s/{text...}', 'speech.say', NULL, 'operate',
      'Say a text, 5000 characters at most; one that is <name plays a recording'),
     ('lbr', 'say', '/say/{phrase}', 'speech.say', NULL, 'operate', 'Say a phrase by its name, such as /say/hello'),
