@@ -82,13 +82,18 @@ class Engine:
             battery_amps_a=self._drawn,
             counts=(int(turns[0] * per_turn), int(turns[1] * per_turn)),
             speeds_rpm=(speeds[0], speeds[1]),
-            ranges_m=dict(self._ranges),
+            ranges_m=self._ranges,
             imu=self.imu(),
             charging=self._charging,
             charging_a=self.battery.charging_a,
             beams=self._beams,
             cameras=self.cameras(),
         )
+
+    @property
+    def ranges_m(self) -> dict[str, float | None]:
+        """What the ultrasonic sensors face, in metres; null: nothing within reach."""
+        return self._ranges
 
     def imu(self) -> ImuReading:
         """Return what an inertial unit measures at the newest step of the physics; cheap, for a twin that is read."""

@@ -1,7 +1,7 @@
 """Ultrasonic sensors: rays that fill a cone, the nearest of which comes back, if it comes back."""
 
 from collections.abc import Sequence
-from math import cos, erf, pi, radians, sin, sqrt
+from math import cos, erf, pi, radians, sin, sqrt, tau
 from typing import Any
 
 import numpy as np
@@ -17,9 +17,10 @@ REACH_M = 7.65
 SIDES: tuple[tuple[str, float], ...] = (("forward", 0.0), ("left", pi / 2), ("right", -pi / 2), ("back", pi))
 """Which way each sensor looks, anticlockwise from ahead."""
 
-_LEVEL_RAYS = 25
-_RING_RAYS = 9
-_RINGS = (-0.8, -0.4, 0.4, 0.8)
+_FAN = 25
+"""Rays side by side, and as many above each other: at 2 m no leg or table top of 4 cm slips through."""
+
+_RINGS = ((0.5, 8), (1.0, 12))
 
 
 class Ring:
@@ -71,12 +72,14 @@ class Ring:
 
 
 def _cone() -> Floats:
-    """Return rays around x: many side by side, so that no leg slips through, and some above and below."""
-    level = [(share * CONE_RAD, 0.0) for share in np.linspace(-1.0, 1.0, _LEVEL_RAYS)]
-    for height in _RINGS:
-        width = (1.0 - height**2) ** 0.5
-        level += [(share * width * CONE_RAD, height * CONE_RAD) for share in np.linspace(-1.0, 1.0, _RING_RAYS)]
-    return np.array([(cos(side) * cos(up), sin(side) * cos(up), sin(up)) for side, up in level])
+    """Return rays around x: an upright cross, and rings between its arms."""
+    fan = [float(share) for share in np.linspace(-1.0, 1.0, _FAN)]
+    shares = [(share, 0.0) for share in fan] + [(0.0, share) for share in fan if share != 0.0]
+    for radius, count in _RINGS:
+        turns = ((step + 0.5) * tau / count for step in range(count))
+        shares += [(radius * cos(turn), radius * sin(turn)) for turn in turns]
+    angles = [(side * CONE_RAD, up * CONE_RAD) for side, up in shares]
+    return np.array([(cos(side) * cos(up), sin(side) * cos(up), sin(up)) for side, up in angles])
 
 
 def _uniform(normal: float) -> float:
