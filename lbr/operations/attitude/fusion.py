@@ -79,6 +79,11 @@ class Fusion:
         return f"{self._name}-{self._epochs}"
 
     @property
+    def turned_deg(self) -> float | None:
+        """Return how far the body has turned in this epoch; None while that is not known."""
+        return self._turned_deg if self._began else None
+
+    @property
     def up_sensor(self) -> Vector:
         """Return where up is, along the sensor's axes."""
         rows = self._mount

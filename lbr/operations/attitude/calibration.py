@@ -1,0 +1,274 @@
+"""A calibration of the compass from command to picture: collect or read, fit, keep, draw. One at a time."""
+
+from datetime import datetime
+from math import inf
+from pathlib import Path
+
+from lbr.capability.context import Call, Context
+from lbr.errors import InputError
+from lbr.messages.attitude import CalibrateCommand, CalibrationProgress
+from lbr.messages.drive import CommandReply
+from lbr.messages.imu import ImuSample
+from lbr.operations.attitude.compass import MagCalibration
+from lbr.operations.attitude.fit import Fit, FitError, fit, level_part
+from lbr.operations.attitude.fusion import Fusion
+from lbr.operations.attitude.painter import Painter
+from lbr.operations.attitude.picture import Drawing, Points
+from lbr.operations.attitude.samples import FOLDER, MOST, Samples, load, save
+from lbr.operations.attitude.settings import AttitudeSettings
+from lbr.operations.attitude.spin import Spin
+
+TURN, LOOK = "-", "-c"
+TELL_S = 0.2
+STUCK_S = 3.0
+STUCK_DEG = 5.0
+
+
+class Collection:
+    """Samples that come in while the body spins, and how far that is."""
+
+    def __init__(self, command: CalibrateCommand, call: Call, spin: Spin, epoch: str, now: float) -> None:
+        self.wanted = command.samples
+        self.keeps = command.source == TURN
+        self.call: Call | None = call
+        self.spin = spin
+        self.epoch = epoch
+        self.since_s = now
+        self.samples = Samples()
+        self._moved_s = now
+        self._moved_from_deg = inf
+
+    @property
+    def complete(self) -> bool:
+        """Say whether there are as many as wanted, from all of a turn."""
+        return len(self.samples) >= self.wanted and (self.samples.coverage >= 1.0 or len(self.samples) >= MOST)
+
+    def is_stuck(self, turned_deg: float, now: float) -> bool:
+        """Say whether the body has not turned for a while although it should."""
+        if not self.spin.began or abs(turned_deg - self._moved_from_deg) > STUCK_DEG:
+            self._moved_s, self._moved_from_deg = now, turned_deg
+        return now - self._moved_s > STUCK_S
+
+
+class Calibration:
+    """Takes commands and samples; asks for motion, keeps what it finds, and tells by `calibration` and events."""
+
+    def __init__(self, ctx: Context[AttitudeSettings], fusion: Fusion) -> None:
+        self._ctx = ctx
+        self._fusion = fusion
+        self._painter = Painter()
+        self._collection: Collection | None = None
+        self._told_s = -inf
+        self._progress = CalibrationProgress(phase="done", collected=0, wanted=0, coverage=0.0)
+
+    def command(self, call: Call) -> None:
+        """Begin, unless one is under way."""
+        command: CalibrateCommand = call.message
+        if self._collection is not None:
+            call.refuse("the compass is being calibrated already; 'stop' ends that")
+        elif command.source in {TURN, LOOK}:
+            self._spin(command, call)
+        else:
+            self._read(command, call)
+
+    def stop(self, reason: str) -> bool:
+        """End the one under way and halt; say whether there was one."""
+        if self._collection is None:
+            return False
+        self._collection.spin.halt(reason)
+        self._give_up(self._collection, reason)
+        return True
+
+    def take(self, sample: ImuSample) -> None:
+        """Keep a sample, right after the fusion has felt it."""
+        collection, turned_deg = self._collection, self._fusion.turned_deg
+        if collection is not None and collection.spin.began and turned_deg is not None:
+            collection.samples.take(sample, turned_deg, self._ctx.settings.sample_s)
+
+    def step(self) -> None:
+        """Renew the motion, see whether there are enough samples, and tell."""
+        collection = self._collection
+        if collection is not None:
+            self._collect(collection)
+        drawn = self._painter.poll(self._ctx.clock())
+        if drawn is not None and drawn.path:
+            self._tell(picture=drawn.path, text=f"{self._progress.text}; drawn in {drawn.path}")
+            self._ctx.event("calibration_picture", f"the calibration of the compass is drawn in {drawn.path}")
+        elif drawn is not None:
+            self._ctx.event("calibration_picture", drawn.trouble, level="warning")
+
+    def close(self) -> None:
+        """Stop the motion and the process that draws."""
+        self.stop(f"{self._ctx.name} ends")
+        self._painter.close()
+
+    def _spin(self, command: CalibrateCommand, call: Call) -> None:
+        state = self._fusion.state(self._ctx.clock())
+        if not state.valid:
+            call.refuse(f"how the body turns is not known: {state.reason}")
+            return
+        spin = Spin(self._ctx, self._ctx.settings.spin_power)
+        self._collection = Collection(command, call, spin, state.epoch, self._ctx.clock())
+        self._collect(self._collection)
+
+    def _collect(self, collection: Collection) -> None:
+        now, settings, spin = self._ctx.clock(), self._ctx.settings, collection.spin
+        legs = int((now - collection.since_s) / settings.reverse_s)
+        spin.step(1 if legs % 2 == 0 else -1)
+        if spin.began and collection.call is not None:
+            collection.call.reply(CommandReply(accepted=True, reason="turning on the spot to calibrate the compass"))
+            collection.call = None
+        state = self._fusion.state(now)
+        found, wanted = len(collection.samples), collection.wanted
+        if spin.ended:
+            self._give_up(collection, spin.ended)
+        elif not state.valid or state.epoch != collection.epoch:
+            self.stop(f"how the body turns is not known any more: {state.reason or 'samples were missing'}")
+        elif collection.is_stuck(state.turned_deg or 0.0, now):
+            self.stop("the robot does not turn, although the drive took the command")
+        elif collection.complete:
+            self._finish(collection)
+        elif now - collection.since_s > settings.calibration_limit_s:
+            self.stop(f"{found} of {wanted} samples within {settings.calibration_limit_s:g} s; ask for fewer")
+        else:
+            text = f"{found} of {wanted} samples, {collection.samples.coverage:.0%} of a turn seen"
+            self._collecting(collection, text, now)
+
+    def _collecting(self, collection: Collection, text: str, now: float) -> None:
+        if now - self._told_s < TELL_S:
+            return
+        self._told_s = now
+        self._progress = CalibrationProgress(
+            phase="collecting",
+            collected=len(collection.samples),
+            wanted=collection.wanted,
+            coverage=collection.samples.coverage,
+            text=text,
+        )
+        self._ctx.publish("calibration", self._progress)
+
+    def _give_up(self, collection: Collection, reason: str) -> None:
+        self._collection = None
+        if collection.call is not None:
+            collection.call.refuse(reason)
+        self._save(collection.samples)
+        self._refused(len(collection.samples), collection.wanted, collection.samples.coverage, reason)
+
+    def _finish(self, collection: Collection) -> None:
+        collection.spin.halt("the compass has been turned round")
+        self._collection = None
+        file = self._save(collection.samples)
+        if collection.keeps:
+            self._fit(collection.samples, collection.wanted, file)
+        else:
+            self._done(collection.samples, collection.wanted, "drawn as it is corrected now; nothing is kept")
+            self._draw(collection.samples, self._fusion.calibration, file, "as it is corrected now")
+
+    def _read(self, command: CalibrateCommand, call: Call) -> None:
+        try:
+            samples = load(self._ctx.home, command.source, self._fusion.up_sensor).thinned(command.samples)
+        except InputError as err:
+            call.refuse(str(err))
+            return
+        trouble = self._fit(samples, len(samples), Path(self._ctx.home) / FOLDER / command.source)
+        if trouble:
+            call.refuse(trouble)
+        else:
+            call.reply(CommandReply(accepted=True, reason=self._progress.text))
+
+    def _fit(self, samples: Samples, wanted: int, file: Path | None) -> str:
+        """Fit, keep and draw; return why not, or nothing."""
+        self._progress = CalibrationProgress(
+            phase="fitting", collected=len(samples), wanted=wanted, coverage=samples.coverage
+        )
+        self._ctx.publish("calibration", self._progress)
+        try:
+            found = fit(samples.mags_ut, samples.ups, self._ctx.settings)
+        except FitError as err:
+            self._refused(len(samples), wanted, samples.coverage, str(err))
+            self._draw(samples, None, file, "refused")
+            return str(err)
+        self._ctx.keep_calibration(found.calibration.values())
+        self._fusion.calibrate(self._ctx.calibration)
+        self._done(samples, wanted, _summary(found), residual=found.residual, coverage=found.coverage)
+        self._draw(samples, found.calibration, file, f"{found.residual:.1%} of the field left over")
+        return ""
+
+    def _done(
+        self,
+        samples: Samples,
+        wanted: int,
+        text: str,
+        *,
+        residual: float | None = None,
+        coverage: float | None = None,
+    ) -> None:
+        self._progress = CalibrationProgress(
+            phase="done",
+            collected=len(samples),
+            wanted=wanted,
+            coverage=samples.coverage if coverage is None else coverage,
+            text=text,
+            residual=residual,
+        )
+        self._ctx.publish("calibration", self._progress)
+        data = {"samples": len(samples), "residual": residual}
+        self._ctx.event(
+            "calibrated" if residual is not None else "calibration_shown", f"the compass: {text}", data=data
+        )
+
+    def _refused(self, collected: int, wanted: int, coverage: float, reason: str) -> None:
+        self._progress = CalibrationProgress(
+            phase="refused", collected=collected, wanted=wanted, coverage=coverage, text=reason
+        )
+        self._ctx.publish("calibration", self._progress)
+        self._ctx.event("calibration_refused", f"the compass is not calibrated: {reason}", level="warning")
+
+    def _save(self, samples: Samples) -> Path | None:
+        """Write the samples down, if there are any; a full disk spoils no calibration."""
+        if not len(samples):
+            return None
+        try:
+            return save(self._ctx.home, samples, datetime.now().astimezone())
+        except OSError as err:
+            self._ctx.event("calibration_file", f"the samples could not be written down: {err}", level="warning")
+            return None
+
+    def _draw(self, samples: Samples, calibration: MagCalibration | None, file: Path | None, what: str) -> None:
+        if file is None or not len(samples):
+            return
+        now = datetime.now().astimezone()
+        drawing = Drawing(
+            title=f"{self._ctx.robot}, {now:%Y-%m-%d %H:%M}: {len(samples)} samples, {what}",
+            measured=_points(None, samples),
+            corrected=[] if calibration is None else _points(calibration, samples),
+        )
+        trouble = self._painter.begin(drawing, file.with_suffix(".png"), self._ctx.clock())
+        if trouble:
+            self._ctx.event("calibration_picture", trouble, level="warning")
+
+    def _tell(self, *, picture: str, text: str) -> None:
+        last = self._progress
+        self._progress = CalibrationProgress(
+            phase=last.phase,
+            collected=last.collected,
+            wanted=last.wanted,
+            coverage=last.coverage,
+            text=text,
+            picture=picture,
+            residual=last.residual,
+        )
+        self._ctx.publish("calibration", self._progress)
+
+
+def _summary(found: Fit) -> str:
+    x, y, z = found.calibration.offset_ut
+    shape = "level turn" if found.flat else "all directions"
+    return (
+        f"calibrated by a {shape}: hard iron {x:.1f}, {y:.1f}, {z:.1f} uT; "
+        f"{found.residual:.1%} of the field left over, {found.coverage:.0%} of a turn seen"
+    )
+
+
+def _points(calibration: MagCalibration | None, samples: Samples) -> Points:
+    return [(float(x), float(y)) for x, y in level_part(calibration, samples.mags_ut, samples.ups)]

@@ -1,0 +1,90 @@
+"""Attitude as a capability: every sample goes through the fusion, at a fixed rate its state is told."""
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.drive import CommandReply
+from lbr.operations.attitude.calibration import Calibration
+from lbr.operations.attitude.fusion import Fusion
+from lbr.operations.attitude.settings import AttitudeSettings
+from lbr.operations.attitude.turns import Turns
+
+TELL_S = 0.5
+"""How long nothing may be known before the capability calls itself degraded."""
+FIRST_S = 2.0
+"""The same at the start, when the gyro's zero has to be learnt first."""
+
+
+class Attitude(Capability[AttitudeSettings]):
+    """Tells how the body lies and where it looks, watches turns, and calibrates the compass."""
+
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[AttitudeSettings]) -> None:
+        super().__init__(ctx)
+        self.rate_hz = ctx.settings.publish_hz
+        self._fusion = Fusion(ctx.settings, ctx.calibration, f"{ctx.name}-{ctx.clock():.3f}")
+        self._turns = Turns(ctx.settings.observe_s)
+        self._calibration = Calibration(ctx, self._fusion)
+        self._known_s = ctx.clock() + FIRST_S - TELL_S
+        self._warned = ""
+
+    def open(self) -> None:
+        """Say so if the calibration that there is cannot be used."""
+        problem = self._fusion.calibration.problem
+        if problem:
+            text = f"the compass goes on uncalibrated: {problem}; calibrate it anew"
+            self.ctx.event("calibration_unusable", text, level="warning")
+
+    def step(self) -> None:
+        """Take in the samples; tell what follows at the fixed rate."""
+        for received in self.ctx.take("samples"):
+            self._fusion.feel(received.message, received.arrived)
+            self._calibration.take(received.message)
+        self._calibration.step()
+        if self.ctx.on_tick:
+            now = self.ctx.clock()
+            state = self._fusion.state(now)
+            self.ctx.publish("state", state)
+            for told in self._turns.look(state, now):
+                self.ctx.event(told.kind, told.text, data=dict(told.data))
+            self._tell_health(state, now)
+
+    def command(self, call: Call) -> None:
+        """Watch a turn, calibrate, or end a calibration."""
+        if call.name == "observe":
+            self._observe(call)
+        elif call.name == "calibrate":
+            self._calibration.command(call)
+        elif call.name == "stop":
+            ended = self._calibration.stop(call.message.reason or f"stopped by {call.source}")
+            call.reply(CommandReply(accepted=True, reason="" if ended else "no calibration was under way"))
+        else:
+            call.refuse(f"{call.name} is not understood here")
+
+    def close(self) -> None:
+        """End a calibration's motion."""
+        self._calibration.close()
+
+    def _observe(self, call: Call) -> None:
+        now = self.ctx.clock()
+        trouble = self._turns.watch(call.message.angle_deg, self._fusion.state(now), now)
+        if trouble:
+            call.refuse(trouble)
+        else:
+            call.reply(CommandReply(accepted=True, reason=f"a turn of {call.message.angle_deg:g} degrees will be told"))
+
+    def _tell_health(self, state: AttitudeState, now: float) -> None:
+        if state.valid:
+            self._known_s = now
+            if self._warned:
+                self._warned = ""
+                self.ctx.ready()
+        elif now - self._known_s > TELL_S and _gist(state.reason) != _gist(self._warned):
+            self._warned = state.reason
+            self.ctx.warn(state.reason)
+
+
+def _gist(reason: str) -> str:
+    """Return a reason without its numbers, which change all the time."""
+    return "".join(letter for letter in reason if not letter.isdigit())

@@ -1,0 +1,167 @@
+"""A robot around one attitude capability, for tests: a made-up inertial unit, and a drive that turns it."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from math import nan
+from typing import Any
+
+from imu_bench import MadeUpImu
+
+from lbr.capability.context import Received
+from lbr.messages.attitude import CalibrateCommand, ObserveCommand
+from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.operations.attitude.capability import Attitude
+from lbr.operations.attitude.settings import AttitudeSettings
+
+TURN_DPS = 400.0
+"""How fast the made-up base spins at full power."""
+
+
+@dataclass
+class FakeCall:
+    name: str
+    message: Any
+    source: str = "console"
+    role: str = "operate"
+    arrived: float = 0.0
+    remote: bool = False
+    sender_s: float = nan
+    answerable: bool = True
+    answer: Any = None
+
+    def reply(self, answer, *, quiet=False):
+        assert self.answer is None, "answered twice"
+        self.answer = answer
+
+    def refuse(self, reason):
+        self.reply(CommandReply(accepted=False, reason=reason))
+
+
+@dataclass
+class FakeAsked:
+    given: Any
+
+    def answers(self):
+        return self.given
+
+
+@dataclass
+class FakeDrive:
+    """Turns as asked for as long as its lease is renewed; `refuses` says why not, `mute` never answers."""
+
+    refuses: str = ""
+    mute: bool = False
+    absent: bool = False
+    lease: str = ""
+    leases: int = 0
+    power: float = 0.0
+    until_s: float = 0.0
+    commands: list[tuple[float, DriveCommand]] = field(default_factory=list)
+    stops: list[str] = field(default_factory=list)
+
+    def answer(self, request, message, now):
+        if self.absent:
+            return {}
+        if self.mute:
+            return None
+        if request == "halt":
+            self.stops.append(message.reason)
+            self.lease, self.power = "", 0.0
+            return {"drive": CommandReply(accepted=True)}
+        self.commands.append((now, message))
+        dead = message.lease and (message.lease != self.lease or now > self.until_s)
+        if self.refuses or dead:
+            return {"drive": CommandReply(accepted=False, reason=self.refuses or "the lease is dead")}
+        if not message.lease:
+            self.leases += 1
+            self.lease = f"lease-{self.leases}"
+        self.until_s = now + 0.3
+        self.power = message.power if message.angle_deg == 90.0 else -message.power
+        return {"drive": CommandReply(accepted=True, lease=self.lease, ttl_s=0.3)}
+
+    def rate_dps(self, now):
+        return self.power * TURN_DPS if self.lease and now <= self.until_s else 0.0
+
+
+class FakeContext:
+    """What the runtime gives a capability, without a bus; `run` lets time pass."""
+
+    robot, name, device, devices = "robot", "attitude", None, ()
+    on_tick = True
+
+    def __init__(self, home, imu=None, **settings):
+        self.settings = AttitudeSettings(device="imu", **settings)
+        self.home = str(home)
+        self.imu = imu or MadeUpImu()
+        self.drive = FakeDrive()
+        self.calibration: dict[str, float] = {}
+        self.kept: list[dict[str, float]] = []
+        self.published: list[tuple[str, Any]] = []
+        self.events: list[tuple[str, str]] = []
+        self.health: list[str] = []
+        self.deaf = False
+        self._arrived: deque[Received] = deque()
+        self.capability = Attitude(self)
+        self.capability.open()
+
+    def clock(self):
+        return self.imu.time_s
+
+    def publish(self, output, message):
+        self.published.append((output, message))
+
+    def take(self, port):
+        taken = list(self._arrived)
+        self._arrived.clear()
+        return taken
+
+    def ask(self, request, message, timeout_s):
+        return FakeAsked(self.drive.answer(request, message, self.clock()))
+
+    def event(self, kind, text, *, level="info", data=None):
+        self.events.append((kind, text))
+
+    def keep_calibration(self, values):
+        self.kept.append(dict(values))
+        self.calibration = {**self.calibration, **values}
+
+    def ready(self, reason=""):
+        self.health.append("ready")
+
+    def warn(self, reason):
+        self.health.append(reason)
+
+    def run(self, seconds, until=lambda: False):
+        """Let the base turn, the inertial unit measure at 100 Hz and the capability step at 50 Hz."""
+        for _ in range(round(seconds * 50)):
+            for _ in range(2):
+                sample = self.imu.sample(self.drive.rate_dps(self.clock()))
+                if not self.deaf:
+                    self._arrived.append(Received(sample, None, self.clock(), "imu"))
+            self.capability.step()
+            if until():
+                return
+        assert not until() or seconds == 0
+
+    def say(self, name, message):
+        call = FakeCall(name, message, arrived=self.clock())
+        self.capability.command(call)
+        return call
+
+    def calibrate(self, samples=100, source="-"):
+        return self.say("calibrate", CalibrateCommand(samples=samples, source=source))
+
+    def observe(self, angle_deg):
+        return self.say("observe", ObserveCommand(angle_deg=angle_deg))
+
+    def stop(self):
+        return self.say("stop", StopCommand())
+
+    def said(self, output):
+        return [message for name, message in self.published if name == output]
+
+    def state(self):
+        return self.said("state")[-1]
+
+    def told(self, kind):
+        return [text for name, text in self.events if name == kind]

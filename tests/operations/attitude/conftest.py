@@ -1,0 +1,35 @@
+"""One attitude capability at rest, for all tests of it."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from attitude_context import FakeContext
+from imu_bench import MadeUpImu
+
+
+class Silent:
+    """Draws nothing; remembers what it should have drawn."""
+
+    def __init__(self):
+        self.begun: list[tuple] = []
+
+    def begin(self, drawing, path, now):
+        self.begun.append((drawing, path))
+        return ""
+
+    def poll(self, now):
+        return None
+
+    def close(self):
+        pass
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[FakeContext]:
+    imu = MadeUpImu(yaw_deg=35.0, bias_dps=(0.4, -0.6, 0.9), hard_iron_ut=(12.0, -9.0, 4.0))
+    context = FakeContext(tmp_path, imu)
+    context.painter = context.capability._calibration._painter = Silent()
+    context.run(1.5)
+    yield context
+    context.capability.close()
