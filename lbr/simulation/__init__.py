@@ -11,7 +11,7 @@ from lbr.simulation.requests import (
     RemoveRequest,
     ThingsReply,
 )
-from lbr.simulation.rows import InfraredRow, Mpu9150Row, RioxRow, RoboteqRow, UltrasonicRow
+from lbr.simulation.rows import CameraRow, InfraredRow, Mpu9150Row, RioxRow, RoboteqRow, UltrasonicRow
 from lbr.simulation.settings import WorldSettings
 
 KIND = Kind(
@@ -29,6 +29,7 @@ KIND = Kind(
         "mpu9150": Mpu9150Row,
         "riox": RioxRow,
         "infrared": InfraredRow,
+        "camera": CameraRow,
     },
     replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},
 )

@@ -13,6 +13,8 @@ from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.sensing import Ranges, RangeStatus
 from lbr.messages.simulation import WorldBox, WorldScene
+from lbr.simulation.cameras.host import CameraHost
+from lbr.simulation.cameras.orders import Drawing
 from lbr.simulation.engine import Engine
 from lbr.simulation.loop import WorldLoop
 from lbr.simulation.painter import Painter, picture_path
@@ -45,6 +47,7 @@ class World(Capability[WorldSettings]):
         self._engine: Engine | None = None
         self._loop: WorldLoop | None = None
         self._trace: OutputTrace | None = None
+        self._cameras: CameraHost | None = None
         self._twins: dict[str, Twin] = {}
         self._painter = Painter()
         self._scene: WorldScene | None = None
@@ -59,10 +62,12 @@ class World(Capability[WorldSettings]):
         self._painter = Painter()
         engine = self._engine = Engine(self.ctx.settings)
         self._trace = OutputTrace(self.ctx.settings.trace)
-        self._twins = self._plugged_in(Surroundings(seed=self.ctx.settings.seed, now=now, trace=self._trace))
+        cameras = self._cameras = CameraHost(self.ctx.settings, len(engine.view()))
+        mounts = tuple(self.ctx.settings.cameras)
+        self._twins = self._plugged_in(Surroundings(self.ctx.settings.seed, now, self._trace, cameras, mounts))
         self._scene = engine.scene()
         self._scene_at = self._pose_at = now
-        self._loop = WorldLoop(engine, tuple(self._twins.values()), self.ctx.clock)
+        self._loop = WorldLoop(engine, tuple(self._twins.values()), self.ctx.clock, cameras)
         self._loop.open()
         self._warn_of_devices_without_twin()
 
@@ -72,6 +77,8 @@ class World(Capability[WorldSettings]):
         if loop.failure is not None:
             raise loop.failure
         self._painter.finish()
+        if self._cameras is not None:
+            self._tell(self._cameras.serve())
         now, period_s = self.ctx.clock(), 1 / self.ctx.settings.pose_hz
         if now >= self._pose_at - period_s / 4:
             self._pose_at = max(self._pose_at + period_s, now)
@@ -101,6 +108,9 @@ class World(Capability[WorldSettings]):
         if self._loop is not None:
             self._loop.close()
             self._loop = None
+        if self._cameras is not None:
+            self._cameras.close()
+            self._cameras = None
         if self._trace is not None:
             self._trace.close(self.ctx.clock())
             self._trace = None
@@ -122,6 +132,14 @@ class World(Capability[WorldSettings]):
         if without:
             allowed = f"devices of type {', '.join(TWINS)} whose address is a path"
             self.ctx.warn(f"no emulated twin for {', '.join(without)}; there are twins for {allowed}")
+
+    def _tell(self, said: list[Drawing]) -> None:
+        for drawing in said:
+            if not drawing.renderer:
+                self.ctx.warn(f"the emulated cameras show nothing: {drawing.note}")
+                continue
+            note = f", because {drawing.note}" if drawing.note else ""
+            self.ctx.event("cameras_drawn", f"the cameras' pictures are drawn by {drawing.renderer}{note}")
 
     def _remember(self, place: tuple[float, float]) -> None:
         if not self._trail or sum(abs(a - b) for a, b in zip(place, self._trail[-1], strict=True)) > _TRAIL_EVERY_M:

@@ -11,6 +11,7 @@ import numpy as np
 from lbr.errors import LbrError
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.battery import BatteryState
+from lbr.simulation.cameras.view import view_of
 from lbr.simulation.docking import DockSense, world_dock
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import Beam, CameraPose, ImuReading, Sensed
@@ -109,6 +110,10 @@ class Engine:
             w, i, j, k = (float(value) for value in turned)
             found[name] = CameraPose(x_m=x, y_m=y, z_m=z, orientation=(w, i, j, k), fov_deg=fov)
         return found
+
+    def view(self) -> bytes:
+        """Return what a picture needs of this instant."""
+        return view_of(self._model, self._data)
 
     def place(self, thing: WorldBox) -> None:
         """Let a thing appear with the next step, or move it if one of its name was placed; any thread may ask.

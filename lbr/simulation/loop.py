@@ -5,6 +5,7 @@ import threading
 from collections.abc import Callable, Sequence
 
 from lbr.messages.simulation import WorldPose
+from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine
 from lbr.simulation.model import TIMESTEP_S
 from lbr.simulation.twins import Feeling, RoboteqTwin, Twin
@@ -21,7 +22,9 @@ _RESTING_LOOK_S = 0.005
 class WorldLoop:
     """Runs engine and twins until closed; `pose` and `ranges_m` are the newest, `failure` is why it ended early."""
 
-    def __init__(self, engine: Engine, twins: Sequence[Twin], clock: Callable[[], float]) -> None:
+    def __init__(
+        self, engine: Engine, twins: Sequence[Twin], clock: Callable[[], float], cameras: CameraHost | None = None
+    ) -> None:
         self.pose: WorldPose = engine.pose()
         self.ranges_m = engine.sensed().ranges_m
         self.failure: BaseException | None = None
@@ -29,6 +32,7 @@ class WorldLoop:
         self._twins = twins
         self._motors = next((twin for twin in twins if isinstance(twin, RoboteqTwin)), None)
         self._feeling: list[Feeling] = [twin for twin in twins if isinstance(twin, Feeling)]
+        self._cameras = cameras
         self._clock = clock
         self._watched: dict[str, int] = {}
         self._closing = threading.Event()
@@ -109,3 +113,5 @@ class WorldLoop:
         self.pose, self.ranges_m = self._engine.pose(), sensed.ranges_m
         for twin in self._twins:
             twin.sense(sensed)
+        if self._cameras is not None and self._cameras.running:
+            self._cameras.show(self._engine.view(), self._clock())

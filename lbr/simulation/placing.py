@@ -64,9 +64,14 @@ class Placed:
             geom, body = self._geoms[slot], self._bodies[slot]
             mocap = model.body_mocapid[body]
             data.mocap_pos[mocap], data.mocap_quat[mocap] = position, turned
-            model.geom_size[geom] = half
-            model.geom_rbound[geom] = sum(value**2 for value in half) ** 0.5
-            model.geom_aabb[geom] = model.bvh_aabb[model.body_bvhadr[body]] = (0.0, 0.0, 0.0, *half)
+            resize(model, geom, body, half)
+
+
+def resize(model: Any, geom: int, body: int, half: Triple) -> None:
+    """Give the only geom of a body another size, in all that the physics derives from it."""
+    model.geom_size[geom] = half
+    model.geom_rbound[geom] = sum(value**2 for value in half) ** 0.5
+    model.geom_aabb[geom] = model.bvh_aabb[model.body_bvhadr[body]] = (0.0, 0.0, 0.0, *half)
 
 
 def _set_up(thing: WorldBox) -> tuple[Triple, Quad, Triple]:

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.simulation.faults import (
+    CameraFaults,
     InfraredFaults,
     Mpu9150Faults,
     RioxFaults,
@@ -80,3 +81,13 @@ class InfraredRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     faults: InfraredFaults = InfraredFaults()
     codes: BeamCodes = BeamCodes()
     protocol: Annotated[int, Meta(ge=0, le=63)] = 7
+
+
+class CameraRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where a `camera` device row's camera sits: a name of the world's setting `cameras`.
+
+    Empty: the one that the device's name ends with, or else the first.
+    """
+
+    faults: CameraFaults = CameraFaults()
+    mount: str = ""

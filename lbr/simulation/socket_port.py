@@ -104,20 +104,19 @@ class SocketPort:
             self.drop(client)
             return 0
 
-    def watch(self, client: int, *, writable: bool) -> None:
-        """Also wake when this client can take more, or no longer."""
-        if self._poll is not None and client in self._clients:
-            self._poll.modify(client, select.EPOLLIN | (select.EPOLLOUT if writable else 0))
-
     def drop(self, client: int) -> None:
         """End a connection."""
+        connection = self.hand_over(client)
+        if connection is not None:
+            connection.close()
+
+    def hand_over(self, client: int) -> socket.socket | None:
+        """Return a connection that is no longer ours."""
         connection = self._clients.pop(client, None)
-        if connection is None:
-            return
-        if self._poll is not None:
+        if connection is not None and self._poll is not None:
             with suppress(OSError):
                 self._poll.unregister(client)
-        connection.close()
+        return connection
 
     def _accept(self) -> list[tuple[int, bytes]]:
         if self._listener is None or self._poll is None:

@@ -8,14 +8,13 @@ import tty
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from world_bench import AROUND
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
 from lbr.simulation.faults import InfraredFaults
 from lbr.simulation.infrared import InfraredReceiver
 from lbr.simulation.measured import Sensed
-from lbr.simulation.trace import OutputTrace
-from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.infrared import InfraredTwin
 
 CODES = {"left": 1, "right": 2, "power": 3}
@@ -96,7 +95,7 @@ def sensed(*beams):
 
 def test_on_its_port_whole_records_arrive(tmp_path):
     device = Device("dock_receiver", "infrared", str(tmp_path / "ir"), {"codes": {"left": "0x15", "power": None}})
-    twin = InfraredTwin(device, Surroundings(seed=1, now=0.0, trace=OutputTrace("")))
+    twin = InfraredTwin(device, AROUND)
     twin.service(0.0)
     descriptor = os.open(twin.port.path, os.O_RDONLY | os.O_NOCTTY)
     try:
@@ -114,4 +113,4 @@ def test_on_its_port_whole_records_arrive(tmp_path):
 def test_a_code_that_is_none_is_named(tmp_path):
     device = Device("dock_receiver", "infrared", str(tmp_path / "ir"), {"codes": {"left": "green"}})
     with pytest.raises(InputError, match=r"dock_receiver.*left"):
-        InfraredTwin(device, Surroundings(seed=1, now=0.0, trace=OutputTrace("")))
+        InfraredTwin(device, AROUND)

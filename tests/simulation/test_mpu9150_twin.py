@@ -7,6 +7,7 @@ import struct
 import threading
 
 import pytest
+from world_bench import AROUND
 
 from lbr.capability.context import Device
 from lbr.errors import DeviceError, InputError
@@ -14,8 +15,6 @@ from lbr.simulation.faults import Mpu9150Faults
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.mpu9150 import Mpu9150
-from lbr.simulation.trace import OutputTrace
-from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
 
 FELT = ImuReading(
@@ -308,7 +307,7 @@ class Wire:
     def __init__(self, folder, **settings):
         self.path = folder / "imu"
         device = Device("imu", "mpu9150", f"unix:{self.path}", settings)
-        self.twin = Mpu9150Twin(device, Surroundings(seed=1, now=0.0, trace=OutputTrace("")))
+        self.twin = Mpu9150Twin(device, AROUND)
         self.over = threading.Event()
         self.rounds = 0
         self.twin.service(0.0)
@@ -405,11 +404,11 @@ def test_a_silent_bus_swallows_what_it_is_asked(wire):
 def test_what_is_wrong_in_its_row_is_named(tmp_path):
     device = Device("imu", "mpu9150", str(tmp_path / "imu"), {"i2c_address": 0x50})
     with pytest.raises(InputError, match="device 'imu'"):
-        Mpu9150Twin(device, Surroundings(seed=1, now=0.0, trace=OutputTrace("")))
+        Mpu9150Twin(device, AROUND)
 
 
 def test_a_file_in_its_place_is_never_replaced(tmp_path):
     (tmp_path / "imu").write_text("precious")
-    twin = Mpu9150Twin(Device("imu", "mpu9150", str(tmp_path / "imu"), {}), Surroundings(1, 0.0, OutputTrace("")))
+    twin = Mpu9150Twin(Device("imu", "mpu9150", str(tmp_path / "imu"), {}), AROUND)
     with pytest.raises(DeviceError, match="something else is there"):
         twin.service(0.0)

@@ -6,6 +6,7 @@ import pytest
 import serial
 from hypothesis import given
 from hypothesis import strategies as st
+from world_bench import AROUND
 
 from lbr.capability.context import Device
 from lbr.simulation.ahrs import angles_deg, facing, from_angles
@@ -13,8 +14,6 @@ from lbr.simulation.faults import RioxFaults
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.riox import RioxDevice
 from lbr.simulation.rows import RioxRow
-from lbr.simulation.trace import OutputTrace
-from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.riox import RioxTwin
 
 FELT = ImuReading(
@@ -131,7 +130,7 @@ def test_frozen_it_repeats_itself_and_jumps_show():
 
 def test_on_its_port_it_comes_and_goes(tmp_path):
     device = Device("imu", "riox", str(tmp_path / "imu"), {"echo": False})
-    twin = RioxTwin(device, Surroundings(seed=1, now=0.0, trace=OutputTrace("")))
+    twin = RioxTwin(device, AROUND)
     twin.service(0.0)
     twin.feel(FELT, 0.0)
     with serial.Serial(str(tmp_path / "imu"), 115200, timeout=1, write_timeout=1) as line:

@@ -6,9 +6,12 @@ import time
 import serial
 
 from lbr.capability.context import Device
+from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.capability import World
 from lbr.simulation.requests import FaultRequest
 from lbr.simulation.settings import BoxSettings, WorldSettings
+from lbr.simulation.trace import OutputTrace
+from lbr.simulation.twins.base import Surroundings
 
 WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 
@@ -101,3 +104,9 @@ class Bench:
                 return True
             pause.wait(0.01)
         return False
+
+
+AROUND = Surroundings(
+    seed=1, now=0.0, trace=OutputTrace(""), cameras=CameraHost(WorldSettings(), 0), mounts=("front", "rear")
+)
+"""What a twin needs that is built without a world."""

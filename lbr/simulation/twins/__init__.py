@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from lbr.simulation.twins.base import Factory, Feeling, Surroundings, Twin
+from lbr.simulation.twins.camera import CameraTwin
 from lbr.simulation.twins.infrared import InfraredTwin
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
 from lbr.simulation.twins.riox import RioxTwin
@@ -17,6 +18,7 @@ TWINS: Mapping[str, Factory] = {
     "mpu9150": Mpu9150Twin,
     "riox": RioxTwin,
     "infrared": InfraredTwin,
+    "camera": CameraTwin,
 }
 """The twin of each type of device."""
 

@@ -10,6 +10,7 @@ from msgspec import Struct
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
+from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.faults import Faults, FaultValue, changed
 from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.trace import OutputTrace
@@ -40,11 +41,13 @@ P = TypeVar("P", bound=Port)
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What a twin is built with: the world's seed and time, and the trace of the motors' outputs."""
+    """What a twin is built with: seed and time of the world, the trace of the motors' outputs, and its cameras."""
 
     seed: int
     now: float
     trace: OutputTrace
+    cameras: CameraHost
+    mounts: tuple[str, ...] = ()
 
     def seed_for(self, device: Device) -> int:
         """Return the seed of a device's own noise."""

@@ -1,0 +1,140 @@
+"""The world's side of its cameras: starts the process that draws when somebody watches, and feeds it views."""
+
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+
+import msgspec
+
+from lbr.simulation.cameras.orders import LONGEST_BYTES, Begin, Drawing, Order, SetFaults, Watch
+from lbr.simulation.cameras.view import SharedView
+from lbr.simulation.faults import CameraFaults
+from lbr.simulation.settings import WorldSettings
+
+_AGAIN_S = 2.0
+_ENDING_S = 1.0
+
+
+class CameraHost:
+    """One process for all cameras. `watch`, `set_faults` and `show` may come from another thread than the rest."""
+
+    def __init__(self, settings: WorldSettings, view_bytes: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._settings = settings
+        self._view_bytes = view_bytes
+        self._clock = clock
+        self._waiting: deque[tuple[Order, socket.socket | None]] = deque()
+        self._faults: dict[str, CameraFaults] = {}
+        self._process: subprocess.Popen[bytes] | None = None
+        self._control: socket.socket | None = None
+        self._view: SharedView | None = None
+        self._lock = threading.Lock()
+        self._use_gl = True
+        self._drawing = False
+        self._not_before = 0.0
+
+    @property
+    def running(self) -> bool:
+        """Say whether views are wanted."""
+        return self._view is not None
+
+    def watch(self, device: str, mount: str, connection: socket.socket) -> None:
+        """Hand somebody over who has connected to a device."""
+        self._waiting.append((Watch(device, mount), connection))
+
+    def set_faults(self, device: str, faults: CameraFaults) -> None:
+        """Say what is wrong with a device."""
+        self._faults[device] = faults
+        self._waiting.append((SetFaults(device, faults), None))
+
+    def show(self, view: bytes, taken_s: float) -> None:
+        """Let the world look like this."""
+        with self._lock:
+            if self._view is not None:
+                self._view.write(view, round(taken_s * 1e9))
+
+    def serve(self) -> list[Drawing]:
+        """Do what is due: start the process, hand on what waits; return what it said since."""
+        said = self._said()
+        watched = any(connection is not None for _, connection in self._waiting)
+        if self._process is None and watched and self._clock() >= self._not_before:
+            self._start()
+        while self._waiting:
+            order, connection = self._waiting.popleft()
+            self._send(order, [connection.fileno()] if connection else [])
+            if connection is not None:
+                connection.close()
+        return said
+
+    def close(self) -> None:
+        """Hang up; the process ends by that."""
+        for _, connection in self._waiting:
+            if connection is not None:
+                connection.close()
+        self._waiting.clear()
+        self._end()
+
+    def _start(self) -> None:
+        self._not_before = self._clock() + _AGAIN_S
+        view = self._view = SharedView(self._view_bytes)
+        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._control.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 2 * LONGEST_BYTES)
+        self._drawing = False
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "lbr.simulation.cameras", str(theirs.fileno())],
+                stdin=subprocess.DEVNULL,
+                pass_fds=(theirs.fileno(),),
+                env={**os.environ, "LP_NUM_THREADS": "1"},  # Mesa's software renderer would take every core
+            )
+        self._control.setblocking(False)
+        self._send(Begin(self._settings, self._view_bytes, self._use_gl), [view.descriptor])
+        for device, faults in self._faults.items():
+            self._send(SetFaults(device, faults), [])
+
+    def _send(self, order: Order, descriptors: list[int]) -> None:
+        """Hand on, or lose if nobody is there: who watches then sees its connection end."""
+        if self._control is None:
+            return
+        try:
+            socket.send_fds(self._control, [msgspec.json.encode(order)], descriptors)
+        except OSError:
+            self._end()
+
+    def _said(self) -> list[Drawing]:
+        if self._control is None or self._process is None:
+            return []
+        try:
+            data = self._control.recv(LONGEST_BYTES)
+        except BlockingIOError:
+            return []
+        except OSError:
+            data = b""
+        if data:
+            said = msgspec.json.decode(data, type=Drawing)
+            self._drawing = bool(said.renderer)
+            return [said]
+        process = self._process
+        self._end()
+        if not self._drawing and process.returncode < 0:
+            self._use_gl = False  # a graphics library that takes the process down is not asked again
+        return []
+
+    def _end(self) -> None:
+        if self._control is not None:
+            self._control.close()
+        if self._process is not None:
+            try:
+                self._process.wait(timeout=_ENDING_S)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        with self._lock:
+            if self._view is not None:
+                self._view.close()
+            self._view = None
+        self._control = self._process = None

@@ -1,0 +1,85 @@
+"""The drawing of pictures: what the world looked like a moment ago, as a device with its faults shows it."""
+
+import importlib
+import io
+import os
+from typing import Any
+
+import numpy as np
+
+from lbr.errors import LbrError
+from lbr.simulation.cameras.renderers import GlRenderer, Image, RayRenderer, Renderer
+from lbr.simulation.cameras.view import SharedView, show
+from lbr.simulation.engine import mujoco
+from lbr.simulation.faults import CameraFaults
+from lbr.simulation.model import model_xml
+from lbr.simulation.settings import WorldSettings
+
+_QUALITY = 75
+_GARBAGE_BYTES = 2000
+
+
+class Studio:
+    """Draws one picture at a time; raise LbrError if nothing here can."""
+
+    def __init__(self, settings: WorldSettings, view: SharedView, *, use_gl: bool) -> None:
+        try:
+            self._pillow: Any = importlib.import_module("PIL.Image")
+        except ImportError as err:
+            raise LbrError(f"pictures need Pillow ({err}); install lbr with its extra 'sim'") from err
+        self.note = ""
+        self._model = mujoco.MjModel.from_xml_string(model_xml(settings))
+        self._data = mujoco.MjData(self._model)
+        self._view = view
+        self._shown_ns = 0
+        self._frozen: dict[str, bytes] = {}
+        self._renderer = self._chosen(use_gl=use_gl)
+
+    @property
+    def renderer(self) -> str:
+        """What draws."""
+        return self._renderer.name
+
+    def newest_ns(self) -> int:
+        """Bring everything where it is now, and return when that was."""
+        found = self._view.read()
+        if found is not None and found[0] != self._shown_ns:
+            self._shown_ns = found[0]
+            show(mujoco, self._model, self._data, found[1])
+        return self._shown_ns
+
+    def picture(self, device: str, mount: str, size: tuple[int, int], faults: CameraFaults) -> bytes:
+        """Return what a device shows now: a JPEG, unless a fault spoils it."""
+        if faults.garbage and np.random.random() < faults.garbage:
+            return os.urandom(_GARBAGE_BYTES)
+        if not faults.frozen:
+            self._frozen.pop(device, None)
+        elif device in self._frozen:
+            return self._frozen[device]
+        image = np.zeros((1, 1, 3), np.uint8) if faults.black else self._renderer.draw(mount, *size)
+        jpeg = self._jpeg(image, size)
+        if faults.frozen:
+            self._frozen[device] = jpeg
+        return jpeg
+
+    def close(self) -> None:
+        """Let go of the renderer."""
+        self._renderer.close()
+
+    def _chosen(self, *, use_gl: bool) -> Renderer:
+        if use_gl:
+            try:
+                return GlRenderer(mujoco, self._model, self._data)
+            except (LbrError, mujoco.FatalError) as err:
+                self.note = str(err)
+        else:
+            self.note = "OpenGL broke down on this machine"
+        return RayRenderer(mujoco, self._model, self._data)
+
+    def _jpeg(self, image: Image, size: tuple[int, int]) -> bytes:
+        drawn = self._pillow.fromarray(image)
+        if drawn.size != size:
+            drawn = drawn.resize(size, self._pillow.Resampling.BILINEAR)
+        out = io.BytesIO()
+        drawn.save(out, "JPEG", quality=_QUALITY)
+        return out.getvalue()

@@ -1,0 +1,68 @@
+"""What a picture needs of one instant of the world, in memory shared with the process that draws."""
+
+import mmap
+import os
+import struct
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+
+from lbr.simulation.model import PLACEABLE
+from lbr.simulation.placing import resize
+
+_HEADER = struct.Struct("<IQ")
+_TRIES = 20
+
+
+class SharedView:
+    """The newest view only: who writes never waits, and who reads takes a whole one or none."""
+
+    def __init__(self, size: int, descriptor: int | None = None) -> None:
+        self.descriptor = os.memfd_create("world-view", os.MFD_CLOEXEC) if descriptor is None else descriptor
+        self._end = _HEADER.size + size
+        if descriptor is None:
+            os.ftruncate(self.descriptor, self._end)
+        self._memory = mmap.mmap(self.descriptor, self._end)
+
+    def write(self, view: bytes, taken_ns: int) -> None:
+        """Put a view in the place of the one before."""
+        self._memory[: self._end] = _HEADER.pack(_sum(view, taken_ns), taken_ns) + view
+
+    def read(self) -> tuple[int, bytes] | None:
+        """Return the newest view and when it was taken; None if there is none yet, or each try hit one half written."""
+        for _ in range(_TRIES):
+            copy = self._memory[: self._end]
+            checksum, taken_ns = _HEADER.unpack_from(copy)
+            view = copy[_HEADER.size :]
+            if taken_ns and checksum == _sum(view, taken_ns):
+                return taken_ns, view
+        return None
+
+    def close(self) -> None:
+        """Let go of the memory."""
+        self._memory.close()
+        os.close(self.descriptor)
+
+
+def view_of(model: Any, data: Any) -> bytes:
+    """Return where everything is, and how large what was placed is."""
+    sizes = [model.geom(name).size for name in PLACEABLE]
+    return b"".join(part.tobytes() for part in (data.qpos, data.mocap_pos, data.mocap_quat, np.array(sizes)))
+
+
+def show(mujoco: Any, model: Any, data: Any, view: bytes) -> None:
+    """Put everything where it was."""
+    values, at = np.frombuffer(view), 0
+    for part in (data.qpos, data.mocap_pos, data.mocap_quat):
+        part[...] = values[at : at + part.size].reshape(part.shape)
+        at += part.size
+    for name, half in zip(PLACEABLE, values[at:].reshape(-1, 3), strict=True):
+        resize(model, model.geom(name).id, model.body(name).id, tuple(half))
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_camlight(model, data)
+
+
+def _sum(view: bytes, taken_ns: int) -> int:
+    return crc32(view, taken_ns & 0xFFFF_FFFF)

@@ -1,0 +1,91 @@
+"""One who watches a camera: what it asked for, and the picture under way to it."""
+
+import fcntl
+import socket
+import struct
+import termios
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta, Struct
+
+from lbr.simulation.cameras.renderers import LARGEST_PX
+
+_RECORD = struct.Struct("<IQ")
+_READ_BYTES = 4096
+_LONGEST_LINE = 4096
+
+
+class Wanted(Struct, frozen=True):
+    """A line from a client; what it leaves out stays. A simulated camera has no controls: any are taken, to no effect."""
+
+    width: Annotated[int, Meta(ge=16, le=LARGEST_PX[0])] | None = None
+    height: Annotated[int, Meta(ge=16, le=LARGEST_PX[1])] | None = None
+    fps: Annotated[float, Meta(gt=0.0, le=60.0)] | None = None
+    controls: dict[str, float] = {}
+
+
+class Viewer:
+    """A connection. Pictures go one at a time: while one is still under way, the next are missed."""
+
+    def __init__(self, device: str, mount: str, connection: socket.socket) -> None:
+        self.device, self.mount, self.connection = device, mount, connection
+        self.width_px, self.height_px, self.period_s = 640, 360, 1 / 15
+        self.due: float | None = None
+        self.seen_ns = 0
+        self.closed = False
+        self._inbox = bytearray()
+        self._outgoing = memoryview(b"")
+        connection.setblocking(False)
+
+    def hear(self, now: float) -> None:
+        """Take what it says; nonsense or an end closes it."""
+        try:
+            data = self.connection.recv(_READ_BYTES)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        self._inbox += data
+        if not data or len(self._inbox) > _LONGEST_LINE:
+            self.closed = True
+        while not self.closed and b"\n" in self._inbox:
+            line, _, rest = self._inbox.partition(b"\n")
+            self._inbox = rest
+            self._obey(bytes(line), now)
+
+    def busy(self) -> bool:
+        """Say whether it has not read the last picture yet."""
+        if self._outgoing:
+            return True
+        unread = bytearray(4)
+        fcntl.ioctl(self.connection, termios.TIOCOUTQ, unread)
+        return any(unread)
+
+    def send(self, jpeg: bytes, taken_ns: int) -> None:
+        """Begin to send a picture."""
+        self._outgoing = memoryview(_RECORD.pack(len(jpeg), taken_ns) + jpeg)
+        self.seen_ns = taken_ns
+        self.go_on()
+
+    def go_on(self) -> bool:
+        """Send what can be sent now; say whether some is left."""
+        try:
+            while self._outgoing:
+                self._outgoing = self._outgoing[self.connection.send(self._outgoing) :]
+        except BlockingIOError:
+            return True
+        except OSError:
+            self.closed = True
+        return False
+
+    def _obey(self, line: bytes, now: float) -> None:
+        try:
+            wanted = msgspec.json.decode(line, type=Wanted)
+        except (msgspec.DecodeError, UnicodeDecodeError):
+            self.closed = True
+            return
+        self.width_px = wanted.width or self.width_px
+        self.height_px = wanted.height or self.height_px
+        self.period_s = 1 / wanted.fps if wanted.fps else self.period_s
+        self.due = now if self.due is None else self.due

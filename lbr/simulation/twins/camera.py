@@ -1,0 +1,55 @@
+"""An emulated camera: a socket, whose clients are handed to the process that draws."""
+
+from typing import Any
+
+from lbr.capability.context import Device
+from lbr.errors import InputError
+from lbr.simulation.faults import CameraFaults, FaultValue
+from lbr.simulation.measured import Sensed
+from lbr.simulation.rows import CameraRow
+from lbr.simulation.socket_port import SocketPort
+from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+
+
+class CameraTwin(PortTwin[SocketPort, CameraFaults]):
+    """Shows what is seen from one of the robot's mounts."""
+
+    def __init__(self, device: Device, around: Surroundings) -> None:
+        settings = row(device, CameraRow)
+        super().__init__(device.name, SocketPort(device.address), settings.faults)
+        self._mount = _mount(device, settings.mount, around.mounts)
+        self._cameras = around.cameras
+        if settings.faults != CameraFaults():
+            self._cameras.set_faults(device.name, settings.faults)
+
+    def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
+        """Set a fault and return them all; raise InputError saying what is allowed."""
+        faults = super().fault(name, value)
+        self._cameras.set_faults(self.name, self._faults)
+        return faults
+
+    def service(self, now: float) -> None:  # noqa: ARG002
+        """Do all that is due: the cable, and who has connected."""
+        plug(self.port, present=not self._faults.unplug)
+        for client, _ in self.port.receive():
+            connection = self.port.hand_over(client)
+            if connection is not None:
+                self._cameras.watch(self.name, self._mount, connection)
+
+    def next_due(self) -> float | None:
+        """Return when it next has something to do by itself: never."""
+
+    def sense(self, sensed: Sensed) -> None:
+        """Nothing: what it sees is drawn elsewhere."""
+
+
+def _mount(device: Device, wanted: str, mounts: tuple[str, ...]) -> str:
+    """Return where a camera sits: where its row says, or where its name ends, or at the first of the mounts."""
+    if wanted and wanted not in mounts:
+        known = ", ".join(mounts) or "none"
+        raise InputError(f"device '{device.name}' ({device.type}): mount '{wanted}': the world's cameras are: {known}")
+    named = (mount for mount in mounts if device.name.endswith(mount))
+    chosen = wanted or next(named, "") or next(iter(mounts), "")
+    if not chosen:
+        raise InputError(f"device '{device.name}' ({device.type}): the world's setting `cameras` has no place for it")
+    return chosen
