@@ -11,7 +11,6 @@ import socket
 import struct
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from typing import Any, NamedTuple
 
 DEADLINE_S = 0.05
@@ -48,20 +47,15 @@ def encode_transaction(messages: Sequence[Write | Read]) -> bytes:
 class SocketBus:
     """The calls of smbus2 over a socket; every failure is an OSError with an errno that a Pi's bus knows too.
 
-    No call takes longer than the deadline. After one that was cut short the stream is out of step and stays closed:
-    from then on everything fails with ENODEV until the bus is opened anew.
+    No call takes longer than the deadline. One that was cut short leaves the stream out of step, so that the next one
+    connects anew.
     """
 
     def __init__(self, path: str, deadline_s: float = DEADLINE_S) -> None:
+        self._path = path
         self._deadline_s = deadline_s
-        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        try:
-            self._socket.settimeout(deadline_s)
-            self._socket.connect(path)
-        except OSError as err:
-            self._socket.close()
-            # a path that is too long comes without a number
-            raise OSError(err.errno or errno.ENAMETOOLONG, err.strerror or str(err)) from err
+        self._reads: dict[tuple[int, int, int], bytes] = {}
+        self._socket: socket.socket | None = self._connect()
 
     def read_byte_data(self, i2c_addr: int, register: int) -> int:
         """Return one register."""
@@ -78,19 +72,20 @@ class SocketBus:
 
     def write_byte_data(self, i2c_addr: int, register: int, value: int) -> None:
         """Set one register."""
-        self._transact([Write(i2c_addr, bytes((register, value)))])
+        self._transact(encode_transaction([Write(i2c_addr, bytes((register, value)))]))
 
     def write_i2c_block_data(self, i2c_addr: int, register: int, data: Sequence[int]) -> None:
         """Set up to 32 registers."""
         _bounded(len(data))
-        self._transact([Write(i2c_addr, bytes((register, *data)))])
+        self._transact(encode_transaction([Write(i2c_addr, bytes((register, *data)))]))
 
     def i2c_rdwr(self, *i2c_msgs: Any) -> None:
         """Do what smbus2's `i2c_msg` objects say, as one transaction, and fill in those that read."""
         messages = [
             Read(each.addr, each.len) if each.flags & READ_FLAG else Write(each.addr, bytes(each)) for each in i2c_msgs
         ]
-        data = self._transact(messages)
+        expected = sum(message.length for message in messages if isinstance(message, Read))
+        data = self._transact(encode_transaction(messages), expected)
         for each in i2c_msgs:
             if each.flags & READ_FLAG:
                 ctypes.memmove(each.buf, data[: each.len], each.len)
@@ -98,46 +93,60 @@ class SocketBus:
 
     def close(self) -> None:
         """Let go of the socket; never fails."""
-        with suppress(OSError):
-            self._socket.close()
+        connection, self._socket = self._socket, None
+        if connection is not None:
+            connection.close()
+
+    def _connect(self) -> socket.socket:
+        connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            connection.settimeout(self._deadline_s)
+            connection.connect(self._path)
+        except OSError as err:
+            connection.close()
+            # a path that is too long comes without a number
+            raise OSError(err.errno or errno.ENAMETOOLONG, err.strerror or str(err)) from err
+        return connection
 
     def _read(self, address: int, register: int, length: int) -> bytes:
-        return self._transact([Write(address, bytes((register,))), Read(address, length)])
+        wanted = (address, register, length)
+        request = self._reads.get(wanted)
+        if request is None:
+            request = encode_transaction([Write(address, bytes((register,))), Read(address, length)])
+            self._reads[wanted] = request
+        return self._transact(request, length)
 
-    def _transact(self, messages: Sequence[Write | Read]) -> bytes:
-        if self._socket.fileno() < 0:
-            raise OSError(errno.ENODEV, os.strerror(errno.ENODEV))
-        expected = sum(message.length for message in messages if isinstance(message, Read))
+    def _transact(self, request: bytes, expected: int = 0) -> bytes:
+        """Return the bytes read, of which `expected` are due."""
         try:
-            status, data = self._exchange(encode_transaction(messages), expected)
+            if self._socket is None:
+                self._socket = self._connect()
+            answer = self._exchange(self._socket, request, expected)
         except TimeoutError as err:
             self.close()
             raise OSError(errno.ETIMEDOUT, os.strerror(errno.ETIMEDOUT)) from err
         except OSError as err:
             self.close()
             raise OSError(errno.ENODEV, os.strerror(errno.ENODEV)) from err
-        if status:
-            raise OSError(status, os.strerror(status))
-        return data
+        if answer[0]:
+            raise OSError(answer[0], os.strerror(answer[0]))
+        return answer[1:]
 
-    def _exchange(self, request: bytes, expected: int) -> tuple[int, bytes]:
+    def _exchange(self, connection: socket.socket, request: bytes, expected: int) -> bytes:
         until = time.monotonic() + self._deadline_s
-        self._socket.settimeout(self._deadline_s)
-        self._socket.sendall(request)
-        answer = b""
-        while True:
-            # one byte more than is due, so that a peer out of step shows
-            part = self._socket.recv(expected + 2 - len(answer))
-            answer += part
-            whole = 1 if answer[:1] > b"\0" else expected + 1
-            if not part or len(answer) > whole:
-                raise ConnectionError("the other end left, or is out of step")
-            if len(answer) == whole:
-                return answer[0], answer[1:]
+        connection.sendall(request)
+        answer = connection.recv(expected + 2)  # one more than is due, so that a peer out of step shows
+        while len(answer) != (whole := 1 if answer[:1] > b"\0" else expected + 1):
             left = until - time.monotonic()
             if not left > 0.0:
                 raise TimeoutError
-            self._socket.settimeout(left)
+            connection.settimeout(left)
+            part = connection.recv(whole + 1 - len(answer)) if 0 < len(answer) < whole else b""
+            if not part:
+                raise ConnectionError("the other end left, or is out of step")
+            answer += part
+            connection.settimeout(self._deadline_s)
+        return answer
 
 
 def _bounded(length: int) -> None:

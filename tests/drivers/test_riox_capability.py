@@ -134,7 +134,7 @@ def test_a_lost_answer_is_one_invalid_sample_and_a_late_one_is_nobodys():
     bench = Bench()
     bench.run(0.5)
     bench.wire.silent = True
-    lost = bench.run(0.14)
+    lost = bench.run(0.12)
     assert [sample.valid for sample in lost][-1] is False
     assert lost[-1].reason.startswith("device 'imu': no answer to ?")
     assert lost[-1].gyro_rps is None

@@ -26,7 +26,7 @@ class Mpu9150Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     ] = 42
     mag_hz: Annotated[
         float, Meta(ge=0.0, le=100.0, description="most compass readings per second; 0 leaves the compass alone")
-    ] = 50.0
+    ] = 25.0
     temperature_offset_c: Annotated[
         float, Meta(ge=-100.0, le=100.0, description="the temperature at which the sensor reads zero")
     ] = 35.0

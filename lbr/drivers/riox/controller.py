@@ -24,7 +24,9 @@ from lbr.messages.imu import ImuSample
 from lbr.messages.units import Quaternion
 
 HELD_UP_S = 0.25
-QUIET_S = 0.05
+QUIET_S = 0.03
+SPOILT_S = 0.015
+"""What is left for an answer after a bad line: that was it, or its echo."""
 MOST_ALIKE = 25
 MOST_REFUSALS = 3
 
@@ -69,7 +71,7 @@ class AhrsUnit:
         self._signs = LifeSigns(MOST_ALIKE)
         self._asked = ""
         self._echoed = False
-        self._asked_at = self._next = self._quiet_until = 0.0
+        self._asked_at = self._deadline = self._next = self._quiet_until = 0.0
         self._polled = self._heard = 0.0
         self._oriented = settings.orientation
         self._refusals = 0
@@ -99,7 +101,7 @@ class AhrsUnit:
             self._heard = now
         elif not now - self._heard < self._settings.timeout_s:
             raise DeviceError(self._silence(now))
-        if self._asked and not now - self._asked_at < self._settings.answer_s:
+        if self._asked and not now < self._deadline:
             samples.append(self._lose(now))
         if not self._asked and now >= self._quiet_until and now >= self._next:
             self._begin(now)
@@ -118,12 +120,14 @@ class AhrsUnit:
 
     def _ask(self, name: str) -> None:
         self._asked, self._asked_at, self._echoed = name, self._clock(), False
+        self._deadline = self._asked_at + self._settings.answer_s
         self._line.write(encode_query(name))  # what did not fit is not answered
 
     def _take(self, reply: Reply) -> ImuSample | None:
         match reply:
             case BadLine():
                 self.bad_lines += 1
+                self._deadline = min(self._deadline, self._polled + SPOILT_S)
                 said = f"{self.bad_lines} lines from the inertial unit were no answers"
                 self._tell("bad_lines", f"{said}; the last began with '{reply.text}'")
             case Echo(name):
@@ -176,7 +180,7 @@ class AhrsUnit:
         """Nothing tells a late answer from the next one, so let the line fall quiet first."""
         lost, at = self._asked, self._asked_at
         self._forget(now)
-        return self._invalid(at, f"no answer to ?{lost} within {self._settings.answer_s:g} s")
+        return self._invalid(at, f"no answer to ?{lost} within {now - at:.2f} s")
 
     def _forget(self, now: float) -> None:
         self._asked = ""
