@@ -166,7 +166,8 @@ class Executive:
         popen = self._main.call(lambda: self._external.start(row, call.arguments))
         self.note("external", f"'{row.name}' started (pid {popen.pid})")
         if not row.blocking:
-            return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {popen.pid}); 'stop {row.name}' ends it")
+            says = f"it writes to {home.directory('logs') / f'{row.name}.log'}, and 'stop {row.name}' ends it"
+            return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {popen.pid}); {says}")
         code, output = self._external.wait(row, popen)
         return ConsoleResult(code=DONE if code == 0 else FAILED, text=output or f"'{row.name}' ended with {code}")
 
