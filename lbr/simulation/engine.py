@@ -55,7 +55,9 @@ class Engine:
         self._turned = {name: np.array(quaternion(mount)) for name, mount in settings.cameras.items()}
         self._walls = frozenset(self._geoms(STANDING)) - {self._model.geom(DOCK).id if settings.dock else -1}
         self._robot = frozenset(self._geoms(ROBOT))
-        self._wheels = [self._model.joint(name) for name in ("left", "right")]
+        joints = [self._model.joint(name) for name in ("left", "right")]
+        self._wheel_q = [int(joint.qposadr[0]) for joint in joints]
+        self._wheel_v = [int(joint.dofadr[0]) for joint in joints]
         self._settle()
         self._sense()
 
@@ -75,8 +77,8 @@ class Engine:
     def sensed(self) -> Sensed:
         """Return what devices can measure now."""
         per_turn = self.settings.body.counts_per_turn
-        turns = [float(self._data.qpos[wheel.qposadr[0]]) / (2 * pi) for wheel in self._wheels]
-        speeds = [float(self._data.qvel[wheel.dofadr[0]]) * 30 / pi for wheel in self._wheels]
+        turns = [float(self._data.qpos[wheel]) / (2 * pi) for wheel in self._wheel_q]
+        speeds = [float(self._data.qvel[wheel]) * 30 / pi for wheel in self._wheel_v]
         return Sensed(
             battery_v=self.battery.voltage_v,
             amps_a=self._amps,
@@ -200,24 +202,22 @@ class Engine:
 
     def _load(self) -> None:
         """Update motor and battery currents from the torques."""
-        left, right = (
-            amps + (float(torque) * _AMPS_PER_NM - amps) * _AMPS_SETTLE
-            for amps, torque in zip(self._amps, self._data.actuator_force, strict=True)
-        )
-        duties = self._duties()
+        left_nm, right_nm = self._data.actuator_force.tolist()
+        left = self._amps[0] + (left_nm * _AMPS_PER_NM - self._amps[0]) * _AMPS_SETTLE
+        right = self._amps[1] + (right_nm * _AMPS_PER_NM - self._amps[1]) * _AMPS_SETTLE
+        speeds = self._data.qvel.tolist()
         self._amps = (left, right)
-        self._drawn = (left * duties[0], right * duties[1])
+        self._drawn = (
+            left * self._duty(speeds[self._wheel_v[0]], left_nm),
+            right * self._duty(speeds[self._wheel_v[1]], right_nm),
+        )
         dock = self.settings.dock
         self.battery.draw(sum(self._drawn), TIMESTEP_S, dock.current_a if dock and self._charging else 0.0)
 
-    def _duties(self) -> tuple[float, float]:
-        """Return how far the bridges are open: as the wheels turn, and more as they are held."""
-        full = self.settings.body.max_speed_mps / (self.settings.body.wheel_diameter_m / 2)
-        left, right = (
-            max(-1.0, min(1.0, float(self._data.qvel[wheel.dofadr[0]]) / full + float(torque) / (2 * MAX_TORQUE_NM)))
-            for wheel, torque in zip(self._wheels, self._data.actuator_force, strict=True)
-        )
-        return (left, right)
+    def _duty(self, speed_radps: float, torque_nm: float) -> float:
+        """Return how far a bridge is open: as the wheel turns, and more as it is held."""
+        full_radps = self.settings.body.max_speed_mps / (self.settings.body.wheel_diameter_m / 2)
+        return max(-1.0, min(1.0, speed_radps / full_radps + torque_nm / (2 * MAX_TORQUE_NM)))
 
     def _sense(self) -> None:
         """Look around: what is measured less often than the physics steps."""
