@@ -280,6 +280,7 @@ VALUES ('lbr', 'lbr6', 'Two driven wheels on a Roboteq SDC21xx, ultrasonic range
 INSERT INTO device (robot, name, type, address, settings) VALUES
     ('lbr', 'motor_controller', 'roboteq', '/dev/serial/by-id/usb-Roboteq_Motor_Controller-if00', '{}'),
     ('lbr', 'range_board', 'ultrasonic_ring', '/dev/serial/by-id/usb-Arduino-if00', '{}'),
+    ('lbr', 'imu', 'mpu9150', 'i2c:1:0x68', '{}'),
     ('lbr', 'speaker', 'speaker', 'alsa:default', '{}'),
     ('lbr', 'dock_receiver', 'infrared', '/dev/lirc0', '{}');
 
@@ -291,6 +292,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The motor controller: left wheel on channel 1, mounted mirrored, right wheel on channel 2'),
     ('lbr', 'ranges', 'ultrasonic_ring', '{"device": "range_board"}', '[]',
      'The ring of ultrasonic sensors: distances ahead, behind, left and right'),
+    ('lbr', 'imu', 'mpu9150', '{"device": "imu"}', '[]',
+     'The inertial unit: acceleration, rate of turn and magnetic field, along its own axes'),
     ('lbr', 'drive', 'drive', '{}', '["motors", "ranges"]',
      'The base: who drives, how fast and how near to obstacles'),
     ('lbr', 'odometry', 'odometry', '{}', '["motors"]',
