@@ -1,8 +1,8 @@
-"""Somebody steps in the robot's way: A1, and S15 for each sensor. Faster than real time, and the same at each run.
+"""Somebody steps in the robot's way: S19, and S15 for each sensor. Faster than real time, and the same at each run.
 
 `python -m benchmarks.approach --trials 200 --seed 1`; `--json FILE` keeps the figures. Exit code 1 on a contact.
 
-A1: the base moves at 0.5 m/s when somebody (a box 0.3 to 0.5 m wide) appears 0.5 m from its outline: ahead or behind
+S19: the base moves at 0.5 m/s when somebody (a box 0.3 to 0.5 m wide) appears 0.5 m from its outline: ahead or behind
 while it drives straight, to its left or right while it drives an arc to that side, forwards or backwards. Each trial
 is one that ends in a collision if nobody brakes: what would have passed by itself does not count. The sensors' noise
 grows with the distance, and one reading in a hundred is missing.
@@ -55,7 +55,12 @@ IN_A_HALL = WorldSettings(walls=HALL, dock=None, ultrasonic=Ultrasonic(noise_m=0
 """Walls to measure, and no reading missing: one that is frozen on "nothing within reach" cannot be told from the truth."""
 
 PROMISES = {
-    **{f"A1 {side}": Promise(what=f"somebody appears 0.5 m {side} at 0.5 m/s: no contact; way", unit="cm") for side in SIDES},
+    **{
+        f"S19 {side}": Promise(
+            what=f"somebody appears 50 cm {side} at 0.5 m/s: how much of that is used up", unit="cm", target=45, hard=50
+        )
+        for side in SIDES
+    },
     **{f"S15 {side}": Promise(what=f"{side} sensor silent, garbled or blind, to motor zero", target=400, hard=600) for side in SIDES},
     **{f"S15 {side} frozen": Promise(what=f"{side} sensor repeats itself, to motor zero", target=400, hard=1000) for side in SIDES},
 }  # fmt: skip
@@ -116,15 +121,15 @@ def run(trial: Trial, drive: DriveSettings) -> Outcome:
 
 
 def approach(results: Results, count: int, seed: int, drive: DriveSettings) -> dict[Side, list[Outcome]]:
-    """A1, from each side."""
+    """S19, from each side."""
     found: dict[Side, list[Outcome]] = {}
     for side in SIDES:
         found[side] = []
         for trial in trials(side, count, seed):
             outcome = run(trial, drive)
             found[side].append(outcome)
-            results.sample(f"A1 {side}", outcome.way_m * 100)
-            results.check(f"A1 {side}", [f"contact in {trial}"] if outcome.contact else [])
+            results.sample(f"S19 {side}", (AWAY_M - outcome.closest_m) * 100)
+            results.check(f"S19 {side}", [f"contact in {trial}"] if outcome.contact else [])
     return found
 
 
@@ -250,10 +255,10 @@ def main() -> int:
     print(table(report.results))
     print()
     for side, found in outcomes.items():
-        clear = [outcome.closest_m for outcome in found]
         touched = sum(outcome.contact for outcome in found)
+        ways = [outcome.way_m for outcome in found]
         print(
-            f"{side}: {touched} of {len(found)} touched, {min(clear):.2f} m left at least, median {_median(clear):.2f} m"
+            f"{side}: {touched} of {len(found)} touched; {_median(ways):.2f} m to standing still, {max(ways):.2f} m at most"
         )
     for side, touched in posts.items():
         print(
