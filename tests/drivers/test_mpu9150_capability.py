@@ -179,8 +179,8 @@ def test_many_errors_in_a_row_are_a_device_error_and_it_begins_anew(make, chips)
     assert steps(imu, ctx)[0].valid
 
 
-def test_a_bus_that_stalls_once_is_an_invalid_sample_and_twice_a_device_error(make, peer, chips):
-    imu, ctx = make()
+def test_a_bus_that_stalls_is_invalid_samples_and_then_a_device_error(make, peer, chips):
+    imu, ctx = make(most_errors=2)
     imu.open()
     peer.answer = lambda _messages: None
     assert "timed out" in steps(imu, ctx)[0].reason

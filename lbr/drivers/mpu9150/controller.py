@@ -21,7 +21,6 @@ CHECK_PERIOD_S = 0.2
 UNUSABLE_S = 1.0
 COMPASS_SILENT_S = 1.0
 MOST_ALIKE = 10
-MOST_STALLS = 2
 
 Tell = Callable[[str, str], None]
 
@@ -141,7 +140,7 @@ class InertialUnit:
     def _failed(self, now: float, err: OSError) -> ImuSample:
         self._errors += 1
         error = self._unanswered(err)
-        if self._too_many(self._errors, err):
+        if self._errors >= self._settings.most_errors:
             raise error from err
         self._tell("bus", str(error))
         return ImuSample(valid=False, time_s=now, reason=str(error))
@@ -197,7 +196,7 @@ class InertialUnit:
     def _compass_failed(self, now: float, err: OSError) -> None:
         self._compass_errors += 1
         error = self._unanswered(err, registers.COMPASS_ADDRESS, "its compass")
-        if self._too_many(self._compass_errors, err):
+        if self._compass_errors >= self._settings.most_errors:
             raise error from err
         self._tell("compass", str(error))
         self._miss_compass(now, str(error))
@@ -205,13 +204,6 @@ class InertialUnit:
     def _miss_compass(self, now: float, trouble: str) -> None:
         if not now - self._field_at < COMPASS_SILENT_S:
             self.compass_trouble = trouble
-
-    def _too_many(self, errors: int, err: OSError) -> bool:
-        """A bus that stalls costs its whole deadline each time, so that is not tried often."""
-        most = (
-            min(self._settings.most_errors, MOST_STALLS) if err.errno == errno.ETIMEDOUT else self._settings.most_errors
-        )
-        return errors >= most
 
     def _unanswered(self, err: OSError, address: int | None = None, what: str = "") -> DeviceError:
         return unanswered(self._device, self._address if address is None else address, err, what)
