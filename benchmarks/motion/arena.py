@@ -6,17 +6,36 @@ from collections.abc import Callable
 from math import inf, isfinite, isnan, nan
 
 from benchmarks.motion.message import Message, command_event, to_ranges
-from benchmarks.motion.reference import ACCEL_PER_S, CHECKS_S, LATE_S, MAX_POWER, MAX_RUN_S, TTL_S, Reference
-from lbr.messages.drive import CommandReply
+from benchmarks.motion.reference import (
+    ACCEL_PER_S,
+    CHECKS_S,
+    LATE_S,
+    MAX_POWER,
+    MAX_RUN_S,
+    STUCK_S,
+    TTL_S,
+    TURN_POWER,
+    TURN_SPARE_S,
+    TURN_TOLERANCE_DEG,
+    WAY_TOLERANCE_M,
+    Lease,
+    Reference,
+)
+from benchmarks.motion.senses import FULL_DPS, FULL_MPS, Body
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.drive import CommandReply, GoalResult
 from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import kernel
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
+    AttitudeSeen,
     EstopChanged,
     Event,
     Happened,
     MotorsLost,
     MotorsSeen,
+    OdometrySeen,
     Outputs,
     RangesSeen,
     Reply,
@@ -28,7 +47,18 @@ from lbr.operations.drive.state import (
 
 Decide = Callable[[State, Event, float], tuple[State, Outputs]]
 SETTINGS = DriveSettings(
-    max_power=MAX_POWER, accel_per_s=ACCEL_PER_S, max_run_s=MAX_RUN_S, ttl_s=TTL_S, blocked_s=3600.0
+    max_power=MAX_POWER,
+    accel_per_s=ACCEL_PER_S,
+    max_run_s=MAX_RUN_S,
+    ttl_s=TTL_S,
+    blocked_s=3600.0,
+    max_speed_mps=FULL_MPS,
+    max_turn_dps=FULL_DPS,
+    turn_power=TURN_POWER,
+    turn_spare_s=TURN_SPARE_S,
+    turn_stuck_s=STUCK_S,
+    turn_tolerance_deg=TURN_TOLERANCE_DEG,
+    distance_tolerance_m=WAY_TOLERANCE_M,
 )
 ARMED = MotorsState(left=0.0, right=0.0, armed=True, reason="", estop=False)
 DISARMED = MotorsState(left=0.0, right=0.0, armed=False, reason="tripped", estop=False)
@@ -64,6 +94,8 @@ class Arena:
         self._idle_ticks = 0
         self._delays: dict[tuple[str, str], float] = {}
         self._goals: set[str] = set()
+        self._held_goal = ""
+        self.body = Body()
         self._told_holder = ""
 
     @property
@@ -127,13 +159,43 @@ class Arena:
         """Distances come, infinite for nothing near and NaN for no reading; `twice`: the second one confirms them."""
         at = self.now if at is None else at
         self.model.advance(self.now)
-        if self.model.hold is None and self._wheels != (0.0, 0.0):
-            self._count_way()  # what just ended, ended before the readings count
+        self._came_to_rest()
         event = RangesSeen(ranges=to_ranges(distances), arrived=at)
         self.model.ranges(distances, at, self.now, twice=twice)
         self._do(event, "ranges", distances)
         if twice:
             self._do(event, "ranges again")
+
+    def attitude(self, *, at: float | None = None, **changes: object) -> None:
+        """The attitude speaks; `changes` are what it tells otherwise than it is."""
+        at, told = self.now if at is None else at, self.body.attitude() | changes
+        self.model.advance(self.now)
+        self._came_to_rest()
+        self.model.feel(self.model.attitude, told, at, self.now)
+        attitude = AttitudeState(
+            valid=told["valid"],  # type: ignore[arg-type]
+            epoch=told["epoch"],  # type: ignore[arg-type]
+            measured_s=at,
+            turned_deg=told["value"],  # type: ignore[arg-type]
+            heading_deg=told["heading"],  # type: ignore[arg-type]
+        )
+        self._do(AttitudeSeen(attitude=attitude, arrived=self.now), "attitude", told)
+
+    def odometry(self, *, at: float | None = None, **changes: object) -> None:
+        """The odometry speaks."""
+        at, told = self.now if at is None else at, self.body.odometry() | changes
+        self.model.advance(self.now)
+        self._came_to_rest()
+        self.model.feel(self.model.odometry, told, at, self.now)
+        odometry = OdometryState(
+            valid=told["valid"],  # type: ignore[arg-type]
+            epoch=told["epoch"],  # type: ignore[arg-type]
+            counted_s=at,
+            distance_m=told["value"],  # type: ignore[arg-type]
+            speed_mps=told["speed"],  # type: ignore[arg-type]
+            stalled=told["stalled"],  # type: ignore[arg-type]
+        )
+        self._do(OdometrySeen(odometry=odometry, arrived=self.now), "odometry", told)
 
     def command(self, message: Message) -> CommandReply:
         """A command arrives; return the reply."""
@@ -171,7 +233,7 @@ class Arena:
             elif isinstance(output, Happened):
                 self._happened(output)
             else:
-                self._ended(output.message.goal)
+                self._ended(output.message)
         if kind != "command":
             self._agrees()
         if len(self._trace) > HASH_EVERY:
@@ -193,9 +255,32 @@ class Arena:
                 raise self._violation(f"the sense changed without a zero: {self._wheels} to {left} {right}")
             if not setpoint.lease:
                 raise self._violation("it moves under no lease")
-            if why := self.model.around.too_fast(left, right, self.now):
+            if why := self.model.around.too_fast(left, right, self.now) or self._off_target(left, right):
                 raise self._violation(why)
         self._wheels = left, right
+
+    def _off_target(self, left: float, right: float) -> str:
+        """Return what is wrong with wheels that turn to a target or drive to an end, or nothing."""
+        hold = self.model.hold
+        if hold is None:
+            return ""
+        if hold.message.turns:
+            left_deg = self.model.left(hold)
+            if max(abs(left), abs(right)) > TURN_POWER + SLACK:
+                return f"a turn with more power than is allowed: {left} {right}"
+            if left * left_deg < 0.0 or right * left_deg > 0.0:
+                return f"it turns the wrong way with {left_deg} degrees to go: {left} {right}"
+        elif hold.message.moves and hold.message.distance_cm > 0.0 and self._is_at_end(hold):
+            return f"it drives on at the end of its way: {left} {right}"
+        return ""
+
+    def _is_at_end(self, hold: Lease) -> bool:
+        return self.model.left(hold) * hold.asked <= 0.0
+
+    def _came_to_rest(self) -> None:
+        """What just ended, ended before what is heard now counts."""
+        if self.model.hold is None and self._wheels != (0.0, 0.0):
+            self._count_way()
 
     def _count_way(self) -> float:
         """Count how far the base came since the wheels were told something; return how long that was."""
@@ -203,6 +288,7 @@ class Arena:
         self._wheels_at = self.now
         if self._wheels != (0.0, 0.0):
             self.model.around.drove(*self._wheels, elapsed_s)
+        self.body.drove(*self._wheels, elapsed_s)
         return elapsed_s
 
     def _happened(self, event: Happened) -> None:
@@ -210,10 +296,15 @@ class Arena:
         if event.kind == "holder":
             self._told_holder = event.data.get("took", "")
 
-    def _ended(self, goal: str) -> None:
-        if goal not in self._goals:
-            raise self._violation(f"the result of {goal}, which does not run")
-        self._goals.remove(goal)
+    def _ended(self, result: GoalResult) -> None:
+        if result.goal not in self._goals:
+            raise self._violation(f"the result of {result.goal}, which does not run")
+        self._goals.remove(result.goal)
+        by_itself = result.result == "reached" or result.result == "fault"
+        if by_itself and self.model.hold is not None and result.goal == self._held_goal:
+            standing = self._wheels == (0.0, 0.0)
+            if why := self.model.ended(result.result, result.reason, standing):
+                raise self._violation(why)
 
     def _agrees(self) -> None:
         """Compare what the kernel and the model think of who holds the base, and what that means for the wheels."""
@@ -224,9 +315,7 @@ class Arena:
         if left or right:
             if held is None or self.model.estop:
                 raise self._violation("it moves although nobody may move it")
-            power = held.message.power
-            fastest = max(abs(left), abs(right))
-            if power == 0.0 and fastest > SLACK:
+            if not held.message.moves:
                 raise self._violation("it moves although the holder wants it still")
             if (left, right) != (self.state.left, self.state.right):
                 raise self._violation("the motors were told something else than the kernel thinks")
@@ -242,14 +331,17 @@ class Arena:
     def _moves_when_free(self) -> None:
         held = self.model.hold
         wants = (
-            held is not None and held.message.power > 0.0 and self.model.around.free(held.message.angle_deg, self.now)
+            held is not None
+            and held.message.power > 0.0
+            and not held.message.distance_cm
+            and self.model.around.free(held.message.angle_deg, self.now)
         )
         self._idle_ticks = self._idle_ticks + 1 if wants and self._wheels == (0.0, 0.0) else 0
         if self._idle_ticks > STUCK_TICKS:
             raise self._violation("it does not move although it may")
 
     def _was_accepted(self, message: Message, reply: CommandReply, name: str) -> None:
-        if message.power == 0.0 and not message.lease:
+        if not message.moves and not message.lease:
             return
         if reply.lease != (message.lease or name):
             raise self._violation(f"a lease that is neither new nor the quoted one: {reply}")
@@ -257,7 +349,9 @@ class Arena:
             raise self._violation("a motion from afar began without proof")
         if reply.goal:
             self._goals.add(reply.goal)
-        if message.power > 0.0 and not isnan(message.ahead_s):
+        if reply.lease == self.holder:
+            self._held_goal = reply.goal
+        if message.moves and not isnan(message.ahead_s):
             self._was_fresh(message, reply.lease)
 
     def _was_fresh(self, message: Message, lease: str) -> None:

@@ -6,8 +6,20 @@ from math import inf, isfinite
 from msgspec.structs import replace
 
 from benchmarks.motion.arena import Decide
+from lbr.messages.drive import HeadingCommand
 from lbr.operations.drive import kernel
-from lbr.operations.drive.state import Command, EstopChanged, Event, Outputs, RangesSeen, State, Stop
+from lbr.operations.drive.state import (
+    AttitudeSeen,
+    Command,
+    EstopChanged,
+    Event,
+    OdometrySeen,
+    Outputs,
+    RangesSeen,
+    State,
+    Stop,
+    Tick,
+)
 
 Decision = tuple[State, Outputs]
 
@@ -80,6 +92,43 @@ def jumps_to_speed(state: State, event: Event, now: float) -> Decision:
     return replace(after, settings=state.settings), said
 
 
+def believes_any_attitude(state: State, event: Event, now: float) -> Decision:
+    """Takes every attitude for valid, and for the one it has known."""
+    if isinstance(event, AttitudeSeen):
+        event = replace(event, attitude=replace(event.attitude, valid=True, epoch="a"))
+    return kernel.decide(state, event, now)
+
+
+def misses_no_attitude(state: State, event: Event, now: float) -> Decision:
+    """Turns on by the last attitude, however old."""
+    if isinstance(event, Tick) and state.hold and state.hold.goal and state.hold.goal.turn:
+        turn = state.hold.goal.turn
+        goal = replace(state.hold.goal, turn=replace(turn, bearing=replace(turn.bearing, seen=now)))
+        state = replace(state, hold=replace(state.hold, goal=goal))
+    return kernel.decide(state, event, now)
+
+
+def turns_at_full_power(state: State, event: Event, now: float) -> Decision:
+    """Knows no limit for turns."""
+    after, said = kernel.decide(replace(state, settings=replace(state.settings, turn_power=0.8)), event, now)
+    return replace(after, settings=state.settings), said
+
+
+def turns_the_longer_way(state: State, event: Event, now: float) -> Decision:
+    """Looks for headings on the other side."""
+    if isinstance(event, Command) and isinstance(event.command, HeadingCommand):
+        heading_deg = 360.0 - event.command.heading_deg
+        event = replace(event, command=replace(event.command, heading_deg=heading_deg))
+    return kernel.decide(state, event, now)
+
+
+def pushes_stalled_wheels(state: State, event: Event, now: float) -> Decision:
+    """Does not look whether the wheels turn."""
+    if isinstance(event, OdometrySeen):
+        event = replace(event, odometry=replace(event.odometry, stalled=False))
+    return kernel.decide(state, event, now)
+
+
 KERNELS: tuple[Callable[[State, Event, float], Decision], ...] = (
     no_lapse,
     resumes_after_reset,
@@ -91,6 +140,11 @@ KERNELS: tuple[Callable[[State, Event, float], Decision], ...] = (
     trusts_afar,
     forgets_stops,
     jumps_to_speed,
+    believes_any_attitude,
+    misses_no_attitude,
+    turns_at_full_power,
+    turns_the_longer_way,
+    pushes_stalled_wheels,
 )
 
 

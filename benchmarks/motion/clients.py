@@ -10,6 +10,9 @@ from lbr.messages.drive import CommandReply
 RENEW_S = 0.1
 ANGLES = (0.0, 0.0, 0.0, 30.0, -30.0, 90.0, -90.0, 150.0, 180.0, 180.0, 210.0)
 POWERS = (0.05, 0.2, 0.4, 0.6, 0.8, 1.0)
+TURNS = (-360.0, -90.0, -2.0, 0.0, 5.0, 45.0, 90.0, 180.0)
+HEADINGS = (0.0, 90.0, 180.0, 270.0, 360.0)
+DISTANCES_CM = (2.0, 20.0, 100.0, 500.0)
 TTLS = (None, None, None, None, 0.05, 0.15, 0.6, 1.0)
 
 Habit = Literal["renews", "streams", "looks"]
@@ -52,7 +55,7 @@ class Client:
         if self.habit == "streams":
             post.send(self._now(self.wanted, now, lease=""), self)
             return 0.05
-        if dice.random() < 0.1:
+        if dice.random() < (0.02 if self.wanted.turns or self.wanted.distance_cm else 0.1):
             self.wanted = self._choose(dice)
         if self.lease or self.remote:
             post.send(self._now(self.wanted, now, lease=self.lease), self)
@@ -86,14 +89,18 @@ class Client:
         return 3.0 * dice.random() ** 2
 
     def _choose(self, dice: Random) -> Message:
-        angle_deg = dice.choice(ANGLES)
-        range_cm = dice.choice((40.0, 80.0)) if angle_deg in {0.0, 180.0} and dice.random() < 0.2 else 0.0
+        kind, angle_deg = dice.random(), dice.choice(ANGLES)
+        straight = angle_deg in {0.0, 180.0} and kind > 0.3
+        range_cm = dice.choice((40.0, 80.0)) if straight and dice.random() < 0.2 else 0.0
         return Message(
             source=self.source,
-            power=dice.choice(POWERS),
+            power=0.0 if kind < 0.3 else dice.choice(POWERS),
             angle_deg=angle_deg,
             range_cm=range_cm,
-            interval_s=dice.choice((0.1, 0.5, 2.0, 6.0)) if dice.random() < 0.2 else 0.0,
+            turn_deg=dice.choice(TURNS) if kind < 0.2 else None,
+            heading_deg=dice.choice(HEADINGS) if 0.2 <= kind < 0.3 else None,
+            distance_cm=dice.choice(DISTANCES_CM) if straight and kind < 0.7 else 0.0,
+            interval_s=dice.choice((0.1, 0.5, 2.0, 6.0)) if kind > 0.3 and dice.random() < 0.2 else 0.0,
             ttl_s=dice.choice(TTLS),
             take_over=dice.random() < 0.3,
             role="view" if self.habit == "looks" else "operate",
@@ -119,4 +126,7 @@ class Client:
             now,
             wanted.ahead_s,
             wanted.check if asks else None,
+            wanted.turn_deg,
+            wanted.heading_deg,
+            wanted.distance_cm,
         )

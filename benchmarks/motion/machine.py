@@ -26,6 +26,8 @@ times = st.sampled_from([nan, inf, -inf, -1.0, 0.0, 1e9])
 bounds = st.sampled_from([{}, {}, {}, {"interval_s": 0.1}, {"interval_s": 0.5}, {"interval_s": 9.0}])
 ranges_cm = st.sampled_from([0.0, 0.0, 0.0, 40.0, 80.0])
 ttls_s = st.sampled_from([None, None, None, 0.05, 1.0])
+turns = st.sampled_from([-360.0, -90.0, -1.0, 0.0, 3.0, 45.0, 180.0])
+headings = st.sampled_from([0.0, 76.0, 77.0, 90.0, 257.0, 360.0])
 checks = st.sampled_from([None] * 8 + [True, False])
 
 
@@ -40,7 +42,7 @@ class MotionMachine(RuleBasedStateMachine):
         self.distances = dict.fromkeys(SIDES, 2.0)
         self.frozen = False
         self.arena.motors()
-        self.arena.ranges(self.distances)
+        self._hear()
         self.arena.tick()
 
     # time
@@ -61,6 +63,8 @@ class MotionMachine(RuleBasedStateMachine):
                 self._hear()
                 if held := self.arena.model.hold:
                     self._say(held.message, lease=held.name)
+            elif count % 2 == 0 and not self.frozen:
+                self.arena.attitude()
             self.arena.tick()
 
     @rule(time=times, really=rarely)
@@ -95,6 +99,37 @@ class MotionMachine(RuleBasedStateMachine):
     def ranges_freeze_or_thaw(self) -> None:
         self.frozen = not self.frozen
 
+    @rule(
+        changes=st.sampled_from(
+            [{}, {}, {"valid": False}, {"value": nan}, {"value": None}, {"heading": None}, {"heading": nan}]
+        ),
+        late_s=ages_s,
+    )
+    def the_attitude_speaks(self, changes: dict[str, Any], late_s: float) -> None:
+        self.arena.attitude(at=self.arena.now - late_s, **changes)
+
+    @rule(
+        changes=st.sampled_from([{}, {}, {"valid": False}, {"value": nan}, {"stalled": True}, {"speed": None}]),
+        late_s=ages_s,
+    )
+    def the_odometry_speaks(self, changes: dict[str, Any], late_s: float) -> None:
+        self.arena.odometry(at=self.arena.now - late_s, **changes)
+
+    @rule(kind=st.sampled_from(["attitude", "odometry"]), really=rarely)
+    def counting_begins_anew(self, kind: str, really: bool) -> None:
+        if really:
+            self.arena.body.epochs[kind] += 1
+
+    @rule(by_deg=st.sampled_from([-180.0, -3.0, 4.0, 40.0]), by_m=st.sampled_from([-2.0, 0.1, 1.0]), really=rarely)
+    def it_is_carried_away(self, by_deg: float, by_m: float, really: bool) -> None:
+        if really:
+            self.arena.body.turned_deg += by_deg
+            self.arena.body.way_m += by_m
+
+    @rule(gain=st.sampled_from([1.0, 1.0, 0.5, 0.0, -1.0]))
+    def the_floor_changes(self, gain: float) -> None:
+        self.arena.body.gain = gain
+
     # people
 
     @rule(engaged=rarely)
@@ -124,6 +159,42 @@ class MotionMachine(RuleBasedStateMachine):
         bounded = {**bound, "range_cm": range_cm if angle in {0.0, 180.0} else 0.0}
         self._send(Message(angle_deg=angle, **bounded, **more), age_s)
 
+    @rule(
+        source=sources,
+        role=roles,
+        turn_deg=turns,
+        heading_deg=headings,
+        to_heading=st.booleans(),
+        ttl_s=ttls_s,
+        take_over=st.booleans(),
+        check=checks,
+        age_s=ages_s,
+    )
+    def somebody_asks_for_a_turn(
+        self, turn_deg: float, heading_deg: float, to_heading: bool, age_s: float, **more: Any
+    ) -> None:
+        message = Message(
+            power=0.0,
+            turn_deg=None if to_heading else turn_deg,
+            heading_deg=heading_deg if to_heading else None,
+            **more,
+        )
+        self._send(message, age_s)
+
+    @rule(
+        source=sources,
+        power=powers,
+        angle=st.sampled_from([0.0, 180.0, 30.0]),
+        distance_cm=st.sampled_from([1.0, 10.0, 200.0]),
+        range_cm=ranges_cm,
+    )
+    def somebody_asks_for_a_distance(
+        self, source: str, power: float, angle: float, distance_cm: float, range_cm: float
+    ) -> None:
+        range_cm = range_cm if angle != 30.0 else 0.0
+        message = Message(source=source, power=power, angle_deg=angle, distance_cm=distance_cm, range_cm=range_cm)
+        self._send(message, 0.0)
+
     @precondition(lambda self: self.leases)
     @rule(source=sources, which=st.integers(0, 9), same=st.booleans(), power=powers, angle=angles, age_s=ages_s)
     def somebody_quotes_a_lease(
@@ -145,21 +216,13 @@ class MotionMachine(RuleBasedStateMachine):
         if not self.frozen:
             self.distances = {side: value + 0.001 for side, value in self.distances.items()}
         self.arena.ranges(self.distances)
+        if not self.frozen:
+            self.arena.attitude()
+            self.arena.odometry()
 
     def _say(self, asked: Message, *, lease: str, age_s: float = 0.0) -> None:
         """Say once more what was asked, under its lease."""
-        self._send(
-            Message(
-                source=asked.source,
-                power=asked.power,
-                angle_deg=asked.angle_deg,
-                lease=lease,
-                range_cm=asked.range_cm,
-                interval_s=asked.interval_s,
-                ttl_s=asked.ttl_s,
-            ),
-            age_s,
-        )
+        self._send(replace(asked, lease=lease, take_over=False, role="operate", answerable=True, check=None), age_s)
 
     def _send(self, message: Message, age_s: float) -> None:
         remote, ahead_s = message.source in REMOTE, AHEAD_S[message.source]

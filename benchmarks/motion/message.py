@@ -5,15 +5,15 @@ from math import inf, isfinite, isnan, nan
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.messages.drive import CheckVerdict, DriveCommand
+from lbr.messages.drive import CheckVerdict, DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.sensing import Ranges, RangeStatus
 from lbr.operations.drive.state import Command
 
-What = tuple[float, float, float, float]
+What = tuple[float | None, ...]
 
 
 class Message(Struct, frozen=True):
-    """A drive command on its way: `sent` is the truth; `ahead_s` is how much its sender's clock is ahead (NaN: none)."""
+    """A motion command on its way, a turn if it has `turn_deg` or `heading_deg`: `sent` is the truth; `ahead_s` is how much its sender's clock is ahead (NaN: none)."""
 
     source: str
     power: float
@@ -29,11 +29,31 @@ class Message(Struct, frozen=True):
     sent: float = 0.0
     ahead_s: float = nan
     check: bool | None = None
+    turn_deg: float | None = None
+    heading_deg: float | None = None
+    distance_cm: float = 0.0
 
     @property
     def what(self) -> What:
         """What it asks for."""
-        return (self.power, self.angle_deg, self.range_cm, self.interval_s)
+        if self.turns:
+            return (self.turn_deg, self.heading_deg)
+        return (self.power, self.angle_deg, self.range_cm, self.interval_s, self.distance_cm)
+
+    @property
+    def turns(self) -> bool:
+        """Whether it asks for a turn."""
+        return self.turn_deg is not None or self.heading_deg is not None
+
+    @property
+    def moves(self) -> bool:
+        """Whether it asks for anything but standing still."""
+        return self.power > 0.0 or self.turns
+
+    @property
+    def towards_deg(self) -> float:
+        """The angle of the motion; a turn spins."""
+        return 90.0 if self.turns else self.angle_deg
 
     def by(self, source: str) -> "Message":
         """Return the same motion, said by another."""
@@ -45,15 +65,7 @@ def command_event(message: Message, name: str, now: float) -> Command:
     dated = not (message.remote or isnan(message.ahead_s))
     verdict = {} if message.check is None else {"mine": CheckVerdict(accepted=message.check)}
     return Command(
-        command=DriveCommand(
-            power=message.power,
-            angle_deg=message.angle_deg,
-            lease=message.lease,
-            range_cm=message.range_cm,
-            interval_s=message.interval_s,
-            ttl_s=message.ttl_s,
-            take_over=message.take_over,
-        ),
+        command=_command(message),
         source=message.source,
         role=message.role,  # type: ignore[arg-type]  # also roles that do not exist
         new_lease=name,
@@ -63,6 +75,24 @@ def command_event(message: Message, name: str, now: float) -> Command:
         sender_s=message.sent + message.ahead_s,
         answerable=message.answerable,
         checks=verdict,
+    )
+
+
+def _command(message: Message) -> DriveCommand | TurnCommand | HeadingCommand:
+    lease, ttl_s, take_over = message.lease, message.ttl_s, message.take_over
+    if message.turn_deg is not None:
+        return TurnCommand(angle_deg=message.turn_deg, lease=lease, ttl_s=ttl_s, take_over=take_over)
+    if message.heading_deg is not None:
+        return HeadingCommand(heading_deg=message.heading_deg, lease=lease, ttl_s=ttl_s, take_over=take_over)
+    return DriveCommand(
+        power=message.power,
+        angle_deg=message.angle_deg,
+        lease=lease,
+        range_cm=message.range_cm,
+        interval_s=message.interval_s,
+        distance_cm=message.distance_cm,
+        ttl_s=ttl_s,
+        take_over=take_over,
     )
 
 

@@ -3,6 +3,7 @@
 from math import inf, isnan, nan
 
 from benchmarks.motion.message import Message
+from benchmarks.motion.senses import FULL_DPS, Sense
 from benchmarks.motion.surroundings import Surroundings
 
 MAX_POWER, ACCEL_PER_S, MAX_RUN_S, TTL_S = 0.8, 2.0, 5.0, 0.3
@@ -11,19 +12,26 @@ PAUSE_S = 0.25
 MOTORS_S = 0.3
 EARLY_S = 0.03
 OFFERS = 8
+TURN_POWER, TURN_SPARE_S, TURN_TOLERANCE_DEG = 0.2, 4.0, 1.0
+STUCK_S, STUCK_DEG, AWAY_DEG = 1.0, 2.0, 5.0
+WAY_TOLERANCE_M, WRONG_M = 0.02, 0.15
 
 
 class Lease:
     """A lease as the model knows it."""
 
     __slots__ = (
+        "asked",
+        "begun",
         "behind_s",
         "changed",
+        "epoch",
         "goal",
         "last_m",
         "last_seen",
         "message",
         "name",
+        "nearest",
         "renewed",
         "said",
         "ttl_s",
@@ -41,6 +49,8 @@ class Lease:
         self.behind_s = inf
         self.goal = ""
         self.last_m = self.last_seen = nan
+        self.asked = self.begun = self.nearest = nan
+        self.epoch = ""
 
 
 class Reference:
@@ -56,6 +66,7 @@ class Reference:
         self.armed_at = -inf
         self.lost_at = -inf
         self.around = Surroundings()
+        self.attitude, self.odometry = Sense("attitude"), Sense("odometry")
 
     # time
 
@@ -74,6 +85,8 @@ class Reference:
         recent = [source for source, until in self.insisting.items() if not self.clock >= until]
         self.insisting = dict.fromkeys(recent, now + PAUSE_S)
         self.around.forget()
+        self.attitude.forget()
+        self.odometry.forget()
 
     def _offers_end(self, now: float) -> None:
         armed = self.armed(now)
@@ -83,17 +96,38 @@ class Reference:
         hold = self.hold
         if hold is None:
             return
-        interval_s = hold.message.interval_s if hold.message.power > 0.0 else 0.0
+        interval_s = hold.message.interval_s if hold.message.moves else 0.0
         timed_out = interval_s > 0.0 and not now < hold.changed + interval_s
-        ran_out = hold.message.power > 0.0 and not now - hold.changed < MAX_RUN_S
-        if not self.armed(now) or not now < hold.until or timed_out or ran_out or self._at_range(hold, now):
+        ran_out = hold.message.moves and not now - hold.changed < MAX_RUN_S
+        dead = not self.armed(now) or not now < hold.until
+        if dead or timed_out or ran_out or self._at_range(hold, now) or self._lost(hold, now):
             self.hold = None
+
+    def _lost(self, hold: Lease, now: float) -> bool:
+        """Say whether a turn or a way has lost what it goes by, or its time is over."""
+        if hold.message.turns:
+            return not (self._sees(self.attitude, hold, now) and now < self._turn_ends(hold))
+        if self._travels(hold.message):
+            return not self._sees(self.odometry, hold, now) or self.odometry.stalled
+        return False
 
     def _at_range(self, hold: Lease, now: float) -> bool:
         message = hold.message
         if not (message.power > 0.0 and message.range_cm > 0.0):
             return False
         return self._passed(message, hold.last_m) or not now - hold.last_seen <= 0.3
+
+    @staticmethod
+    def _travels(message: Message) -> bool:
+        return not message.turns and message.power > 0.0 and message.distance_cm > 0.0
+
+    @staticmethod
+    def _sees(sense: Sense, hold: Lease, now: float) -> bool:
+        return sense.known(now) and sense.epoch == hold.epoch
+
+    @staticmethod
+    def _turn_ends(hold: Lease) -> float:
+        return hold.changed + TURN_SPARE_S + 2.0 * abs(hold.asked) / (TURN_POWER * FULL_DPS)
 
     def _passed(self, message: Message, value_m: float) -> bool:
         target_m = message.range_cm / 100
@@ -142,11 +176,42 @@ class Reference:
                 hold.last_m, hold.last_seen = value_m, min(at, now)
             self._hold_ends(now)
 
+    def feel(self, sense: Sense, told: dict[str, object], at: float, now: float) -> None:
+        """Attitude or odometry came."""
+        sense.hear(told, min(at, now))
+        hold = self.hold
+        if hold is not None and (hold.message.turns if sense is self.attitude else self._travels(hold.message)):
+            self._hold_ends(now)
+            hold.nearest = min(hold.nearest, abs(self.left(hold)))
+
+    def left(self, hold: Lease) -> float:
+        """Return how far a turn (degrees, clockwise) or a way (metres ahead) has yet to go, by what was told."""
+        sense = self.attitude if hold.message.turns else self.odometry
+        return hold.asked - (sense.value - hold.begun)
+
+    def ended(self, how: str, why: str, standing: bool) -> str:
+        """Take the kernel's word that what is held came to an end by itself; return why it cannot be so, or nothing."""
+        hold = self.hold
+        if hold is None or not (hold.message.turns or self._travels(hold.message)):
+            return f"nothing that could have ended: {how} {why}"
+        left, self.hold = self.left(hold), None
+        if how == "reached":
+            past = not hold.message.turns and left * hold.asked <= 0.0
+            near = TURN_TOLERANCE_DEG if hold.message.turns else WAY_TOLERANCE_M
+            return "" if standing and (past or abs(left) <= near + 1e-6) else f"{left} to go: {why}"
+        if why.startswith("the base does not turn"):
+            return "" if self.attitude.range_over(STUCK_S) <= STUCK_DEG else f"it turns: {why}"
+        if why.startswith("the base turns away"):
+            return "" if abs(left) > hold.nearest + AWAY_DEG - 1e-6 else f"it does not: {why}"
+        if why.startswith("the wheels turn the other way"):
+            return "" if abs(left) > abs(hold.asked) + WRONG_M - 1e-6 else f"they do not: {why}"
+        return f"it need not have ended: {how} {why}"
+
     # commands
 
     def command(self, message: Message, arrived: float, now: float, name: str, checked: bool) -> bool | None:
         """Return whether a command is accepted (None: cannot be told) and do what follows; `name` is its new lease's."""
-        if message.power == 0.0 and not message.lease:
+        if not message.moves and not message.lease:
             self.stop(message.source, arrived if message.remote else self._dated(message, arrived), now)
             return True
         verdict = self._verdict(message, arrived, now, checked)
@@ -180,7 +245,7 @@ class Reference:
         return arrived if behind_s == inf else message.sent + message.ahead_s + behind_s
 
     def _verdict(self, message: Message, arrived: float, now: float, checked: bool) -> bool | None:
-        moves = message.power > 0.0
+        moves = message.moves
         dated = self._dated(message, arrived)
         if moves and not 0.0 <= now - min(arrived, dated) <= LATE_S + (CHECKS_S if checked else 0.0):
             return False
@@ -202,13 +267,13 @@ class Reference:
     def _may_hold(self, message: Message, dated: float) -> bool:
         hold, quoted = self.hold, self._quoted(message.lease)
         foreign = quoted is not None and message.source != quoted.message.source
-        if foreign and message.remote and message.power > 0.0:
+        if foreign and message.remote and message.moves:
             return False
         if hold is not None and quoted is hold:
             newest = hold.said
             if message.what == hold.message.what:
                 newest = max(newest, -inf if hold.renewed is None else hold.renewed)
-            return message.power == 0.0 or dated > newest
+            return not message.moves or dated > newest
         if message.lease and quoted is None:
             return False
         takes = message.take_over or (quoted is not None and quoted.message.take_over)
@@ -223,11 +288,19 @@ class Reference:
             forward = self.around.sights["forward"]
             if forward.unknown(now) or self._passed(message, forward.value_m):
                 return False
-        blocked = self.around.blocked(message.angle_deg, now)
+        if message.turns and not self._may_turn(message, now):
+            return False
+        if self._travels(message) and not (message.angle_deg in {0.0, 180.0} and self.odometry.known(now)):
+            return False
+        blocked = self.around.blocked(message.towards_deg, now)
         return None if blocked is None else not blocked
 
+    def _may_turn(self, message: Message, now: float) -> bool:
+        blind = message.heading_deg is not None and isnan(self.attitude.heading_deg)
+        return self.attitude.known(now) and not blind
+
     def _note_insisting(self, message: Message, now: float) -> None:
-        if not message.power > 0.0:
+        if not message.moves:
             return
         hold, source = self.hold, message.source
         streams = hold is not None and self._streams(hold, message)
@@ -271,7 +344,22 @@ class Reference:
         if message.range_cm > 0.0:
             forward = self.around.sights["forward"]
             lease.last_m, lease.last_seen = forward.value_m, forward.seen
+        if message.turns:
+            lease.asked, lease.begun, lease.epoch = self._turn(message), self.attitude.value, self.attitude.epoch
+        elif self._travels(message):
+            sense = 1.0 if message.angle_deg == 0.0 else -1.0
+            lease.asked, lease.begun = sense * message.distance_cm / 100, self.odometry.value
+            lease.epoch = self.odometry.epoch
+        lease.nearest = abs(lease.asked)
         return lease
+
+    def _turn(self, message: Message) -> float:
+        """Return how far to turn; to a heading not more than half a turn, and a whole half of it clockwise."""
+        if message.turn_deg is not None:
+            return message.turn_deg
+        assert message.heading_deg is not None
+        clockwise_deg = (message.heading_deg - self.attitude.heading_deg) % 360.0
+        return clockwise_deg if clockwise_deg <= 360.0 - clockwise_deg else clockwise_deg - 360.0
 
     def _offer(self, lease: Lease, behind_s: float, now: float) -> None:
         own = [offer for offer in self.offers if offer.message.source == lease.message.source]

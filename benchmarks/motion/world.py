@@ -17,6 +17,7 @@ from lbr.operations.drive import kernel
 
 PERIOD_S = 0.02
 SENSE_S = 0.1
+ATTITUDE_S = 0.04
 OVERHEARD = 64
 DISTANCES_M = (0.1, 0.19, 0.22, 0.28, 0.35, 0.5, 0.7, 1.0, 1.5, 2.5, 4.0, inf, inf)
 
@@ -81,6 +82,9 @@ class World:
             self._tick,
             self._motors,
             self._ranges,
+            self._attitude,
+            self._odometry,
+            self._nature,
             self._thief,
             self._stopper,
             self._button,
@@ -159,6 +163,49 @@ class World:
         late_s = 0.4 * dice.random() if chance > 0.99 else 0.0
         arena.ranges(dict(self._distances), at=arena.now - late_s, twice=dice.random() < 0.95)
         return frozen_s + SENSE_S if chance < 0.985 else dice.random()
+
+    def _attitude(self) -> float:
+        """Fast and mostly right; now and then silent, late, mad, anew or not known."""
+        dice, arena = self.dice, self.arena
+        chance = dice.random()
+        if chance > 0.012:
+            arena.attitude()
+        elif chance < 0.002:
+            arena.body.epochs["attitude"] += 1
+            arena.attitude()
+        elif chance < 0.004:
+            arena.attitude(valid=False)
+        elif chance < 0.006:
+            arena.attitude(value=dice.choice((nan, inf, None, arena.body.turned_deg + dice.choice((-90.0, 4.0, 30.0)))))
+        elif chance < 0.008:
+            arena.attitude(heading=dice.choice((nan, None, -1.0, 361.0)))
+        else:
+            arena.attitude(at=arena.now - 0.3 * dice.random())
+        return ATTITUDE_S if dice.random() > 0.004 else 0.6 * dice.random()
+
+    def _odometry(self) -> float:
+        dice, arena = self.dice, self.arena
+        chance = dice.random()
+        if chance > 0.03:
+            arena.odometry()
+        elif chance < 0.004:
+            arena.body.epochs["odometry"] += 1
+            arena.odometry()
+        elif chance < 0.008:
+            arena.odometry(valid=False)
+        elif chance < 0.012:
+            arena.odometry(value=dice.choice((nan, inf, None, arena.body.way_m + dice.choice((-3.0, 0.1)))))
+        elif chance < 0.026:
+            arena.odometry(stalled=True)
+        else:
+            arena.odometry(at=arena.now - 0.4 * dice.random())
+        return SENSE_S if dice.random() > 0.005 else 0.6 * dice.random()
+
+    def _nature(self) -> float:
+        """Something holds the base, or its wires are swapped; not for long."""
+        body = self.arena.body
+        body.gain = self.dice.choice((0.0, 0.0, -1.0, 0.5)) if body.gain == 1.0 else 1.0
+        return (8.0 if body.gain != 1.0 else 15.0) * self.dice.random()
 
     def _same_again(self) -> float:
         self.arena.ranges(dict(self._distances))

@@ -11,12 +11,15 @@ from benchmarks.motion import broken
 from benchmarks.motion.machine import MotionMachine
 
 FOUND_WITHIN = {
-    "forgets_stops": 60_000,
-    "ignores_a_broken_clock": 30_000,
+    "forgets_stops": 15_000,
+    "ignores_a_broken_clock": 60_000,
+    "believes_any_attitude": 30_000,
+    "misses_no_attitude": 40_000,
     "resumes_after_reset": 15_000,
     "passes_nan": 15_000,
 }
 STEPS = 8_000
+KINDS = ("tick", "command", "ranges", "motors", "attitude", "odometry", "stop", "latch")
 
 TestMotion = MotionMachine.TestCase
 TestMotion.settings = settings(
@@ -31,7 +34,7 @@ TestMotion.settings = settings(
 def test_a_long_history_breaks_no_rule(seed):
     run = long_simulation.simulate(seed, steps=25_000)
     assert run.violation == ""
-    assert min(run.counts[kind] for kind in ("tick", "command", "ranges", "motors", "stop", "latch")) > 10
+    assert min(run.counts[kind] for kind in KINDS) > 10
 
 
 def test_the_same_seed_is_the_same_history_in_another_process():
