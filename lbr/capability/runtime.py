@@ -34,7 +34,7 @@ class Port:
         bus: session.Session,
         wires: tuple[InputWire, ...],
         kind: type[Struct],
-        wake: Callable[[], None],
+        wake: Callable[[], None] | None,
         complain: Callable[[str, str], None],
     ) -> None:
         self.sources = tuple(wire.source for wire in wires)
@@ -44,7 +44,7 @@ class Port:
         self._fresh: deque[Received] = deque(maxlen=max((wire.history for wire in wires), default=1))
         self._next: dict[str, float] = {}
         self._newest: dict[str, int] = {}
-        self._feeds = [(w, wire.Subscription(bus, w.key, depth=w.history, wake=wake)) for w in wires]
+        self._feeds = [(w, _subscribe(bus, w, wake)) for w in wires]
 
     def take(self) -> list[Received]:
         """Return what is new, oldest first."""
@@ -139,7 +139,7 @@ class ProcessContext:
         }
         ports = {**kind.inputs, **kind.setpoints}
         self._ports = {
-            name: Port(self._bus, config.wiring.get(name, ()), message, wake_for_streams or _sleep_on, self._refused)
+            name: Port(self._bus, config.wiring.get(name, ()), message, wake_for_streams, self._refused)
             for name, message in ports.items()
         }
         self._commands = {
@@ -270,8 +270,13 @@ class ProcessContext:
             self.event("refused", text, level="warning")
 
 
-def _sleep_on() -> None:
-    """Wake nobody."""
+def _subscribe(
+    bus: session.Session, feed: InputWire, wake: Callable[[], None] | None
+) -> wire.Subscription | wire.Waiting:
+    """Receive a stream; one that wakes nobody waits within Zenoh."""
+    if wake is None:
+        return wire.Waiting(bus, feed.key, depth=feed.history)
+    return wire.Subscription(bus, feed.key, depth=feed.history, wake=wake)
 
 
 def _read(name: str, payload: bytes, decoder: Decoder[Any]) -> Any:

@@ -75,7 +75,7 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     compass_retrust_s: Seconds = 10.0
     observe_s: Annotated[float, Meta(gt=0.0, le=86400.0, description="a turn not seen for so long is given up")] = 600.0
     spin_power: Annotated[float, Meta(gt=0.0, le=1.0, description="of the turn on the spot that calibrates")] = 0.2
-    sample_s: Annotated[float, Meta(ge=0.0, le=10.0, description="between two samples of a calibration")] = 0.05
+    sample_s: Annotated[float, Meta(ge=0.0, le=10.0, description="between two samples of a calibration")] = 0.04
     reverse_s: Annotated[
         float, Meta(gt=1.0, le=3600.0, description="a calibration turns the other way after so long; see max_run_s")
     ] = 25.0
