@@ -296,6 +296,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The inertial unit: acceleration, rate of turn and magnetic field, along its own axes'),
     ('lbr', 'drive', 'drive', '{}', '["motors", "ranges"]',
      'The base: who drives, how fast and how near to obstacles'),
+    ('lbr', 'attitude', 'attitude', '{"device": "imu"}', '["imu"]',
+     'The attitude: how the body lies, where it looks, how far it turned; and the compass''s calibration'),
     ('lbr', 'odometry', 'odometry', '{}', '["motors"]',
      'The odometry: how far the base went by its wheels, and whether they stall or slip'),
     ('lbr', 'battery', 'battery', '{}', '["motors"]',
@@ -321,6 +323,11 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
     ('lbr', 'motors.state', 'drive.motors', 1),
     ('lbr', 'ranges.readings', 'drive.ranges', 1),
+    ('lbr', 'imu.sample', 'attitude.samples', 32),
+    ('lbr', 'attitude.motion', 'drive.command', 1),
+    ('lbr', 'attitude.halt', 'drive.stop', 1),
+    ('lbr', 'attitude.state', 'drive.attitude', 1),
+    ('lbr', 'attitude.state', 'odometry.attitude', 1),
     ('lbr', 'motors.state', 'odometry.motors', 1),
     ('lbr', 'odometry.state', 'drive.odometry', 1),
     ('lbr', 'dance.motion', 'drive.command', 1),
@@ -335,6 +342,7 @@ INSERT INTO channel (robot, source, target, rate_hz) VALUES
     ('lbr', 'battery.say', 'speech.say', NULL),
     ('lbr', 'ranges.readings', 'telemetry.ranges', 10),
     ('lbr', 'motors.state', 'telemetry.motors', 10),
+    ('lbr', 'attitude.state', 'telemetry.attitude', 10),
     ('lbr', 'battery.state', 'telemetry.battery', 10),
     ('lbr', 'dock.signal', 'telemetry.dock', 10);
 
@@ -360,6 +368,13 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
      'Turn on the spot by an angle, -360 to 360 degrees, clockwise positive, such as /t/90 or /t/-45'),
     ('lbr', 'h', '/h/{heading_deg}', 'drive.heading', NULL, 'operate',
      'Turn on the spot to a compass heading, 0 to 360 degrees (0 north, 90 east), the shorter way'),
+    ('lbr', 'a', '/a/{angle_deg}', 'attitude.observe', NULL, 'operate',
+     'Tell when the robot has turned by an angle from now on, -360 to 360 degrees, clockwise positive; moves nothing'),
+    ('lbr', 'm', '/m/{samples}', 'attitude.calibrate', NULL, 'operate',
+     'Calibrate the compass while turning on the spot, such as /m/300; s ends it'),
+    ('lbr', 'm', '/m/{samples}/{source}', 'attitude.calibrate', NULL, 'operate',
+     'The same: - turns, -c turns and only draws what the compass says now, '
+     || 'a name means a file of samples in $LBR_HOME/calibration'),
     ('lbr', 's', '/s/{text...}', 'speech.say', NULL, 'operate',
      'Say a text, 5000 characters at most; one that is <name plays a recording'),
     ('lbr', 'say', '/say/{phrase}', 'speech.say', NULL, 'operate', 'Say a phrase by its name, such as /say/hello'),
@@ -399,7 +414,11 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
      'Stop everything in order and end; mind the capital letter');
 
 INSERT INTO external_command (robot, name, argv, blocking, help) VALUES
-    ('lbr', 'clock', '["/bin/date"]', 1, 'Show date and time of the robot''s computer');
+    ('lbr', 'clock', '["/bin/date"]', 1, 'Show date and time of the robot''s computer'),
+    ('lbr', 'docksignal', '["python", "-m", "lbr.apps.docksignal"]', 1,
+     'Tell that somebody else has seen a beam of the dock: docksignal left, right or power'),
+    ('lbr', 'autodock', '["python", "-m", "lbr.apps.autodock"]', 0,
+     'Find the charging dock and back onto it; stop autodock ends it');
 
 INSERT INTO choreography (robot, dance, step, power, angle_deg) VALUES
     ('lbr', 'to_and_fro', 1, 0.3, 0),
@@ -433,7 +452,10 @@ INSERT INTO phrase (name, language, text) VALUES
     ('motor_2_current', 'en', 'The right motor draws'),
     ('battery_low', 'en', 'My battery is low. I need my dock.'),
     ('battery_critical', 'en', 'My battery is almost empty.'),
-    ('charging', 'en', 'I am being charged.');
+    ('charging', 'en', 'I am being charged.'),
+    ('docking', 'en', 'I am going to my dock.'),
+    ('docked', 'en', 'I am on my dock.'),
+    ('dock_failed', 'en', 'I could not reach my dock. Please help me.');
 
 
 -- ---------------------------------------------------------------------------------------------------------------------
