@@ -6,6 +6,8 @@ from msgspec import Meta, Struct
 
 from lbr.messages.units import Name
 
+CameraPhase = Literal["off", "opening", "streaming", "lost"]
+
 
 class JpegFrame(Struct, frozen=True):
     """A picture: on the bus the bytes of a JPEG file and nothing else (`image/jpeg`), stamped with when it was taken."""
@@ -21,7 +23,7 @@ class CameraState(Struct, frozen=True, kw_only=True):
     """
 
     on: bool
-    phase: Literal["off", "opening", "streaming", "lost"]
+    phase: CameraPhase
     device: str
     width_px: int | None = None
     height_px: int | None = None

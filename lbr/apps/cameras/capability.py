@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from lbr.apps.cameras import CamerasSettings
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context
-from lbr.messages.camera import CamerasState, CameraState, SelectCommand, SwitchCommand
+from lbr.messages.camera import CameraPhase, CamerasState, CameraState, SelectCommand, SwitchCommand
 from lbr.messages.drive import CommandReply
 
 PREFIX = "camera_"
@@ -38,7 +38,7 @@ class Cameras(Capability[CamerasSettings]):
         self._states: dict[str, CameraState] = {}
         self._waiting: deque[Call] = deque()
         self._selecting: _Selecting | None = None
-        self._said: CamerasState | None = None
+        self._said: dict[str, tuple[bool, CameraPhase, str]] | None = None
         self._say_at = 0.0
 
     def step(self) -> None:
@@ -94,11 +94,11 @@ class Cameras(Capability[CamerasSettings]):
         known = {short: self._states[name] for short, name in self._names.items() if name in self._states}
         seen = {short: state for short, state in known.items() if self.ctx.alive(self._names[short])}
         on = [short for short, state in seen.items() if state.on]
-        state = CamerasState(selected=", ".join(on) or OFF, cameras=seen)
         now = self.ctx.clock()
-        if now >= self._say_at or self._said is None or state.selected != self._said.selected:
-            self._said, self._say_at = state, now + STATE_PERIOD_S
-            self.ctx.publish("state", state)
+        essence = {short: (state.on, state.phase, state.reason) for short, state in seen.items()}
+        if now >= self._say_at or essence != self._said:
+            self._said, self._say_at = essence, now + STATE_PERIOD_S
+            self.ctx.publish("state", CamerasState(selected=", ".join(on) or OFF, cameras=seen))
 
 
 def _done(reply: CommandReply | None) -> bool:

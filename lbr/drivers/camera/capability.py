@@ -173,7 +173,7 @@ class Camera(Capability[CameraSettings]):
             device=device.address,
             width_px=size[0] if size else None,
             height_px=size[1] if size else None,
-            fps=self._fps,
+            fps=self._fps if capture is not None and capture.phase == "streaming" else None,
             frames=self._frames,
             dropped=self._dropped_before + (capture.dropped if capture is not None else 0),
             reason=capture.reason if capture is not None else "",
