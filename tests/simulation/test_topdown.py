@@ -1,14 +1,14 @@
 """The view from above, drawn from messages alone."""
 
 from dataclasses import replace
-from math import pi
+from math import cos, hypot, pi, sin
 
 import msgspec
 import pytest
 
 from lbr.messages.sensing import Ranges
-from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
-from lbr.simulation.plan import fit
+from lbr.messages.simulation import WorldBox, WorldDock, WorldPose, WorldScene
+from lbr.simulation.plan import below, box_corners, dock_beams, dock_corners, fit
 from lbr.simulation.topdown import arrow, image, power_bar, text
 
 SCENE = WorldScene(
@@ -100,3 +100,37 @@ def test_the_picture_has_wall_robot_trail_and_cones():
     assert colour(1.0, 0.0) not in {paper, (96, 104, 112)}
     bumped = image(SCENE, msgspec.structs.replace(POSE, touching=True), width=500, height=400)
     assert bumped.getpixel(tuple(round(value) for value in scale.dot((-0.19, 0.1)))) == (207, 34, 46)
+
+
+DOCK = WorldDock(x_m=-1.0, y_m=0.0, yaw_rad=0.0, depth_m=0.3, width_m=0.4, reach_m=2.0, spread_rad=0.4, overlap_rad=0.1)
+
+
+def test_a_dock_is_drawn_with_what_its_beams_cover():
+    left, right = dock_beams(DOCK)
+    assert left[0] == right[0] == pytest.approx((-1.0, 0.0))
+    assert left[-1] == pytest.approx((-1.0 + 2.0 * cos(0.4), 2.0 * sin(0.4)))
+    assert left[1][1] < 0 < right[1][1]
+    assert [x for x, _ in dock_corners(DOCK)] == pytest.approx([-1.0, -1.3, -1.3, -1.0])
+    scene = msgspec.structs.replace(SCENE, dock=DOCK)
+    with_dock, without = (image(each, POSE, width=500, height=400) for each in (scene, SCENE))
+    scale = fit(SCENE, POSE, 500, 352)
+    assert with_dock.getpixel(tuple(round(value) for value in scale.dot((0.3, 0.3)))) != without.getpixel((250, 170))
+    assert sum(map(len, text(scene, POSE))) == sum(map(len, text(SCENE, POSE)))
+    assert text(scene, POSE)[:-2] != text(SCENE, POSE)[:-2]
+
+
+def test_furniture_has_its_colour_and_shape_and_what_hangs_overhead_is_left_out():
+    pot = WorldBox(name="pot", x_m=1.0, y_m=1.0, length_m=0.4, width_m=0.4, kind="cylinder", colour="#102030")
+    lintel = WorldBox(name="lintel", x_m=-0.5, y_m=1.0, length_m=0.4, width_m=0.4, bottom_m=2.0)
+    scene = msgspec.structs.replace(SCENE, walls=(*SCENE.walls, pot, lintel))
+    assert [box.name for box in below(scene)] == ["north", "pot"]
+    assert len(box_corners(pot)) == 12
+    assert all(hypot(x - 1.0, y - 1.0) == pytest.approx(0.2) for x, y in box_corners(pot))
+    scale = fit(scene, POSE, 500, 352)
+    colour = image(scene, POSE, width=500, height=400).getpixel(tuple(round(value) for value in scale.dot((1.0, 1.0))))
+    assert colour == (0x10, 0x20, 0x30)
+
+
+def test_charging_is_told():
+    assert "CHARGING" in text(SCENE, msgspec.structs.replace(POSE, charging=True))[-2]
+    assert "CHARGING" not in text(SCENE, POSE)[-2]
