@@ -1,0 +1,119 @@
+"""The base is moved under its lease: renewed, ended by its result, by a refusal, by silence."""
+
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from lbr.apps.autodock.motion import Motion
+from lbr.apps.program import Robot
+from lbr.bus import codec, session, wire
+from lbr.messages.drive import CommandReply, GoalResult
+
+FIELDS = {"power": 0.2, "angle_deg": 180.0}
+
+
+class FakeDrive:
+    """The other end of the wire: notes what it is asked for and answers as told."""
+
+    def __init__(self, place: str) -> None:
+        self.router = session.open_router(session.Router(listen=(place,)))
+        self.bus = session.open_client([place])
+        self.asked: list[dict[str, Any]] = []
+        self.answer = CommandReply(accepted=True, lease="abc", ttl_s=0.6, goal="goal-1")
+        self.served = wire.Served(self.router, "lbr/drive/command", lambda: None)
+
+    def serve(self) -> None:
+        for request in self.served.take():
+            self.asked.append(codec.decode(request.payload))
+            request.reply(self.answer, "drive")
+
+    def close(self) -> None:
+        self.bus.close()
+        self.router.close()
+
+
+@pytest.fixture
+def drive(tmp_path):
+    fake = FakeDrive(f"unixsock-stream/{tmp_path}/s.sock")
+    yield fake
+    fake.close()
+
+
+@pytest.fixture
+def clock():
+    return SimpleNamespace(now=100.0)
+
+
+@pytest.fixture
+def motion(drive, clock) -> Motion:
+    return Motion(Robot(drive.bus, "lbr", "autodock:1"), "command", FIELDS, clock.now)
+
+
+def go_on(motion: Motion, drive: FakeDrive, clock: Any, until: Any, fields: dict[str, Any] = FIELDS) -> None:
+    for _ in range(2000):
+        drive.serve()
+        motion.renew(fields, clock.now)
+        if until():
+            return
+        time.sleep(0.001)
+    raise AssertionError(f"never: {motion.ending}, {drive.asked}")
+
+
+def test_it_asks_once_without_a_lease_and_then_quotes_the_one_it_got(motion, drive, clock):
+    go_on(motion, drive, clock, lambda: len(drive.asked) > 3, FIELDS | {"angle_deg": 170.0})
+    assert drive.asked[0] == FIELDS | {"ttl_s": 0.6}
+    assert all(each == {"power": 0.2, "angle_deg": 170.0, "lease": "abc", "ttl_s": 0.6} for each in drive.asked[1:])
+
+
+@pytest.mark.parametrize(
+    ("result", "reason", "good", "final"),
+    [
+        ("reached", "drove 0.50 of 0.5 m", True, False),
+        ("stopped", "stopped by console: enough", False, True),
+        ("stopped", "held still for 1 s: forward 0.20 m is inside 0.25 m", False, False),
+        ("superseded", "taken over by page", False, True),
+        ("fault", "the wheels stand although the motors push", False, False),
+    ],
+)
+def test_a_result_ends_it(motion, drive, clock, result, reason, good, final):
+    go_on(motion, drive, clock, lambda: len(drive.asked) > 1)
+    said = GoalResult(goal="goal-1", result=result, reason=reason, range_cm=None, elapsed_s=1.0)
+    motion.hear(GoalResult(goal="goal-0", result="fault", reason="another's", range_cm=None, elapsed_s=1.0))
+    motion.hear(said)
+    go_on(motion, drive, clock, lambda: motion.ending is not None)
+    assert (motion.ending.good, motion.ending.final, motion.ending.text) == (good, final, reason)
+    asked = len(drive.asked)
+    motion.renew(FIELDS, clock.now)
+    drive.serve()
+    assert len(drive.asked) == asked
+
+
+@pytest.mark.parametrize(
+    ("reason", "final"),
+    [("held by console", True), ("emergency stop: fire", True), ("the motors are not armed: x", False)],
+)
+def test_a_refusal_ends_it(motion, drive, clock, reason, final):
+    drive.answer = CommandReply(accepted=False, reason=reason)
+    go_on(motion, drive, clock, lambda: motion.ending is not None)
+    assert (motion.ending.good, motion.ending.final, motion.ending.text) == (False, final, reason)
+
+
+def test_a_dead_lease_says_why_once_no_result_has_come(motion, drive, clock):
+    go_on(motion, drive, clock, lambda: len(drive.asked) > 1)
+    drive.answer = CommandReply(accepted=False, reason="lease is dead: stopped by console")
+
+    def ended() -> bool:
+        clock.now += 0.002
+        return motion.ending is not None
+
+    go_on(motion, drive, clock, ended)
+    assert (motion.ending.text, motion.ending.final) == ("stopped by console", True)
+
+
+def test_silence_ends_it(motion, drive, clock):
+    clock.now += 2.0
+    motion.renew(FIELDS, clock.now)
+    assert motion.ending is not None
+    assert "does not answer" in motion.ending.text
