@@ -23,7 +23,7 @@ def scaled(counts: Counts, unit: float) -> Vector | None:
 
 
 class LifeSigns:
-    """Tells a unit at work from one that is asleep, gone or frozen: real noise never repeats."""
+    """Tells a unit at work from one that is asleep, gone or frozen: real noise never repeats, not even after a restart."""
 
     def __init__(self, most_alike: int) -> None:
         self._most_alike = most_alike
@@ -41,10 +41,6 @@ class LifeSigns:
         if self._alike > self._most_alike:
             return f"the unit is frozen: the same {self._alike} times in a row"
         return ""
-
-    def reset(self) -> None:
-        """Begin anew."""
-        self._last, self._alike = (), 0
 
 
 class Notices:

@@ -215,6 +215,19 @@ def test_a_reading_that_is_none_is_invalid_and_in_the_end_starts_the_unit_anew(m
         steps(imu, ctx, 120)
 
 
+def test_a_unit_that_stays_frozen_through_a_new_start_is_so_from_its_first_sample(make, chips):
+    imu, ctx = make(mag_hz=0)
+    imu.open()
+    chips.frozen = True
+    with pytest.raises(DeviceError, match="frozen"):
+        steps(imu, ctx, 200)
+    imu.close()
+    imu.open()
+    assert "frozen" in steps(imu, ctx)[0].reason
+    chips.frozen = False
+    assert steps(imu, ctx)[0].valid
+
+
 def test_a_unit_that_was_without_power_is_noticed_with_its_next_sample(make, chips):
     imu, ctx = make()
     imu.open()

@@ -3,9 +3,10 @@ from math import radians
 import pytest
 from peers import Board, FakeContext, until
 
+from lbr.drivers.inertial import LifeSigns
 from lbr.drivers.riox import KIND
-from lbr.drivers.riox.capability import Riox
-from lbr.drivers.riox.controller import MOST_ALIKE, QUIET_S, AhrsUnit
+from lbr.drivers.riox.capability import MOST_ALIKE, Riox
+from lbr.drivers.riox.controller import QUIET_S, AhrsUnit
 from lbr.errors import DeviceError
 
 TICK_S = 0.01
@@ -59,7 +60,8 @@ class Bench:
         self.told = []
         self.wire = wire or Wire()
         row = KIND.settings(device="imu", **settings)
-        self.unit = AhrsUnit(self.wire, row, lambda kind, text: self.told.append((kind, text)), lambda: self.now)
+        signs = LifeSigns(MOST_ALIKE)
+        self.unit = AhrsUnit(self.wire, row, lambda kind, text: self.told.append((kind, text)), signs, lambda: self.now)
         self.unit.open()
         self.run(QUIET_S + TICK_S)
         self.wire.asked.clear()

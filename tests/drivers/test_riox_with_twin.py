@@ -5,7 +5,9 @@ from math import hypot
 import msgspec
 import pytest
 
+from lbr.drivers.inertial import LifeSigns
 from lbr.drivers.riox import KIND
+from lbr.drivers.riox.capability import MOST_ALIKE
 from lbr.drivers.riox.controller import AhrsUnit
 from lbr.errors import DeviceError
 from lbr.simulation.faults import RioxFaults
@@ -44,12 +46,11 @@ class Wire:
         pass
 
 
-def converse(seconds, *, faults=None, echoes=True, told=None, **settings):
+def converse(seconds, *, faults=None, echoes=True, **settings):
     device = RioxDevice(RioxRow(echo=echoes, faults=faults or RioxFaults()))
     wire = Wire(device)
-    unit = AhrsUnit(
-        wire, KIND.settings(device="imu", **settings), told or (lambda _kind, _text: None), lambda: wire.now
-    )
+    row = KIND.settings(device="imu", **settings)
+    unit = AhrsUnit(wire, row, lambda _kind, _text: None, LifeSigns(MOST_ALIKE), lambda: wire.now)
     unit.open()
     samples = []
     for turn in range(round(seconds * 100)):

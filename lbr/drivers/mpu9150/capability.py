@@ -3,12 +3,14 @@
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
 from lbr.drivers.i2c import open_bus
-from lbr.drivers.inertial import Notices
+from lbr.drivers.inertial import LifeSigns, Notices
 from lbr.drivers.mpu9150 import Mpu9150Settings
 from lbr.drivers.mpu9150.controller import InertialUnit
 from lbr.drivers.mpu9150.registers import ADDRESS
 from lbr.errors import DeviceError
 from lbr.messages.imu import ImuSample
+
+MOST_ALIKE = 10
 
 
 class Mpu9150(Capability[Mpu9150Settings]):
@@ -18,6 +20,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
         super().__init__(ctx)
         self.rate_hz = ctx.settings.rate_hz
         self._notices = Notices(ctx)
+        self._signs = LifeSigns(MOST_ALIKE)
         self._unit: InertialUnit | None = None
         self._compass_trouble = ""
 
@@ -26,8 +29,9 @@ class Mpu9150(Capability[Mpu9150Settings]):
         settings = self.ctx.settings
         if self.ctx.device is None:
             raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
-        bus, address = open_bus(self.ctx.device, ADDRESS)
-        self._unit = InertialUnit(bus, address, self.ctx.device, settings, self._notices.tell, self.ctx.clock)
+        device, tell = self.ctx.device, self._notices.tell
+        bus, address = open_bus(device, ADDRESS)
+        self._unit = InertialUnit(bus, address, device, settings, tell, self._signs, self.ctx.clock)
         self._unit.start()
         self._compass_trouble = ""
 

@@ -20,7 +20,6 @@ WAKE_S = 0.03
 CHECK_PERIOD_S = 0.2
 UNUSABLE_S = 1.0
 COMPASS_SILENT_S = 1.0
-MOST_ALIKE = 10
 
 Tell = Callable[[str, str], None]
 
@@ -39,6 +38,7 @@ class InertialUnit:
         device: Device,
         settings: Mpu9150Settings,
         tell: Tell,
+        signs: LifeSigns,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
@@ -53,7 +53,7 @@ class InertialUnit:
         self._compass = Compass(bus, settings.mag_hz, sleep) if settings.mag_hz else None
         self._units = registers.units(settings)
         self._wanted = registers.configuration(settings)
-        self._signs = LifeSigns(MOST_ALIKE)
+        self._signs = signs
         self._errors = self._compass_errors = self._checks = 0
         self._check_at = self._valid_at = self._field_at = 0.0
 
@@ -73,7 +73,6 @@ class InertialUnit:
         for register in self._wanted:
             self._verify(register, "does not keep its settings")
         self._start_compass()
-        self._signs.reset()
         self._errors = self._compass_errors = 0
         self._valid_at = self._field_at = self._check_at = self._clock()
 

@@ -2,12 +2,14 @@
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
-from lbr.drivers.inertial import Notices
+from lbr.drivers.inertial import LifeSigns, Notices
 from lbr.drivers.riox import RioxSettings
 from lbr.drivers.riox.controller import AhrsUnit
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
 from lbr.messages.imu import ImuSample
+
+MOST_ALIKE = 25
 
 
 class Riox(Capability[RioxSettings]):
@@ -18,6 +20,7 @@ class Riox(Capability[RioxSettings]):
         asked_for = 2 if ctx.settings.orientation else 1
         self.rate_hz = asked_for * ctx.settings.rate_hz
         self._notices = Notices(ctx)
+        self._signs = LifeSigns(MOST_ALIKE)
         self._unit: AhrsUnit | None = None
 
     def open(self) -> None:
@@ -26,7 +29,7 @@ class Riox(Capability[RioxSettings]):
         if self.ctx.device is None:
             raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
         line = open_line(self.ctx.device, settings.baud)
-        self._unit = AhrsUnit(line, settings, self._notices.tell, self.ctx.clock)
+        self._unit = AhrsUnit(line, settings, self._notices.tell, self._signs, self.ctx.clock)
         self._unit.open()
 
     def step(self) -> None:

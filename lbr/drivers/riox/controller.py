@@ -27,7 +27,6 @@ HELD_UP_S = 0.25
 QUIET_S = 0.03
 SPOILT_S = 0.015
 """What is left for an answer after a bad line: that was it, or its echo."""
-MOST_ALIKE = 25
 MOST_REFUSALS = 3
 
 Tell = Callable[[str, str], None]
@@ -60,7 +59,12 @@ class AhrsUnit:
     """
 
     def __init__(
-        self, line: Line, settings: RioxSettings, tell: Tell, clock: Callable[[], float] = time.monotonic
+        self,
+        line: Line,
+        settings: RioxSettings,
+        tell: Tell,
+        signs: LifeSigns,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.bad_lines = 0
         self._line = line
@@ -68,7 +72,7 @@ class AhrsUnit:
         self._tell = tell
         self._clock = clock
         self._parser = ReplyParser()
-        self._signs = LifeSigns(MOST_ALIKE)
+        self._signs = signs
         self._asked = ""
         self._echoed = False
         self._asked_at = self._deadline = self._next = self._quiet_until = 0.0
