@@ -14,6 +14,7 @@ import click
 import msgspec
 from msgspec import Struct, inspect
 
+from lbr import simulation
 from lbr.bus import keys
 from lbr.capability import registry
 from lbr.capability.kind import Kind
@@ -314,11 +315,13 @@ def settings_page(known: list[Kind]) -> str:
         parts.append(f"{_doc(kind.settings)}\n\n{struct_table(kind.settings)}")
         parts += [f"### `{one.__name__}`\n\n{_doc(one)}\n\n{struct_table(one)}" for one in nested(kind.settings)]
     parts.append(
-        "## Faults of emulated devices\n\nUnder a simulating profile the column `settings` of a `device` row may hold "
-        '`{"faults": {…}}`; the command `fault` of the simulated world changes them while it runs.\n'
+        "## Faults of emulated devices\n\nUnder a simulating profile the column `settings` of a `device` row says how "
+        "its twin is built, and what is wrong with it; the command `fault` of the simulated world changes the faults "
+        "while it runs. Any device can be unplugged.\n"
     )
-    for one in (faults.RoboteqFaults, faults.UltrasonicFaults):
-        parts.append(f"### `{one.__name__}`\n\n{_doc(one)}\n\n{struct_table(one)}")
+    for device, row in simulation.KIND.device_settings.items():
+        parts.append(f"### Type `{device}`\n\n{_doc(row)}\n\n{struct_table(row)}")
+        parts += [f"#### `{one.__name__}`\n\n{_doc_with_bases(one)}\n\n{struct_table(one)}" for one in nested(row)]
     parts.append(f"## Launch profiles\n\nA TOML file. {_doc(Profile)}\n\n{struct_table(Profile)}")
     return "\n".join(parts)
 
@@ -443,6 +446,12 @@ def _cell(text: str) -> str:
 
 def _escape(pattern: str) -> str:
     return pattern.replace("\x00", "\\x00")
+
+
+def _doc_with_bases(of: type) -> str:
+    """Faults that several devices have are told where they are defined."""
+    told = [one for one in of.__mro__ if issubclass(one, faults.Faults) and one is not faults.Faults]
+    return "\n\n".join(map(_doc, told or [of]))
 
 
 def _doc(of: type) -> str:

@@ -78,7 +78,7 @@ class InfraredFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 class CameraFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of a camera.
 
-    `frozen`: the same picture for ever, always new. `stalled`: no picture comes. `slow`: one comes every second.
+    `frozen`: the same picture for ever, always new. `stalled`: no picture comes. `slow`: two come each second.
     `black`: its cap is on. `garbage`: a picture is no JPEG.
     """
 

@@ -17,7 +17,7 @@ from lbr.simulation.cameras.viewer import Viewer
 from lbr.simulation.faults import CameraFaults
 
 _NICENESS = 5
-_SLOW_S = 1.0
+_SLOW_S = 0.5
 _SOUND = CameraFaults()
 
 
