@@ -21,11 +21,9 @@ class EglContext:
 
     def __init__(self) -> None:
         try:
-            for name in ("libOpenGL.so.0", "libEGL.so.1"):
-                library = ctypes.CDLL(name, ctypes.RTLD_GLOBAL)
+            self._egl = ctypes.CDLL("libEGL.so.1", ctypes.RTLD_GLOBAL)  # MuJoCo looks for its functions there
         except OSError as err:
-            raise LbrError(f"no EGL here ({err}); Debian has it in libegl1, libopengl0 and libgl1-mesa-dri") from err
-        self._egl = library
+            raise LbrError(f"no EGL here ({err}); Debian has it in libegl1 and libgl1-mesa-dri") from err
         self._display = self._opened()
         self._context = self._made()
 
