@@ -1,0 +1,1 @@
+"""Turns measured in a simulated world that runs in lockstep: the kernel's, and the open loop they replace."""
