@@ -14,6 +14,7 @@ from lbr.capability.context import Device
 from lbr.simulation import KIND
 from lbr.simulation.capability import World
 from lbr.simulation.requests import FaultRequest, PictureRequest
+from lbr.simulation.twins import TWINS
 
 
 @pytest.fixture
@@ -174,6 +175,28 @@ def test_a_device_without_a_twin_is_named(tmp_path):
     bench.world.open()
     bench.world.close()
     assert "no emulated twin for arm (servo_bus" in bench.ctx.warnings[0]
+
+
+def test_every_type_of_device_can_be_unplugged_and_one_without_a_twin_needs_none(tmp_path):
+    bench = Bench(tmp_path)
+    bench.ctx.devices = (
+        *(Device(kind, kind, str(tmp_path / kind), {}) for kind in TWINS),
+        Device("speaker", "speaker", str(tmp_path / "speaker"), {}),
+    )
+    bench.world.open()
+    paths = [tmp_path / kind for kind in TWINS]
+    try:
+        assert all(path.exists() for path in paths)
+        for kind in TWINS:
+            bench.fault(kind, "unplug")
+        assert bench.until(lambda: not any(path.is_symlink() or path.exists() for path in paths))
+        for kind in TWINS:
+            bench.fault(kind, "replug")
+        assert bench.until(lambda: all(path.exists() for path in paths))
+    finally:
+        bench.world.close()
+    assert bench.ctx.warnings == []
+    assert not any(path.is_symlink() or path.exists() for path in paths)
 
 
 def test_faults_come_with_the_row(tmp_path):
