@@ -32,6 +32,8 @@ def see(before: Mileage, odometry: OdometryState, arrived: float, settings: Driv
     """Return what is believed after new odometry; one that was overtaken changes nothing."""
     counted_s = nan if odometry.counted_s is None else odometry.counted_s
     seen = min(counted_s, arrived)  # this way round, NaN stays NaN
+    if seen <= before.seen and odometry.valid and odometry.epoch == before.epoch:
+        return before
     distance_m = nan if odometry.distance_m is None else odometry.distance_m
     speed_mps = nan if odometry.speed_mps is None else odometry.speed_mps
     found = Mileage(
@@ -45,8 +47,6 @@ def see(before: Mileage, odometry: OdometryState, arrived: float, settings: Driv
     )
     if found.trouble or before.trouble or found.epoch != before.epoch:
         return found
-    if seen < before.seen:
-        return before
     way_m = distance_m - before.distance_m
     most_m = JUMP_M + JUMP_SHARE * settings.max_speed_mps * (seen - before.seen)
     jumped = f"the odometry jumped by {way_m:.2f} m within {seen - before.seen:.2f} s"
