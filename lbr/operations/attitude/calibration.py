@@ -155,7 +155,7 @@ class Calibration:
         self._refused(len(collection.samples), collection.wanted, collection.samples.coverage, reason)
 
     def _finish(self, collection: Collection) -> None:
-        collection.spin.halt("the compass has been turned round")
+        collection.spin.halt("the samples for the compass are collected")
         self._collection = None
         file = self._save(collection.samples)
         if collection.keeps:
