@@ -9,8 +9,8 @@ def test_a_new_database_differs_in_nothing(database):
 
 def test_added_removed_and_changed_rows_are_named(database, client):
     client.execute("INSERT INTO phrase VALUES ('ouch', 'en', 'Ouch.')")
-    client.execute("DELETE FROM external_command")
-    client.execute("UPDATE channel SET rate_hz = 5 WHERE source = 'motors.state'")
+    client.execute("DELETE FROM external_command WHERE name = 'clock'")
+    client.execute("UPDATE channel SET rate_hz = 5 WHERE target = 'drive.motors'")
     assert [str(found) for found in differences(database)] == [
         "channel 'lbr/motors.state/drive.motors' changed: rate_hz: None -> 5.0",
         "external_command 'lbr/clock' removed",
