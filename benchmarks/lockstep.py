@@ -60,9 +60,8 @@ class Lockstep:
         self._bytes = b""
         self._order = count()
         self._due: list[tuple[float, int, Event | Setpoint]] = []
-        phases = {"look": LOOK_S, "tick": BEAT_S, "motors": MOTORS_S, "renew": RENEW_S}
-        self._next = {name: random.uniform(0.0, period) for name, period in phases.items()}
-        self._periods = phases
+        self._loops = ((LOOK_S, self._look), (BEAT_S, self._tick), (MOTORS_S, self._motors), (RENEW_S, self._renew))
+        self._next = [random.uniform(0.0, period_s) for period_s, _ in self._loops]
         self._wanted: DriveCommand | None = None
         self._lease = ""
 
@@ -74,7 +73,7 @@ class Lockstep:
     def drive(self, power: float, angle_deg: float) -> None:
         """Drive from now on, by a lease that is renewed; a refused command is tried again."""
         self._wanted = DriveCommand(power=power, angle_deg=angle_deg)
-        self._next["renew"] = self.now
+        self._renew()
 
     def fault(self, faults: UltrasonicFaults) -> None:
         """Let the range board fail."""
@@ -92,10 +91,10 @@ class Lockstep:
         self.engine.step(*self.power, TIMESTEP_S)
         self._board.distances_m = self.engine.ranges_m
         self._bytes += self._board.poll(self.now)
-        for name, period in self._periods.items():
-            while self._next[name] <= self.now:
-                self._next[name] += period
-                getattr(self, f"_{name}")()
+        for index, (period_s, work) in enumerate(self._loops):
+            while self._next[index] <= self.now:
+                self._next[index] += period_s
+                work()
         while self._due and self._due[0][0] <= self.now:
             self._arrive(heapq.heappop(self._due)[2])
 
