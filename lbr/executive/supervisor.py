@@ -12,6 +12,7 @@ from lbr.capability.events import Throttle
 from lbr.errors import LbrError
 from lbr.executive.plan import Change, Plan
 from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide
+from lbr.executive.scheduling import BACKGROUND, niceness
 from lbr.executive.slot import Slot, Started
 from lbr.executive.units import Unit
 
@@ -268,7 +269,9 @@ class Supervisor:
 
 def _patience_s(slot: Slot) -> float:
     patience = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}
-    return patience.get(slot.phase, HANG_MOVER_S if slot.unit.moves else HANG_S)
+    waits = niceness(slot.unit) == BACKGROUND  # such a one runs when others leave it time
+    usual = HANG_MOVER_S if slot.unit.moves else HANG_PROGRAM_S if waits else HANG_S
+    return patience.get(slot.phase, usual)
 
 
 def _code(code: int, slot: Slot) -> str:

@@ -145,7 +145,7 @@ def test_a_crash_is_restarted_after_a_delay_and_its_dependants_are_told():
 
 
 def test_a_hang_is_killed_and_told_apart_from_a_crash():
-    stage = Stage(unit("motors"))
+    stage = Stage(unit("motors", family="driver"))
     stage.says("motors")
     stage.passes(HANG_S + 0.3)
     assert ("kill", "motors") in stage.log
@@ -157,6 +157,15 @@ def test_what_moves_something_is_given_less_time():
     stage.says("motors")
     stage.passes(HANG_MOVER_S + 0.15)
     assert ("kill", "motors") in stage.log
+
+
+def test_an_app_that_others_leave_little_time_is_given_more_of_it():
+    stage = Stage(unit("speech", family="app"))
+    stage.says("speech")
+    stage.passes(HANG_S + 0.3)
+    assert ("kill", "speech") not in stage.log
+    stage.passes(HANG_PROGRAM_S - HANG_S)
+    assert ("kill", "speech") in stage.log
 
 
 def test_a_capability_that_somebody_else_told_to_end_starts_again():
