@@ -45,6 +45,9 @@ PROMISES: dict[str, Promise] = {
     "S17 lines": Promise(what="old commands that it then obeys", unit="", target=3, hard=3),
     "S18 interval": Promise(what="end of a timed move, off by; never 20 ms early", target=40, hard=150),
     "S18 range": Promise(what="range crossed (frame at the driver), to motor zero", target=120, hard=150),
+    "S19": Promise(
+        what="turn that loses its client, inertial unit, attitude or drive, to motor zero", target=300, hard=500
+    ),
     "E1 console": Promise(what="estop as a console line, to motor zero", target=20, statistic="p99", hard=250),
     "E1 put": Promise(what="estop as a plain put, to motor zero", target=20, statistic="p99", hard=250),
     "E1 console H": Promise(

@@ -24,6 +24,7 @@ from benchmarks.scenarios import (
     slow,
     starts,
     storms,
+    turns,
     writers,
 )
 from benchmarks.scenarios.freezes import repeated
@@ -65,6 +66,7 @@ SCENARIOS: dict[str, Scenario] = {
     "S15": Scenario(devices.range_board, 10, 1),
     "S16": Scenario(repeated(devices.motors_unplugged), 50, 5),
     "S17": Scenario(repeated(devices.motors_deaf), 30, 3),
+    "S19": Scenario(turns.turns_lost, 20, 1),
     "E5": Scenario(roles.everybody, 5, 1),
     "E6": Scenario(latch.last_stops, 60, 4),
     "F2": Scenario(replays.replays, 10_000, 1_000),
