@@ -87,7 +87,11 @@ class Worker:
         self._heard = b""
         try:
             self._popen = subprocess.Popen(
-                with_us(self._program), stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
+                with_us(self._program),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                bufsize=0,
+                start_new_session=True,  # a scheduling group of its own: it must not take the time that we beat in
             )
         except OSError as err:
             self._lost(f"the speech engine cannot be started: {err.strerror}")
