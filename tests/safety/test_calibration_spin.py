@@ -35,6 +35,14 @@ def progress(robot: Robot) -> dict[str, Any]:
     return robot.ask("attitude/calibration") or {"phase": "none", "text": ""}
 
 
+def calibrated(robot: Robot) -> set[str]:
+    """What the rows know of the inertial unit."""
+    database = sqlite3.connect(robot.home / "robot.db")
+    names = {name for (name,) in database.execute("SELECT name FROM calibration WHERE device = 'imu'")}
+    database.close()
+    return names
+
+
 def spinning(robot: Robot, samples: int) -> Trace:
     """Begin a calibration, and return once the wheels turn; on a busy machine a lease may lapse before."""
     trace = Trace(robot.trace)
@@ -84,9 +92,6 @@ def test_what_is_found_is_written_down_and_in_force_without_a_restart(robot):
     until(finished, limit_s=LIMIT_S, what="the calibration ends")
     assert progress(robot)["coverage"] > 0.75
     until(lambda: robot.ask("attitude/state")["calibrated"], what="it is in force")
-    with sqlite3.connect(robot.home / "robot.db") as database:
-        names = {name for (name,) in database.execute("SELECT name FROM calibration WHERE device = 'imu'")}
-    database.close()
-    assert {"mag_offset_x_ut", "mag_matrix_00", "mag_matrix_22"} <= names
+    until(lambda: {"mag_offset_x_ut", "mag_matrix_00", "mag_matrix_22"} <= calibrated(robot), what="it is written down")
     assert robot.capability("attitude")["pid"] == pid
-    assert robot.ask("drive/state")["holder"] is None
+    until(lambda: robot.ask("drive/state")["holder"] is None, what="the base is let go")
