@@ -426,6 +426,8 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
      'Simulation: let an emulated device fail, such as /fault/motor_controller/unplug or /fault/range_board/silent'),
     ('lbr', 'fault', '/fault/{device}/{name}/off', 'world.fault', '{"value": null}', 'operate',
      'Simulation: end a fault of an emulated device'),
+    ('lbr', 'fault', '/fault/{device}/{name}/{value}', 'world.fault', NULL, 'operate',
+     'Simulation: a fault with a number or names, such as /fault/imu/noise/5 or /fault/range_board/missing/left'),
     ('lbr', 'obstacle', '/obstacle/{x_m}/{y_m}', 'world.place', NULL, 'operate',
      'Simulation: let a box of 0.3 m stand at this place, metres ahead of and left of where the world began'),
     ('lbr', 'obstacle', '/obstacle/off', 'world.remove', NULL, 'operate', 'Simulation: let that box vanish'),

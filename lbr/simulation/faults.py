@@ -135,8 +135,8 @@ class Mpu9150Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 def changed(faults: F, name: str, value: FaultValue) -> F:
     """Return the faults with one of them set; `replug` undoes `unplug`; raise InputError saying what is allowed.
 
-    A list of sensors may be one string with commas, true is 1 where a number is meant, and null puts a fault back to its
-    default.
+    A list of sensors may be one string with commas, a number may be one too, true is 1 where a number is meant, and null
+    puts a fault back to its default.
     """
     if name == "replug":
         name, value = "unplug", not (True if value is None else value)
@@ -153,6 +153,6 @@ def changed(faults: F, name: str, value: FaultValue) -> F:
     else:
         fields[name] = value
     try:
-        return msgspec.convert(fields, type(faults))
+        return msgspec.convert(fields, type(faults), strict=not isinstance(value, str))
     except msgspec.ValidationError as err:
         raise InputError(f"fault '{name}': {err}") from err

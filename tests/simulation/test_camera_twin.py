@@ -6,6 +6,7 @@ import os
 import socket
 import struct
 import subprocess
+import sys
 import threading
 import time
 
@@ -18,6 +19,7 @@ from lbr.errors import InputError, LbrError
 from lbr.messages.simulation import WorldBox
 from lbr.simulation.cameras import studio as studios
 from lbr.simulation.cameras.host import CameraHost
+from lbr.simulation.cameras.orders import Drawing
 from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.engine import Engine
@@ -61,11 +63,14 @@ class Film:
 
     def frame(self):
         """The next picture and when it was taken; None at the end."""
-        header = self.stream.read(12)
-        if len(header) < 12:
+        try:
+            header = self.stream.read(12)
+            if len(header) < 12:
+                return None
+            length, taken_ns = struct.unpack("<IQ", header)
+            return self.stream.read(length), taken_ns
+        except ConnectionError:
             return None
-        length, taken_ns = struct.unpack("<IQ", header)
-        return self.stream.read(length), taken_ns
 
 
 class Set(Bench):
@@ -225,13 +230,6 @@ def test_a_drawing_process_that_dies_is_replaced_when_somebody_watches(stage):
     pytest.fail("no picture again")
 
 
-START = subprocess.Popen
-
-
-def crashing(arguments, **options):
-    return START(["/bin/sh", "-c", "kill -SEGV $$"], **options)
-
-
 # What draws, without a socket.
 
 
@@ -290,19 +288,36 @@ def test_a_view_is_whole_or_not_there():
     other.close()
 
 
-def test_graphics_that_take_the_process_down_are_not_asked_again(monkeypatch):
-    host = CameraHost(WorldSettings(walls=()), 8, clock=lambda: 0.0)
-    monkeypatch.setattr(subprocess, "Popen", crashing)
+def start(code):
+    """A drawing process that does something else."""
+    real = subprocess.Popen
+    return lambda arguments, **options: real([sys.executable, "-I", "-S", "-c", code, arguments[-1]], **options)
+
+
+def watched(monkeypatch, code):
+    """What a host says whose process does that, and whether it would try OpenGL again."""
+    monkeypatch.setattr(subprocess, "Popen", start(code))
+    host, said = CameraHost(WorldSettings(walls=()), 8, clock=lambda: 0.0), []
     ours, theirs = socket.socketpair()
     host.watch("camera", "front", theirs)
-    host.serve()
+    said += host.serve()
     while host.running:
-        host.serve()
-    assert not host._use_gl
+        said += host.serve()
     ours.settimeout(2)
     assert ours.recv(1) == b"", "who watched is told by the end of the connection"
     ours.close()
     host.close()
+    return said, host._use_gl
+
+
+def test_graphics_that_take_the_process_down_are_not_asked_again(monkeypatch):
+    assert watched(monkeypatch, "import os; os.kill(os.getpid(), 11)") == ([], False)
+
+
+def test_a_process_that_cannot_draw_says_why(monkeypatch):
+    code = """import socket, sys
+socket.socket(fileno=int(sys.argv[1])).send(b'{"renderer": "", "note": "no Pillow"}')"""
+    assert watched(monkeypatch, code) == ([Drawing("", "no Pillow")], True)
 
 
 def test_a_mount_that_is_not_there_is_named(tmp_path):

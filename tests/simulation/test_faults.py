@@ -11,6 +11,11 @@ from lbr.simulation.faults import RoboteqFaults, UltrasonicFaults, changed
     [
         (RoboteqFaults(), "silent", True, "silent", True),
         (RoboteqFaults(), "drop", 0.5, "drop", 0.5),
+        (RoboteqFaults(), "drop", True, "drop", 1.0),
+        (RoboteqFaults(), "drop", "0.25", "drop", 0.25),
+        (RoboteqFaults(), "silent", "true", "silent", True),
+        (UltrasonicFaults(), "range_forward_m", "0.3", "range_forward_m", 0.3),
+        (UltrasonicFaults(), "missing", "left", "missing", ("left",)),
         (RoboteqFaults(), "unplug", True, "unplug", True),
         (RoboteqFaults(unplug=True), "replug", True, "unplug", False),
         (RoboteqFaults(unplug=True), "replug", None, "unplug", False),
