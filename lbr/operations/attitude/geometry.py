@@ -3,7 +3,7 @@
 Frames are REP 103: body x ahead, y left, z up; world x east, y north, z up. Quaternions are w, x, y, z, body to world.
 """
 
-from math import asin, atan2, cos, degrees, fmod, hypot, pi, radians, sin, sqrt
+from math import asin, atan2, cos, degrees, fmod, hypot, radians, sin, sqrt
 
 from lbr.messages.units import Quaternion, Vector
 
@@ -127,12 +127,6 @@ def heading_deg(yaw_deg: float) -> float:
     if heading < 0.0:
         heading += 360.0
     return 0.0 if heading >= 360.0 else heading
-
-
-def wrapped_rad(angle_rad: float) -> float:
-    """Return an angle within -pi to pi."""
-    folded = fmod(angle_rad + pi, 2 * pi)
-    return folded - pi if folded > 0.0 else folded + pi
 
 
 def _axis(sign: str, name: str) -> Vector:

@@ -122,7 +122,7 @@ def test_just_looking_keeps_nothing(bench):
     assert bench.kept == []
     assert bench.told("calibrated") == []
     drawing, _ = bench.painter.begun[0]
-    assert len(drawing.corrected) == 100
+    assert len(drawing.corrected) == len(drawing.measured) >= 100
 
 
 def test_a_file_is_fitted_without_any_motion(bench, tmp_path):
