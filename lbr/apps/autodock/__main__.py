@@ -4,6 +4,7 @@ import argparse
 import sys
 import time
 from collections.abc import Iterator
+from typing import cast
 
 from lbr.apps import program
 from lbr.apps.autodock.pilot import Pilot
@@ -13,7 +14,7 @@ from lbr.apps.program import Robot
 from lbr.errors import BusError
 
 PERIOD_S = 0.1
-FIRST_LOOK_S = 3.0
+PATIENCE_S = 10.0
 
 
 def main() -> int:
@@ -31,15 +32,13 @@ def run(robot: Robot, manner: Manner, heading_deg: float) -> Ending:
     pilot = Pilot(robot, heading_deg)
     script = dock(manner)
     action = next(script)
-    _first_look(pilot)
     try:
         for view in _views(pilot):
             pilot.do(action)
             try:
                 action = script.send(view)
             except StopIteration as end:
-                ending: Ending = end.value
-                return ending
+                return cast("Ending", end.value)
             if isinstance(action, Say):
                 _tell(action.text)
     finally:
@@ -48,25 +47,20 @@ def run(robot: Robot, manner: Manner, heading_deg: float) -> Ending:
 
 
 def _views(pilot: Pilot) -> Iterator[View]:
-    due = time.monotonic()
-    while True:
-        yield pilot.look()
-        due = max(due + PERIOD_S, time.monotonic())
-        time.sleep(max(0.0, due - time.monotonic()))
-
-
-def _first_look(pilot: Pilot) -> None:
-    """Wait for the first messages, not for ever."""
-    until = time.monotonic() + FIRST_LOOK_S
+    """Yield ten views a second; a robot that does not know how it lies stands, and is waited for a while."""
+    due = seen = time.monotonic()
     while True:
         try:
-            pilot.look()
-        except BusError:
-            if time.monotonic() > until:
+            view = pilot.look()
+        except BusError as err:
+            pilot.break_off(str(err))
+            if time.monotonic() - seen > PATIENCE_S:
                 raise
         else:
-            return
-        time.sleep(PERIOD_S)
+            seen = time.monotonic()
+            yield view
+        due = max(due + PERIOD_S, time.monotonic())
+        time.sleep(max(0.0, due - time.monotonic()))
 
 
 def _tell(text: str) -> None:

@@ -1,7 +1,8 @@
 """Backing up to the dock between its two beams. Pure.
 
 Only the left beam: the robot is on the dock's left, so its back swings to its right, and more so the longer that lasts.
-Both beams: straight back.
+Both beams: straight back. A compass is wrong by some degrees, more so near a charger: whatever keeps the robot aside is
+learnt as the direction's error.
 """
 
 from collections import deque
@@ -11,12 +12,14 @@ from lbr.apps.autodock.moves import shortest
 from lbr.apps.autodock.view import STAND, Back, GivenUpError, Script, View
 
 NEAR_M = 0.40
-BESIDE_M = 0.15
+LAST_M = 0.15
 FAR_POWER, NEAR_POWER = 0.15, 0.09
-FIRST_DEG, GROWTH_DPS, MOST_DEG, NEAR_DEG = 12.0, 15.0, 35.0, 4.0
-GAIN, MOST_STEER_DEG = 0.7, 25.0
+FIRST_DEG, GROWTH_DPS = 8.0, 12.0
+MOST_DEG, NEAR_DEG, LAST_DEG = 35.0, 8.0, 4.0
+LEARN_DPS, MOST_LEARNT_DEG = 2.5, 15.0
+GAIN, MOST_STEER_DEG = 1.2, 30.0
 LOST_S = 1.2
-STUCK_S, STUCK_M = 1.5, 0.015
+STANDS_S, STANDS_M = 1.5, 0.015
 LONGEST_S = 40.0
 
 
@@ -48,10 +51,13 @@ class _Course:
         self._view = view
         self._seen_at = view.time_s
         self._aside_since = view.time_s
+        self._error_deg = 0.0
         self._way: deque[tuple[float, float]] = deque()
 
     def see(self, view: View) -> Followed | None:
         """Take in what is seen, and say how it ended if it did."""
+        learnt_deg = self._error_deg - self.aside * LEARN_DPS * (view.time_s - self._view.time_s)
+        self._error_deg = max(-MOST_LEARNT_DEG, min(MOST_LEARNT_DEG, learnt_deg))
         self._view = view
         self._note_beams(view)
         if view.charging or "power" in view.beams:
@@ -63,19 +69,17 @@ class _Course:
         left_m = self._left_m(view)
         if view.time_s - self._seen_at > LOST_S and left_m > NEAR_M / 2:
             return Followed(touched=False, why="the dock's beams were lost", aside=self.aside)
-        if self.aside and left_m < BESIDE_M and view.time_s - self._aside_since > LOST_S / 2:
-            return Followed(touched=False, why="it came beside the dock", aside=self.aside)
-        if self._stuck(view):
-            near = left_m < BESIDE_M
-            return Followed(touched=near, why="" if near else "something is in the way", aside=self.aside)
+        if self._stands(view) and left_m < LAST_M:
+            return Followed(touched=True, why="")
         return None
 
     def back(self) -> Back:
         """Return how to go on."""
-        view, near = self._view, self._left_m(self._view) < NEAR_M
+        view, left_m = self._view, self._left_m(self._view)
+        near = left_m < NEAR_M
+        most_deg = LAST_DEG if left_m < LAST_M else NEAR_DEG if near else MOST_DEG
         lasted_s = view.time_s - self._aside_since
-        most_deg = NEAR_DEG if near else MOST_DEG
-        wanted_deg = -self.aside * min(most_deg, FIRST_DEG + GROWTH_DPS * lasted_s)
+        wanted_deg = self._error_deg - self.aside * min(most_deg, FIRST_DEG + GROWTH_DPS * lasted_s)
         missing_deg = shortest(wanted_deg - view.direction_deg)
         steer_deg = max(-MOST_STEER_DEG, min(MOST_STEER_DEG, GAIN * missing_deg))
         return Back(NEAR_POWER if near else FAR_POWER, round(steer_deg, 1))
@@ -92,11 +96,12 @@ class _Course:
     def _left_m(self, view: View) -> float:
         return 9.9 if view.back_m is None else view.back_m - self._docked_back_m
 
-    def _stuck(self, view: View) -> bool:
+    def _stands(self, view: View) -> bool:
+        """Say whether it has not come any nearer for a while."""
         if view.back_m is None:
             return False
         self._way.append((view.time_s, view.back_m))
-        while view.time_s - self._way[0][0] > STUCK_S:
+        while view.time_s - self._way[0][0] > STANDS_S:
             self._way.popleft()
-        whole = view.time_s - self._way[0][0] > STUCK_S * 0.8
-        return whole and max(m for _, m in self._way) - min(m for _, m in self._way) < STUCK_M
+        whole = view.time_s - self._way[0][0] > STANDS_S * 0.8
+        return whole and max(m for _, m in self._way) - min(m for _, m in self._way) < STANDS_M

@@ -6,7 +6,7 @@ from typing import Any
 from lbr.apps.autodock.motion import Motion
 from lbr.apps.autodock.moves import shortest
 from lbr.apps.autodock.senses import Senses
-from lbr.apps.autodock.view import Action, Back, Go, Say, Turn, View
+from lbr.apps.autodock.view import Action, Back, Ending, Go, Say, Turn, View
 from lbr.apps.program import Robot
 from lbr.bus import codec, keys, wire
 from lbr.errors import BusError, MalformedError
@@ -28,6 +28,7 @@ class Pilot:
         self._zero: tuple[str, float] | None = None
         self._action: Action | None = None
         self._motion: Motion | None = None
+        self._ended: Ending | None = None
         self._steers = -1.0 if _reverses_as_it_travels(robot) else 1.0
 
     def look(self) -> View:
@@ -46,7 +47,7 @@ class Pilot:
             beams=self._senses.beams(now),
             charging=battery.charging if battery else None,
             rest_voltage_v=battery.rest_voltage_v if battery else None,
-            ending=self._motion.ending if self._motion else None,
+            ending=self._motion.ending if self._motion else self._ended,
         )
 
     def do(self, action: Action) -> None:
@@ -59,10 +60,16 @@ class Pilot:
                 self.stop()
             if isinstance(action, Say) and not goes_on:
                 self._say(action)
-        elif goes_on and self._motion is not None:
+        elif not goes_on:
+            self._motion, self._ended = Motion(self._robot, *command, time.monotonic()), None
+        elif self._motion is not None:
             self._motion.renew(command[1], time.monotonic())
-        else:
-            self._motion = Motion(self._robot, *command, time.monotonic())
+
+    def break_off(self, why: str) -> None:
+        """Stand still, and let whoever moved know why."""
+        if self._motion is not None:
+            self._ended = Ending(good=False, text=why)
+            self.stop()
 
     def stop(self) -> None:
         """Stand still."""

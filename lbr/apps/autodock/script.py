@@ -5,7 +5,7 @@
 | announce | says where it is going | |
 | station | turns its back to the wall where the dock stands, at a distance at which the beams are wide | |
 | search | looks for a beam; sees none: goes aside by a step and looks again; to one side, then to the other | no beam at all: give up |
-| follow | backs up between the beams | lost, or beside the dock: withdraw towards the middle, and from station on again |
+| follow | backs up between the beams | lost: withdraw towards the middle, and from station on again |
 | touch | stands, and looks for the power beam, a voltage that rises, or a charger | nothing: withdraw, and again |
 | verify | waits until the battery is being charged | is not: give up |
 
@@ -42,7 +42,7 @@ class Manner:
     step_m: float = 0.5
     steps: int = 8
     withdraw_m: float = 1.0
-    withdraw_deg: float = 15.0
+    withdraw_deg: float = 5.0
     tries: int = 5
     touch_s: float = 6.0
     verify_s: float = 100.0
