@@ -76,6 +76,7 @@ class Page:
             text=True,
         )
         assert self.popen.stdout is not None
+        self.log = self.popen.stdout
         self.said = self.popen.stdout.readline() + self.popen.stdout.readline()
         self.url = self.said.split()[3]
         self.token = self.url.partition("#token=")[2]
@@ -367,7 +368,9 @@ def test_from_other_machines_it_is_reached_by_tls_alone_and_ends_at_once_while_t
         cookie = response.headers["Set-Cookie"]
     assert cookie.startswith("__Host-")
     assert "Secure" in cookie
+    page.log.readline()  # the fingerprint
     with watching(page, cameras) as response:
+        assert page.log.readline().endswith("127.0.0.1 watches the camera that is on\n")
         shown(cameras, response, 1)
         assert page.end() == 0
     assert not (page.folder / "run" / "lbr-navcam.url").exists()

@@ -11,6 +11,7 @@ import os
 import socket
 import ssl
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from lbr import home
@@ -99,5 +100,6 @@ def _say(*lines: str) -> None:
 
 if __name__ == "__main__":
     code = program.run(main)
-    sys.stdout.flush()
+    with suppress(OSError):
+        sys.stdout.flush()
     os._exit(code)  # a thread that still waits for an answer of the bus holds up nobody

@@ -1,7 +1,10 @@
 """What navcam answers over HTTP."""
 
 import asyncio
+import sys
+import time
 from collections.abc import Awaitable, Callable, Iterable
+from contextlib import suppress
 from importlib import resources
 
 from starlette.applications import Starlette
@@ -85,8 +88,13 @@ class _Stream:
             text = f"{MOST_VIEWERS} are watching already; come back when one has left.\n"
             await PlainTextResponse(text, 503, {**NEVER_KEPT, "Retry-After": "10"})(scope, receive, send)
             return
-        with self._hub.viewer(camera) as viewer:
-            await stream(viewer, scope, receive, send)
+        who, what = scope["client"][0] if scope.get("client") else "somebody", camera or "the camera that is on"
+        tell(f"{who} watches {what}")
+        try:
+            with self._hub.viewer(camera) as viewer:
+                await stream(viewer, scope, receive, send)
+        finally:
+            tell(f"{who} watches {what} no more")
 
 
 async def _to_index(_request: Request) -> Response:
@@ -100,6 +108,13 @@ def _static(name: str, kind: str) -> Callable[[Request], Awaitable[Response]]:
         return Response(content, headers=NEVER_KEPT, media_type=kind)
 
     return answer
+
+
+def tell(text: str) -> None:
+    """Write a line to the log, with the time; a log that takes nothing keeps nobody from watching."""
+    with suppress(OSError):
+        sys.stdout.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {text}\n")
+        sys.stdout.flush()
 
 
 def _page(name: str) -> bytes:
