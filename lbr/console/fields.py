@@ -164,4 +164,6 @@ def _resolved(schema: Schema, definitions: Schema) -> dict[str, Any]:
     if reference:
         return dict(definitions.get(reference.rpartition("/")[2], {}))
     options = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"]
-    return _resolved(options[0], definitions) if options else dict(schema)
+    if not options:
+        return dict(schema)
+    return _resolved(next((one for one in options if one.get("type") == "string"), options[0]), definitions)

@@ -137,6 +137,13 @@ def test_a_row_that_leaves_out_a_field_is_refused_naming_it():
         Vocabulary([verb("g", "drive.command")], (), {"drive.command": DriveCommand}).parse("g")
 
 
+@pytest.mark.parametrize("text", ["left", "0.5", "true"])
+def test_what_may_be_of_several_types_is_taken_as_it_is_written(text):
+    schema = {"type": "object", "properties": {"value": {"anyOf": [{"type": "boolean"}, {"type": "string"}]}}}
+    vocabulary = Vocabulary([verb("/fault/{value}", "world.fault")], (), {"world.fault": schema})
+    assert vocabulary.parse(f"/fault/{text}").payload == {"value": text}
+
+
 def test_entries_tell_completion_the_fields_and_their_choices():
     entries = VOCABULARY.entries({"executive.report": ["drive", "battery"]})
     assert entries[1]["fields"][3] == {
