@@ -21,7 +21,7 @@ TURNS_AT = 0.15
 WHOLE = {"angle_deg": 360.0}
 OLD = "the attitude is older than"
 UNKNOWN = "the attitude is not known"
-AFTERMATH_S = 0.5
+AFTERMATH_S = 0.3
 ATTEMPTS = 4
 
 

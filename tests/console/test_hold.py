@@ -3,7 +3,8 @@ import threading
 import pytest
 from fake_robot import wait_for
 
-from lbr.console.hold import Holder
+from lbr.console.hold import Holder, describe
+from lbr.messages.drive import GoalResult
 
 
 @pytest.fixture
@@ -110,3 +111,23 @@ def test_the_end_is_told_once_however_many_end_it(robot, hold, ended):
     for thread in threads:
         thread.join()
     assert len(ended) == 1
+
+
+@pytest.mark.parametrize(
+    ("fields", "told"),
+    [
+        ({"result": "reached", "range_cm": 40.0}, "range reached at 40 cm after 2.0 s"),
+        ({"result": "interval"}, "time is over after 2.0 s"),
+        ({"result": "reached", "turned_deg": 90.6, "error_deg": 0.6}, "what it says"),
+        ({"result": "fault", "turned_deg": 45.0}, "fault after 2.0 s, turned 45.0 degrees: what it says"),
+        ({"result": "reached", "distance_m": -1.0, "error_m": 0.0}, "what it says"),
+        (
+            {"result": "reached", "range_cm": 40.0, "distance_m": 0.8},
+            "range reached at 40 cm after 2.0 s, drove 0.80 m",
+        ),
+        ({"result": "stopped", "distance_m": -0.5}, "stopped after 2.0 s, drove 0.50 m: what it says"),
+    ],
+)
+def test_how_a_move_ended_is_told_in_one_line(fields, told):
+    result = GoalResult(**({"goal": "g", "reason": "what it says", "range_cm": None, "elapsed_s": 2.0} | fields))
+    assert describe(result) == told
