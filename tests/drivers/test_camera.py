@@ -91,10 +91,11 @@ def test_the_state_tells_what_the_pictures_are_like(started, source):
     camera, ctx = started()
     assert ctx.state.phase == "opening"
     assert ctx.phases == ["warn: waiting for the first picture"]
-    streaming(camera, ctx, source, 3)
+    streaming(camera, ctx, source)
     assert ctx.phases[-1] == "ready"
-    stepped(camera, lambda: ctx.state.fps is not None and ctx.state.width_px is not None)
-    assert (ctx.state.on, ctx.state.phase, ctx.state.frames) == (True, "streaming", 3)
+    until(lambda: (streaming(camera, ctx, source), ctx.state.fps is not None)[1])
+    assert (ctx.state.on, ctx.state.phase) == (True, "streaming")
+    assert ctx.state.frames > 2
     assert (ctx.state.width_px, ctx.state.height_px) == (640, 360)
 
 
@@ -212,6 +213,22 @@ def test_the_last_of_two_switches_counts(started, source):
     stepped(camera, lambda: on.answer is not None)
     assert on.answer.accepted
     assert ctx.frames[-1] == jpeg(9)
+
+
+def test_a_camera_that_was_switched_off_stays_off_when_its_process_begins_anew(started, source):
+    camera, ctx = started()
+    streaming(camera, ctx, source)
+    assert answer(camera, SwitchCommand(on=False)).accepted
+    again, ctx = started()
+    again.step()
+    assert (ctx.state.on, ctx.state.phase) == (False, "off")
+
+
+def test_in_another_run_of_the_robot_the_row_says_whether_it_is_on(started, source, tmp_path):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "tester-camera_front.switch").write_text("1 1 off\n")
+    _, ctx = started()
+    assert ctx.state.on
 
 
 def test_a_snapshot_is_the_newest_picture_in_a_file_for_the_owner_alone(started, source, tmp_path):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from lbr.bus import pictures
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
-from lbr.drivers.camera import CameraSettings, snapshot
+from lbr.drivers.camera import CameraSettings, snapshot, wish
 from lbr.drivers.camera.capture import Capture
 from lbr.drivers.camera.source import Picture, open_source
 from lbr.errors import DeviceError, InputError
@@ -35,7 +35,7 @@ class Camera(Capability[CameraSettings]):
 
     def __init__(self, ctx: Context[CameraSettings]) -> None:
         super().__init__(ctx)
-        self._on = ctx.settings.on
+        self._on = wish.kept(ctx.home, ctx.robot, ctx.name, otherwise=ctx.settings.on)
         self._capture: Capture | None = None
         self._switching: _Switching | None = None
         self._newest: Picture | None = None
@@ -75,7 +75,11 @@ class Camera(Capability[CameraSettings]):
         if self._switching is not None:
             self._switching.call.refuse(f"{self.ctx.name} was switched again by {call.source}")
         self._switching = _Switching(call, on, self._on, self.ctx.clock() + ANSWER_S)
+        self._want(on=on)
+
+    def _want(self, *, on: bool) -> None:
         self._on = on
+        wish.keep(self.ctx.home, self.ctx.robot, self.ctx.name, on=on)
         self._follow_switch()
 
     def _follow_switch(self) -> None:
@@ -124,9 +128,8 @@ class Camera(Capability[CameraSettings]):
         elif capture.phase == "streaming":
             self._answer(CommandReply(accepted=True))
         else:
-            self._on = waiting.was_on
+            self._want(on=waiting.was_on)
             self._answer(CommandReply(accepted=False, reason=capture.reason))
-            self._follow_switch()
 
     def _answer(self, reply: CommandReply) -> None:
         waiting, self._switching = self._switching, None

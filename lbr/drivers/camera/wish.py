@@ -1,0 +1,33 @@
+"""How a camera was switched last, for as long as its robot runs: one that was switched off stays so if its process ends."""
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+
+def keep(home: str, robot: str, camera: str, *, on: bool) -> None:
+    """Write down how it was switched; what cannot be written is as if it had not been switched."""
+    path = _path(home, robot, camera)
+    with suppress(OSError):
+        path.parent.mkdir(mode=0o700, exist_ok=True)
+        path.write_text(f"{_run()} {'on' if on else 'off'}\n")
+
+
+def kept(home: str, robot: str, camera: str, *, otherwise: bool) -> bool:
+    """Return how it was switched in this run of the robot, or what holds `otherwise`."""
+    try:
+        run, _, wish = _path(home, robot, camera).read_text().strip().rpartition(" ")
+    except (OSError, UnicodeDecodeError):
+        return otherwise
+    return wish == "on" if run == _run() else otherwise
+
+
+def _path(home: str, robot: str, camera: str) -> Path:
+    return Path(home) / "run" / f"{robot}-{camera}.switch"
+
+
+def _run() -> str:
+    """Return what tells this run of the robot from others: its executive's pid and when that started."""
+    executive = os.getppid()
+    started = Path(f"/proc/{executive}/stat").read_text().rpartition(")")[2].split()[19]
+    return f"{executive} {started}"
