@@ -5,7 +5,7 @@ compass; the angle turned is the gyro's alone, so that the compass cannot make i
 """
 
 from collections.abc import Mapping
-from math import degrees, isfinite, radians
+from math import degrees, radians
 from typing import Any
 
 import imufusion
@@ -13,7 +13,7 @@ import imufusion
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.imu import ImuSample
 from lbr.messages.units import Quaternion, Vector
-from lbr.operations.attitude.compass import disturbed, from_values, impossible
+from lbr.operations.attitude.compass import disturbed, from_values
 from lbr.operations.attitude.geometry import (
     compass_yaw_deg,
     dot,
@@ -29,8 +29,8 @@ from lbr.operations.attitude.geometry import (
 )
 from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.operations.attitude.stillness import Stillness
+from lbr.operations.attitude.suspicion import G_MPS2, Suspicion
 
-G_MPS2 = 9.80665
 LEARNING = "the gyro's zero is not known yet; it is learnt in a second at rest"
 NO_FIELD = "the inertial unit measures no magnetic field"
 
@@ -38,7 +38,6 @@ _DEG = degrees(1.0)
 _NOTHING = (0.0, 0.0, 0.0)
 _ACCEL_REJECTION_DEG = 15.0
 _REJECTION_TIMEOUT_S = 5.0
-_ACCEL_SMOOTH_S = 0.1
 _LONGEST_PULL_S = 0.5
 
 
@@ -59,10 +58,9 @@ class Fusion:
         self._last: ImuSample | None = None
         self._heard_s: float | None = None
         self._missed = ""
+        self._suspicion = Suspicion(settings)
         self._trouble = ""
         self._good_since_s: float | None = None
-        self._same_since_s = 0.0
-        self._accel_mps2 = G_MPS2
         self._up: Vector = (0.0, 0.0, 1.0)
         self._rate_dps = 0.0
         self._turned_deg = 0.0
@@ -103,11 +101,13 @@ class Fusion:
         last = self._last
         if last is not None and 0.0 <= last.time_s - sample.time_s < 1.0:
             return
-        gap_s = 0.0 if last is None else sample.time_s - last.time_s
+        missed, gap_s = self._missed, 0.0 if last is None else sample.time_s - last.time_s
+        self._missed = self._suspicion.jump(last, sample.gyro_rps, gap_s)
+        if self._missed:
+            return
         if not 0.0 <= gap_s <= self._settings.gap_s:
-            self._fail(self._missed or f"samples of {gap_s:.2f} s are missing")
-        self._missed = ""
-        trouble = self._impossible(sample, sample.gyro_rps, sample.accel_mps2)
+            self._fail(missed or f"samples of {gap_s:.2f} s are missing")
+        trouble = self._suspicion.impossible(last, sample, sample.gyro_rps, sample.accel_mps2)
         self._last, self._heard_s = sample, heard_s
         if trouble:
             self._fail(trouble)
@@ -164,25 +164,6 @@ class Fusion:
         if self._stillness.bias_rps is None:
             return LEARNING
         return "" if self._began else "the inertial unit's first samples"
-
-    def _impossible(self, sample: ImuSample, gyro: Vector, accel: Vector) -> str:
-        """Say why a sample cannot be what happened; empty if it can."""
-        s, last = self._settings, self._last
-        fastest_dps = max(abs(gyro[0]), abs(gyro[1]), abs(gyro[2])) * _DEG
-        strength = norm(accel)
-        if not (isfinite(fastest_dps) and isfinite(gyro[0] + gyro[1] + gyro[2]) and isfinite(strength)):
-            return "the inertial unit measures what is no number"
-        if fastest_dps > s.gyro_limit_dps:
-            return f"the gyro says {fastest_dps:.0f} degrees per second, more than {s.gyro_limit_dps:g}"
-        if last is None or gyro != last.gyro_rps or accel != last.accel_mps2:
-            self._same_since_s = sample.time_s
-        elif sample.time_s - self._same_since_s >= s.frozen_s:
-            return f"gyro and accelerometer say the very same for {s.frozen_s:g} s; they are frozen"
-        dt = s.gap_s if last is None else sample.time_s - last.time_s
-        self._accel_mps2 += (strength - self._accel_mps2) * max(0.0, min(1.0, dt / _ACCEL_SMOOTH_S))
-        if not s.accel_min_mps2 <= self._accel_mps2 <= s.accel_max_mps2:
-            return f"the accelerometer says {self._accel_mps2:.1f} m/s2, and at rest it is {G_MPS2:.1f}"
-        return "" if sample.mag_ut is None else impossible(sample.mag_ut)
 
     def _fail(self, reason: str) -> None:
         """End what was counted: some of the turn was not seen."""

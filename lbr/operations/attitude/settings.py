@@ -59,6 +59,9 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ] = 0.1
     recover_s: Annotated[float, Meta(ge=0.0, le=2.0, description="good samples before it is valid again")] = 0.1
     gyro_limit_dps: Annotated[float, Meta(gt=0.0, le=4000.0, description="a faster turn is no turn")] = 500.0
+    gyro_jump_dps: Annotated[
+        float, Meta(gt=0.0, le=4000.0, description="a greater change from one sample to the next is an error")
+    ] = 100.0
     accel_min_mps2: Annotated[float, Meta(ge=0.0, le=100.0)] = 5.0
     accel_max_mps2: Annotated[float, Meta(ge=0.0, le=1000.0)] = 18.0
     frozen_s: Annotated[

@@ -223,7 +223,6 @@ def test_what_the_driver_calls_invalid_is_bridged_shortly_then_its_reason_is_tol
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"gyro_rps": (0.0, 0.0, 20.0)}, "degrees per second"),
         ({"gyro_rps": (0.0, nan, 0.0)}, "no number"),
         ({"accel_mps2": (inf, 0.0, 0.0)}, "no number"),
         ({"mag_ut": (5000.0, 0.0, 0.0)}, "which it cannot"),
@@ -242,6 +241,15 @@ def test_a_sample_that_cannot_be_is_invalid_at_once_and_ends_the_count(change, r
     assert feed(under_test, imu.run(0.5)).valid
 
 
+def test_a_turn_faster_than_any_is_invalid():
+    imu = MadeUpImu()
+    under_test, _ = at_rest(imu)
+    rates = (90.0 * step for step in range(1, 8))
+    state = feed(under_test, (imu.sample(rate) for rate in rates))
+    assert not state.valid
+    assert "more than 500" in state.reason
+
+
 @pytest.mark.parametrize("accel", [(0.0, 0.0, 0.0), (0.0, 0.0, 30.0)])
 def test_an_accelerometer_far_from_gravity_for_a_while_is_invalid(accel):
     imu = MadeUpImu()
@@ -252,6 +260,44 @@ def test_an_accelerometer_far_from_gravity_for_a_while_is_invalid(accel):
     state = feed(under_test, (replace(s, accel_mps2=accel) for s in imu.run(0.3)))
     assert not state.valid
     assert "accelerometer" in state.reason
+
+
+def jumped(sample, by_rps=4.0):
+    x, y, z = sample.gyro_rps
+    return replace(sample, gyro_rps=(x, y, z + by_rps))
+
+
+def test_a_sample_that_jumps_is_left_out():
+    imu = MadeUpImu()
+    under_test, before = at_rest(imu)
+    for number, sample in enumerate(imu.run(2.0, 45.0)):
+        felt = jumped(sample, 4.0 if number % 3 else -4.0) if number % 10 == 0 else sample
+        under_test.feel(felt, sample.time_s)
+    state = under_test.state(imu.time_s)
+    assert state.turned_deg == pytest.approx(90.0, abs=1.0)
+    assert state.epoch == before.epoch
+
+
+@pytest.mark.parametrize("by_rps", [4.0, -4.0])
+def test_a_gyro_that_jumps_for_good_is_invalid_until_it_is_near_its_old_rate_or_rest(by_rps):
+    imu = MadeUpImu()
+    under_test, before = at_rest(imu)
+    state = feed(under_test, (jumped(sample, by_rps) for sample in imu.run(3.0)))
+    assert not state.valid
+    assert "jumped" in state.reason
+    state = feed(under_test, imu.run(0.5))
+    assert state.valid
+    assert state.epoch != before.epoch
+
+
+def test_a_gyro_that_ends_a_jump_at_rest_is_believed():
+    imu = MadeUpImu()
+    under_test, _ = at_rest(imu)
+    for rate in range(0, 200, 20):
+        feed(under_test, imu.run(0.05, float(rate)))
+    assert feed(under_test, imu.run(0.05)).valid
+    assert not feed(under_test, imu.run(0.15, -300.0)).valid
+    assert feed(under_test, imu.run(0.5)).valid
 
 
 def test_a_frozen_gyro_is_invalid():
