@@ -213,6 +213,23 @@ def test_without_sound_it_dances_silently_and_says_so(dance, world):
     assert world.states[-1].reason == "danced to the end"
 
 
+def test_speech_that_answers_too_late_is_hushed_with_the_dance(dance, world):
+    world.ask_now = world.ask
+
+    def ask(request, message, timeout_s):
+        asked = world.ask_now(request, message, timeout_s)
+        return SimpleNamespace(answers=lambda: {"speech": None}) if request == "sound" else asked
+
+    world.ask = ask
+    play(dance)
+    run(dance, world, 0.7)
+    assert world.states[-1].reason == "speech does not answer"
+    assert world.song == "tune"
+    world.stop("console")
+    run(dance, world, 0.2)
+    assert world.song == ""
+
+
 def test_a_song_that_is_hushed_ends_the_dance(dance, world):
     play(dance)
     run(dance, world, 0.7)

@@ -74,7 +74,7 @@ def test_a_killed_dance_leaves_the_wheels_standing_and_its_next_life_does_not_go
 
 
 def test_a_stop_of_the_base_is_the_end_of_the_dance_and_of_its_song(dancer):
-    assert told(dancer, "speech/state")["playing"] == "metronome"
+    until(lambda: told(dancer, "speech/state")["playing"] == "metronome", what="the song is played")
     dancer.line("s")
     wait_for_the_end(dancer)
     assert wheels(dancer) == (0.0, 0.0)

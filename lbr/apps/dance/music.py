@@ -70,6 +70,5 @@ class Music:
         return "" if told.message.playing == self._song else "the song was ended"
 
     def stop(self) -> None:
-        """End it, if it is being played or may be soon."""
-        if not self.silent:
-            self._ctx.ask("hush", HushCommand(song=self._song), ANSWER_S)
+        """End it; also one that did not answer in time and may begin yet."""
+        self._ctx.ask("hush", HushCommand(song=self._song), ANSWER_S)
