@@ -18,8 +18,11 @@ BACKGROUND = 10
 
 
 def niceness(unit: Unit) -> int:
-    """Return the niceness that a capability should have; emulated hardware ranks as the machine's own does."""
-    if unit.moves or unit.family == "driver" or unit.config.lan is not None:  # stops come through that door, too
+    """Return the niceness that a capability should have.
+
+    Emulated devices rank with the drivers: real ones answer however busy the machine is.
+    """
+    if unit.moves or unit.family in {"driver", "simulation"} or unit.config.lan is not None:  # stops come by that door
         return MOTION
     return BACKGROUND if unit.family in {"app", "program"} else USUAL
 

@@ -34,9 +34,8 @@ def test_movers_and_drivers_outrank_programs(home):
     with running(home) as robot:
         nice = {unit["name"]: unit["nice"] for unit in robot.status()["capabilities"]}
         if os.geteuid() == 0:
-            assert nice["motors"] == nice["drive"] == nice["ranges"] == scheduling.MOTION
+            assert nice["motors"] == nice["drive"] == nice["ranges"] == nice["world"] == scheduling.MOTION
             assert os.getpriority(os.PRIO_PROCESS, robot.popen.pid) == scheduling.MOTION
-        assert nice["world"] == scheduling.USUAL
         threads = Path(f"/proc/{robot.capability('motors')['pid']}/task")
         assert {os.getpriority(os.PRIO_PROCESS, int(task.name)) for task in threads.iterdir()} == {nice["motors"]}
         settings = '{"argv": ["/bin/sleep", "60"]}'

@@ -16,7 +16,7 @@ from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.cameras.viewer import Viewer
 from lbr.simulation.faults import CameraFaults
 
-_NICENESS = 5
+_NICENESS = 15
 _SLOW_S = 0.5
 _SOUND = CameraFaults()
 
