@@ -63,8 +63,8 @@ def go_on(motion: Motion, drive: FakeDrive, clock: Any, until: Any, fields: dict
 
 def test_it_asks_once_without_a_lease_and_then_quotes_the_one_it_got(motion, drive, clock):
     go_on(motion, drive, clock, lambda: len(drive.asked) > 3, FIELDS | {"angle_deg": 170.0})
-    assert drive.asked[0] == FIELDS | {"ttl_s": 0.6}
-    assert all(each == {"power": 0.2, "angle_deg": 170.0, "lease": "abc", "ttl_s": 0.6} for each in drive.asked[1:])
+    assert drive.asked[0] == FIELDS | {"ttl_s": 0.8}
+    assert all(each == {"power": 0.2, "angle_deg": 170.0, "lease": "abc", "ttl_s": 0.8} for each in drive.asked[1:])
 
 
 @pytest.mark.parametrize(

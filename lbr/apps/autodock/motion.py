@@ -9,7 +9,8 @@ from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
 from lbr.messages.drive import CommandReply, GoalResult
 
-TTL_S = 0.6
+TTL_S = 0.8
+"""Slow motions, by a program that has to wait while the machine is busy."""
 ANSWER_S = 1.0
 RESULT_S = 0.5
 MOST_ASKED = 4

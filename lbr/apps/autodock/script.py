@@ -131,8 +131,10 @@ def _aside(side: Side, distance_m: float, manner: Manner) -> Script[bool]:
     """Go to one side and turn the back to the dock again; say whether the way was free."""
     yield from face(SIDES[side])
     ending = yield from bounded(Go(manner.power, distance_m))
+    view = yield STAND
+    free = ending.good or view.forward_m is None or view.forward_m > FREE_M
     yield from face(0.0)
-    return ending.good
+    return free
 
 
 def _touches(before_v: float | None, manner: Manner) -> Script[bool]:
