@@ -4,14 +4,13 @@ import contextlib
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
 from lbr.apps.sound.wav import Wav
-from lbr.capability import tether
+from lbr.capability.tether import tethered
 from lbr.errors import DeviceError
 
 ALSA = "alsa:"
@@ -78,7 +77,7 @@ class _Aplay:
         self._words = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the playback
         try:
             self._popen = subprocess.Popen(
-                with_us(argv), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._words
+                tethered(tuple(argv)), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._words
             )
         except OSError as err:
             self._words.close()
@@ -151,11 +150,6 @@ class _Pretended:
 
     def stop(self) -> None:
         self._until = self.began
-
-
-def with_us(argv: list[str]) -> list[str]:
-    """Return the command line of a program that dies when this process does; to be started from its main thread."""
-    return [sys.executable, "-I", "-S", str(Path(tether.__file__)), str(os.getpid()), "", *argv]
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -8,8 +8,8 @@ from contextlib import suppress
 
 import msgspec
 
-from lbr.apps.sound.sinks import with_us
 from lbr.apps.speech.engine import Answer, Request
+from lbr.capability.tether import tethered
 
 ENGINE = (sys.executable, "-P", "-m", "lbr.apps.speech.engine")
 START_S = 20.0
@@ -27,7 +27,7 @@ class Worker:
     def __init__(self, clock: Callable[[], float], program: Sequence[str] = ENGINE) -> None:
         self.trouble = ""
         self._clock = clock
-        self._program = list(program)
+        self._program = tuple(program)
         self._popen: subprocess.Popen[bytes] | None = None
         self._heard = b""
         self._greeted = False
@@ -87,7 +87,7 @@ class Worker:
         self._heard = b""
         try:
             self._popen = subprocess.Popen(
-                with_us(self._program),
+                tethered(self._program),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 bufsize=0,

@@ -42,7 +42,7 @@ class Painter:
                 paper.write(msgspec.json.encode(drawing))
                 paper.seek(0)
                 self._process = subprocess.Popen(
-                    tethered((sys.executable, "-m", MODULE, str(path))),
+                    tethered((sys.executable, "-P", "-m", MODULE, str(path))),
                     stdin=paper,
                     stdout=subprocess.DEVNULL,
                     stderr=subprocess.PIPE,
