@@ -11,7 +11,8 @@ from lbr.messages.drive import CommandReply
 
 PREFIX = "camera_"
 OFF = "off"
-ANSWER_S = 0.9
+OFF_S, ON_S = 0.7, 1.2
+"""A camera answers a little sooner."""
 STATE_PERIOD_S = 1.0
 MOST_WAITING = 8
 
@@ -88,7 +89,7 @@ class Cameras(Capability[CamerasSettings]):
         return _Selecting(call, wanted, others, asked, [])
 
     def _ask(self, names: list[str], *, on: bool) -> Asked:
-        return self.ctx.ask("switch", SwitchCommand(on=on), ANSWER_S, only=names)
+        return self.ctx.ask("switch", SwitchCommand(on=on), ON_S if on else OFF_S, only=names)
 
     def _tell(self) -> None:
         known = {short: self._states[name] for short, name in self._names.items() if name in self._states}

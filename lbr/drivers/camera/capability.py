@@ -13,7 +13,8 @@ from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, Snapsho
 from lbr.messages.drive import CommandReply
 
 STATE_PERIOD_S = 1.0
-ANSWER_S = 0.8
+OFF_S, ON_S = 0.6, 1.1
+"""So soon a switch is answered, whatever has come of it; both together before whoever asked gives up."""
 CLOSE_S = 0.3
 NEWEST_S = 1.0
 
@@ -74,7 +75,7 @@ class Camera(Capability[CameraSettings]):
     def _switch(self, call: Call, *, on: bool) -> None:
         if self._switching is not None:
             self._switching.call.refuse(f"{self.ctx.name} was switched again by {call.source}")
-        self._switching = _Switching(call, on, self._on, self.ctx.clock() + ANSWER_S)
+        self._switching = _Switching(call, on, self._on, self.ctx.clock() + (ON_S if on else OFF_S))
         self._want(on=on)
 
     def _want(self, *, on: bool) -> None:
