@@ -149,16 +149,16 @@ class Camera(Capability[CameraSettings]):
         return SnapshotReply(accepted=True, path=str(path))
 
     def _tell(self) -> None:
-        state = self._state()
         now = self.ctx.clock()
-        if now >= self._counted_at + STATE_PERIOD_S:
-            streamed = state.phase == "streaming" and self._counted_at
-            self._fps = round((self._frames - self._counted) / (now - self._counted_at), 1) if streamed else None
-            self._counted, self._counted_at = self._frames, now
+        due = now >= self._state_at
+        if due:
+            self._fps = round((self._frames - self._counted) / (now - self._counted_at), 1) or None
+            self._counted, self._counted_at, self._state_at = self._frames, now, now + STATE_PERIOD_S
+        state = self._state()
         changed = (state.phase + state.reason, state.on) != self._said
-        if not changed and now < self._state_at:
+        if not (due or changed):
             return
-        self._said, self._state_at = (state.phase + state.reason, state.on), now + STATE_PERIOD_S
+        self._said = (state.phase + state.reason, state.on)
         self.ctx.publish("state", state)
         if state.phase == "streaming":
             self.ctx.ready()
