@@ -16,7 +16,7 @@ LAST_M = 0.15
 FAR_POWER, NEAR_POWER = 0.15, 0.09
 FIRST_DEG, GROWTH_DPS = 8.0, 12.0
 MOST_DEG, NEAR_DEG, LAST_DEG = 35.0, 8.0, 4.0
-LEARN_DPS, MOST_LEARNT_DEG = 2.5, 15.0
+LEARN_DPS, MOST_LEARNT_DEG = 2.5, 22.0
 GAIN, MOST_STEER_DEG = 1.2, 30.0
 LOST_S = 1.2
 STANDS_S, STANDS_M = 1.5, 0.015
@@ -52,12 +52,14 @@ class _Course:
         self._seen_at = view.time_s
         self._aside_since = view.time_s
         self._error_deg = 0.0
+        self._was_between = False
         self._way: deque[tuple[float, float]] = deque()
 
     def see(self, view: View) -> Followed | None:
         """Take in what is seen, and say how it ended if it did."""
-        learnt_deg = self._error_deg - self.aside * LEARN_DPS * (view.time_s - self._view.time_s)
-        self._error_deg = max(-MOST_LEARNT_DEG, min(MOST_LEARNT_DEG, learnt_deg))
+        if self._was_between:
+            learnt_deg = self._error_deg - self.aside * LEARN_DPS * (view.time_s - self._view.time_s)
+            self._error_deg = max(-MOST_LEARNT_DEG, min(MOST_LEARNT_DEG, learnt_deg))
         self._view = view
         self._note_beams(view)
         if view.charging or "power" in view.beams:
@@ -89,6 +91,7 @@ class _Course:
         if not beams:
             return
         self._seen_at = view.time_s
+        self._was_between = self._was_between or len(beams) == 2
         aside = 0.0 if len(beams) == 2 else 1.0 if "left" in beams else -1.0
         if aside != self.aside:
             self.aside, self._aside_since = aside, view.time_s
