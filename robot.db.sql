@@ -344,7 +344,6 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'camera_rear.state', 'cameras.states', 4),
     ('lbr', 'cameras.switch', 'camera_front.switch', 1),
     ('lbr', 'cameras.switch', 'camera_rear.switch', 1),
-    ('lbr', 'cameras.state', 'telemetry.cameras', 1),
     ('lbr', 'dance.motion', 'drive.command', 1),
     ('lbr', 'dance.halt', 'drive.stop', 1),
     ('lbr', 'dance.sound', 'speech.play', 1),
@@ -357,7 +356,10 @@ INSERT INTO channel (robot, source, target, rate_hz) VALUES
     ('lbr', 'battery.say', 'speech.say', NULL),
     ('lbr', 'ranges.readings', 'telemetry.ranges', 10),
     ('lbr', 'motors.state', 'telemetry.motors', 10),
+    ('lbr', 'imu.sample', 'telemetry.imu', 10),
     ('lbr', 'attitude.state', 'telemetry.attitude', 10),
+    ('lbr', 'odometry.state', 'telemetry.odometry', 10),
+    ('lbr', 'cameras.state', 'telemetry.cameras', 10),
     ('lbr', 'battery.state', 'telemetry.battery', 10),
     ('lbr', 'dock.signal', 'telemetry.dock', 10);
 
