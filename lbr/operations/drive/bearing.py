@@ -68,7 +68,9 @@ def _after(before: Bearing, found: Bearing, settings: DriveSettings) -> Bearing:
     most_deg = JUMP_DEG + JUMP_SHARE * settings.max_turn_dps * elapsed_s
     if not abs(way_deg) <= most_deg:
         return _with(found, trouble=f"the attitude jumped by {way_deg:.0f} degrees within {elapsed_s:.2f} s")
-    rate_dps = before.rate_dps + (way_deg / elapsed_s - before.rate_dps) * SMOOTHING
+    fastest_dps = JUMP_SHARE * settings.max_turn_dps
+    newest_dps = max(-fastest_dps, min(fastest_dps, way_deg / elapsed_s))
+    rate_dps = before.rate_dps + (newest_dps - before.rate_dps) * SMOOTHING
     return _with(found, rate_dps=rate_dps)
 
 

@@ -22,14 +22,23 @@ COAST_S = 0.5
 """It may get farther from its target by `AWAY_DEG`, and by what it turned already in this time."""
 PATIENCE_S = 0.3
 """After so long without any turn the power of a correction begins to grow."""
+GROWS_UNTIL = 0.8
+"""The share of `turn_stuck_s` after which it has grown to that of a turn."""
+GOOD_TRIES, MOST_WIDER = 3, 4.0
+"""From the third correction on each widens the tolerance by half of what it was, up to so many times."""
+LEARNT_SHARE = 0.9
 
 
 class Push(Struct, frozen=True, kw_only=True):
-    """The wheels push to one side; for `idle_s`, pauses not counted, that moved it less than a degree from `mark_deg`."""
+    """The wheels push to one side; for `idle_s`, pauses not counted, that moved it less than a degree from `mark_deg`.
+
+    For `still_s` the base stood, though by what was pushed of late it should turn.
+    """
 
     sense: float
     mark_deg: float
     idle_s: float = 0.0
+    still_s: float = 0.0
 
 
 class Turn(Struct, frozen=True, kw_only=True):
@@ -37,7 +46,8 @@ class Turn(Struct, frozen=True, kw_only=True):
 
     `quiet` is since when it stands at its target (NaN: it does not), `ends` when it should have got there. `flow_dps` is
     how fast the power of late should turn the base, whether or not that shows yet; `farthest_deg` is how far from its
-    target it may get now, `swings` how often it passed it.
+    target it may get now, `swings` how often it passed it. `tries` counts how often it began to push from rest, `least`
+    is the power that a base which sticks was seen to need, `given` what it gets now.
     """
 
     asked_deg: float
@@ -50,6 +60,9 @@ class Turn(Struct, frozen=True, kw_only=True):
     flow_dps: float = 0.0
     farthest_deg: float = inf
     swings: int = 0
+    tries: int = 0
+    least: float = 0.0
+    given: float = 0.0
     push: Push | None = None
 
     @property
@@ -101,9 +114,13 @@ def watch(turn: Turn, bearing: Bearing, pushing: float, settings: DriveSettings)
     passed = before_deg * after_deg < 0.0
     farthest_deg = _farthest_deg(abs(after_deg), bearing)
     farthest_deg = farthest_deg if passed else min(farthest_deg, turn.farthest_deg)
-    push = _push(turn.push, bearing, pushing, elapsed_s)
-    turn = replace(turn, bearing=bearing, push=push, farthest_deg=farthest_deg, swings=turn.swings + passed)
-    still = abs(turn.left_deg) <= settings.turn_tolerance_deg and abs(bearing.rate_dps) <= QUIET_DPS
+    push, least = _push(turn, bearing, pushing, elapsed_s), turn.least
+    if _sticks(turn.push) and abs(bearing.rate_dps) > QUIET_DPS:
+        least = max(least, LEARNT_SHARE * abs(pushing))
+    turn = replace(
+        turn, bearing=bearing, push=push, least=least, farthest_deg=farthest_deg, swings=turn.swings + passed
+    )
+    still = abs(turn.left_deg) <= _tolerance_deg(turn, settings) and abs(bearing.rate_dps) <= QUIET_DPS
     since = bearing.seen if isnan(turn.quiet) else turn.quiet
     return replace(turn, quiet=since if still and pushing == 0.0 else nan)
 
@@ -111,7 +128,9 @@ def watch(turn: Turn, bearing: Bearing, pushing: float, settings: DriveSettings)
 def driven(turn: Turn, left: float, elapsed_s: float, settings: DriveSettings) -> Turn:
     """Return the turn after the left wheel was given this power for a while."""
     share = min(1.0, elapsed_s / max(settings.turn_lag_s, 1e-3))
-    return replace(turn, flow_dps=turn.flow_dps + (left * settings.max_turn_dps - turn.flow_dps) * share)
+    flow_dps = turn.flow_dps + (left * settings.max_turn_dps - turn.flow_dps) * share
+    from_rest = left != 0.0 and abs(turn.flow_dps) < QUIET_DPS / 2 and abs(turn.bearing.rate_dps) <= QUIET_DPS
+    return replace(turn, flow_dps=flow_dps, given=left, tries=turn.tries + from_rest)
 
 
 def fault(turn: Turn, settings: DriveSettings, now: float) -> str:
@@ -138,20 +157,22 @@ def is_over(turn: Turn, settings: DriveSettings) -> bool:
 def power(turn: Turn, settings: DriveSettings, now: float) -> float:
     """Return how hard to push now, clockwise positive: less near the target, nothing where the base will come to rest."""
     rate_dps, left_deg = turn.bearing.rate_dps, turn.left_deg
+    highest = min(settings.turn_power, settings.max_power)
     age_s = min(max(0.0, now - turn.bearing.seen), settings.attitude_max_age_s)
-    flow_dps = rate_dps if turn.push is not None and turn.push.idle_s > PATIENCE_S else turn.flow_dps
+    flow_dps = rate_dps if _sticks(turn.push) and abs(rate_dps) <= QUIET_DPS else turn.flow_dps
     flow_dps *= 1.0 + SWING_SHARE * turn.swings
     faster_dps = max(rate_dps, flow_dps) if left_deg > 0.0 else min(rate_dps, flow_dps)
     rest_deg = left_deg - rate_dps * age_s - faster_dps * settings.turn_lag_s
-    if abs(left_deg) <= settings.turn_tolerance_deg and abs(rate_dps) <= QUIET_DPS:
+    if abs(left_deg) <= _tolerance_deg(turn, settings) and abs(rate_dps) <= QUIET_DPS:
         return 0.0
     if min(rate_dps * copysign(1.0, left_deg), flow_dps * copysign(1.0, left_deg)) < -QUIET_DPS:
         return 0.0  # it comes to rest before it turns back, or it would swing
+    if 0.0 < turn.given * copysign(1.0, left_deg) < turn.least and abs(rate_dps) <= QUIET_DPS:
+        return copysign(min(highest, turn.least), left_deg)  # less than that would move nothing
     if not rest_deg * left_deg > 0.0 or abs(rest_deg) <= RESTING_SHARE * settings.turn_tolerance_deg:
         return 0.0  # this way round, NaN is no power
-    highest = min(settings.turn_power, settings.max_power)
     wished = sqrt(2.0 * settings.turn_brake_dps2 * abs(rest_deg)) / settings.max_turn_dps
-    return copysign(min(highest, max(wished, _least(turn.push, settings))), left_deg)
+    return copysign(min(highest, max(wished, _least(turn, settings))), left_deg)
 
 
 def words(turn: Turn) -> str:
@@ -166,13 +187,28 @@ def ended(turn: Turn, elapsed_s: float) -> str:
     return f"{words(turn)} in {elapsed_s:.1f} s, {abs(past_deg):.1f} {how}"
 
 
-def _push(before: Push | None, bearing: Bearing, pushing: float, elapsed_s: float) -> Push | None:
+def _push(turn: Turn, bearing: Bearing, pushing: float, elapsed_s: float) -> Push | None:
+    before, here_deg = turn.push, bearing.turned_deg
+    stands = abs(bearing.rate_dps) <= QUIET_DPS
     if pushing == 0.0:
-        return before
-    sense, here_deg = copysign(1.0, pushing), bearing.turned_deg
+        waits = before is not None and stands and abs(turn.flow_dps) > QUIET_DPS
+        return replace(before, still_s=before.still_s + elapsed_s) if before is not None and waits else before
+    sense = copysign(1.0, pushing)
     if before is None or before.sense != sense or abs(here_deg - before.mark_deg) >= MOVED_DEG:
         return Push(sense=sense, mark_deg=here_deg)
-    return replace(before, idle_s=before.idle_s + elapsed_s)
+    still_s = before.still_s + elapsed_s if stands else 0.0
+    return replace(before, idle_s=before.idle_s + elapsed_s, still_s=still_s)
+
+
+def _sticks(push: Push | None) -> bool:
+    """Say whether the base stood although it was pushed for a while."""
+    return push is not None and push.still_s > PATIENCE_S
+
+
+def _tolerance_deg(turn: Turn, settings: DriveSettings) -> float:
+    """Return how near is near enough: less so for a base that cannot be turned by so little."""
+    wider = min(MOST_WIDER, 1.0 + max(0, turn.tries - GOOD_TRIES) / 2)
+    return settings.turn_tolerance_deg * wider
 
 
 def _farthest_deg(left_deg: float, bearing: Bearing) -> float:
@@ -186,9 +222,9 @@ def _without_effect(push: Push, bearing: Bearing, settings: DriveSettings) -> st
     return f"the base does not turn: {settings.turn_stuck_s:g} s of power turned it by {moved_deg:.1f} degrees"
 
 
-def _least(push: Push | None, settings: DriveSettings) -> float:
+def _least(turn: Turn, settings: DriveSettings) -> float:
     """Return the least power that turns the base; more of it when that does not."""
-    least = settings.turn_min_power
-    idle_s = 0.0 if push is None else push.idle_s
-    more = (idle_s - PATIENCE_S) / max(settings.turn_stuck_s - PATIENCE_S, 0.1)
+    least = max(settings.turn_min_power, turn.least)
+    still_s = 0.0 if turn.push is None else turn.push.still_s
+    more = (still_s - PATIENCE_S) / max(GROWS_UNTIL * settings.turn_stuck_s - PATIENCE_S, 0.1)
     return least + max(0.0, settings.turn_power - least) * max(0.0, more)

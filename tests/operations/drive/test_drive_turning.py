@@ -113,19 +113,27 @@ def test_an_overshoot_is_corrected_at_low_power():
     assert abs(result.error_deg) < 2.0
 
 
-def test_a_base_that_needs_more_than_the_least_power_gets_it():
-    body = Body()
-    body.gain = 0.0
-    reply = body.turn(3.0)
-    seen = []
-    for tick in range(70):
-        if tick % 5 == 0:
-            body.sense()
-            body.turn(3.0, lease=reply.lease)
-        body.gain = 1.0 if body.state.left > 0.12 else 0.0
-        body.step()
-        seen.append(body.turned_deg)
-    assert max(seen) > 1001.0
+class Sticky(Body):
+    """A body that stands until it is pushed by `sticks`, and then turns by less."""
+
+    sticks = 0.12
+
+    def step(self):
+        left, right = self._wheels[0]
+        moves = abs(left - right) / 2 >= (self.sticks if abs(self.rate_dps) < 2.0 else 0.04)
+        self.gain = 1.0 if moves else 0.0
+        super().step()
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    angle_deg=st.floats(-360.0, 360.0), late=st.integers(0, 3), lazy=st.floats(0.0, 0.8), sticks=st.floats(0.0, 0.15)
+)
+def test_a_base_that_sticks_gets_what_it_needs_and_no_more(angle_deg, late, lazy, sticks):
+    body = Sticky(late=late, lazy=lazy)
+    body.sticks = sticks
+    result = body.turned(angle_deg)
+    assert (result.result, abs(result.error_deg) < 4.0) == ("reached", True)
 
 
 # what is refused
