@@ -6,7 +6,6 @@ import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import msgspec
@@ -24,8 +23,7 @@ MAX_WAITING_COMMANDS = 64
 encode = msgspec.json.Encoder().encode
 
 
-@dataclass(frozen=True, slots=True)
-class Raw:
+class Raw(msgspec.Struct, frozen=True, gc=False):
     """A message as it came in: its bytes, its attachment and the key it was published on."""
 
     key: str
@@ -147,13 +145,17 @@ class Waiting:
     """
 
     def __init__(self, session: zenoh.Session, key: str, *, depth: int = 1) -> None:
+        self._key = key
         self._subscriber = session.declare_subscriber(key, zenoh.handlers.RingChannel(depth))
 
     def take(self) -> list[Raw]:
         """Return what arrived since the last call, oldest first."""
-        taken = []
+        taken: list[Raw] = []
+        now = time.monotonic()
         while (sample := self._subscriber.try_recv()) is not None:
-            taken.append(raw(sample))
+            attachment = sample.attachment
+            stamp = attachment.to_bytes() if attachment is not None else b""
+            taken.append(Raw(self._key, sample.payload.to_bytes(), stamp, now))
         return taken
 
 

@@ -13,8 +13,7 @@ from lbr.messages.system import Role, Stamp
 S_co = TypeVar("S_co", bound=Struct, covariant=True)
 
 
-@dataclass(frozen=True, slots=True)
-class Received:
+class Received(Struct, frozen=True):
     """A message with its stamp (None: the sender gave none), and when it was sent, or else came, on our clock."""
 
     message: Any

@@ -98,10 +98,11 @@ class Stillness:
             self._judge(block)
 
     def _smooth(self, time_s: float, gyro_rps: Vector) -> None:
-        rate = minus(gyro_rps, self.bias_rps or _ZERO)
         share = 1.0 if self._last_s is None else min(1.0, (time_s - self._last_s) / _SMOOTH_S)
         self._last_s = time_s
-        self._rate_rps = tuple(old + share * (new - old) for old, new in zip(self._rate_rps, rate, strict=True))  # type: ignore[assignment]
+        x, y, z = self._rate_rps
+        a, b, c = minus(gyro_rps, self.bias_rps or _ZERO)
+        self._rate_rps = (x + share * (a - x), y + share * (b - y), z + share * (c - z))
 
     def _judge(self, block: _Block) -> None:
         mean = block.gyro.mean()
