@@ -19,7 +19,9 @@ def dot(a: Vector, b: Vector) -> float:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Return the vector product."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    ax, ay, az = a
+    bx, by, bz = b
+    return (ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
 
 
 def norm(a: Vector) -> float:
@@ -39,7 +41,9 @@ def scaled(a: Vector, factor: float) -> Vector:
 
 def times(matrix: Matrix, a: Vector) -> Vector:
     """Return the product of a matrix, by its rows, and a vector."""
-    return (dot(matrix[0], a), dot(matrix[1], a), dot(matrix[2], a))
+    x, y, z = a
+    (a0, a1, a2), (b0, b1, b2), (c0, c1, c2) = matrix
+    return (a0 * x + a1 * y + a2 * z, b0 * x + b1 * y + b2 * z, c0 * x + c1 * y + c2 * z)
 
 
 def transposed(matrix: Matrix) -> Matrix:
