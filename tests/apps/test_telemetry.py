@@ -37,7 +37,6 @@ SAID: dict[str, Any] = {
 class FakeContext:
     def __init__(self) -> None:
         self.settings = KIND.parse('{"rate_hz": 4}')
-        self.on_tick = True
         self.now = 100.0
         self.received: dict[str, Received] = {}
         self.published: list[Telemetry] = []
@@ -47,6 +46,9 @@ class FakeContext:
 
     def latest(self, port: str) -> Received | None:
         return self.received.get(port)
+
+    def take(self, port: str) -> list[Received]:
+        return [self.received[port]] if port in self.received else []
 
     def publish(self, output: str, message: Telemetry) -> None:
         assert output == "package"
@@ -110,11 +112,10 @@ def test_a_part_ages_while_its_source_is_silent(ctx):
 
 def test_it_is_told_at_its_own_rate_whatever_arrives(ctx):
     telemetry = KIND.load()(ctx)
-    assert telemetry.rate_hz == 4.0
+    assert (telemetry.rate_hz, telemetry.woken_by_streams) == (4.0, False)
     telemetry.open()
-    for on_tick in (True, False, False, True):
-        ctx.on_tick = on_tick
-        telemetry.step()
+    telemetry.step()
+    telemetry.step()
     assert len(ctx.published) == 2
 
 
@@ -122,3 +123,16 @@ def test_the_package_reads_as_the_message_it_is(ctx):
     ctx.hear(*KIND.inputs)
     made = package(ctx.latest, ctx.now, 1.7e9)
     assert msgspec.json.decode(msgspec.json.encode(made), type=Telemetry) == made
+
+
+def test_the_compass_is_told_between_its_measurements_too_but_not_for_long(ctx):
+    telemetry = KIND.load()(ctx)
+    sample = SAID["imu"]
+    seen = []
+    for mag_ut, later_s in (((1.0, 2.0, 3.0), 0.0), (None, 0.2), (None, 0.2), (None, 0.2)):
+        ctx.now += later_s
+        ctx.received["imu"] = Received(msgspec.structs.replace(sample, mag_ut=mag_ut), None, ctx.now, "imu")
+        telemetry.step()
+        assert ctx.published[-1].imu is not None
+        seen.append(ctx.published[-1].imu.mag_ut)
+    assert seen == [(1.0, 2.0, 3.0)] * 3 + [None]

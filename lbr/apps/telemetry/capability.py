@@ -2,20 +2,39 @@
 
 import time
 
+from msgspec import structs
+
 from lbr.apps.telemetry import TelemetrySettings
 from lbr.apps.telemetry.package import package
 from lbr.capability.base import Capability
-from lbr.capability.context import Context
+from lbr.capability.context import Context, Received
+
+COMPASS_S = 0.5
+"""A compass measures less often than the rest of an inertial unit."""
 
 
 class TelemetryPackage(Capability[TelemetrySettings]):
     """Publishes what it knows, also while nobody speaks."""
 
+    woken_by_streams = False
+
     def __init__(self, ctx: Context[TelemetrySettings]) -> None:
         super().__init__(ctx)
         self.rate_hz = ctx.settings.rate_hz
+        self._compass: Received | None = None
 
     def step(self) -> None:
-        """Publish, at the rate and not on every arrival."""
-        if self.ctx.on_tick:
-            self.ctx.publish("package", package(self.ctx.latest, self.ctx.clock(), time.time()))
+        """Publish."""
+        for sample in self.ctx.take("imu"):
+            self._compass = sample if sample.message.mag_ut is not None else self._compass
+        self.ctx.publish("package", package(self._newest, self.ctx.clock(), time.time()))
+
+    def _newest(self, port: str) -> Received | None:
+        """Return the newest of a source; of the inertial unit, with what its slower compass measured last."""
+        newest, compass = self.ctx.latest(port), self._compass
+        if port != "imu" or newest is None or compass is None or not newest.message.valid:
+            return newest
+        if newest.message.mag_ut is not None or newest.arrived - compass.arrived > COMPASS_S:
+            return newest
+        sample = structs.replace(newest.message, mag_ut=compass.message.mag_ut)
+        return structs.replace(newest, message=sample)

@@ -17,6 +17,7 @@ class Battery(Capability[BatterySettings]):
     """Publishes on every change of level or charging, and twice a second; a voltage that is not there is no voltage."""
 
     rate_hz = 5.0
+    woken_by_streams = False
 
     def __init__(self, ctx: Context[BatterySettings]) -> None:
         super().__init__(ctx)
