@@ -37,6 +37,7 @@ SAID: dict[str, Any] = {
 class FakeContext:
     def __init__(self) -> None:
         self.settings = KIND.parse('{"rate_hz": 4}')
+        self.on_tick = True
         self.now = 100.0
         self.received: dict[str, Received] = {}
         self.published: list[Telemetry] = []
@@ -114,8 +115,9 @@ def test_it_is_told_at_its_own_rate_whatever_arrives(ctx):
     telemetry = KIND.load()(ctx)
     assert (telemetry.rate_hz, telemetry.woken_by_streams) == (4.0, False)
     telemetry.open()
-    telemetry.step()
-    telemetry.step()
+    for on_tick in (True, False, False, True):
+        ctx.on_tick = on_tick
+        telemetry.step()
     assert len(ctx.published) == 2
 
 

@@ -24,7 +24,9 @@ class TelemetryPackage(Capability[TelemetrySettings]):
         self._compass: Received | None = None
 
     def step(self) -> None:
-        """Publish."""
+        """Publish, at the rate and not at every beat of the process."""
+        if not self.ctx.on_tick:
+            return
         for sample in self.ctx.take("imu"):
             self._compass = sample if sample.message.mag_ut is not None else self._compass
         self.ctx.publish("package", package(self._newest, self.ctx.clock(), time.time()))
