@@ -1,7 +1,6 @@
 """Battery: charge and charging, from what the motor controller measures."""
 
 from itertools import pairwise
-from math import isfinite
 from typing import Annotated
 
 from msgspec import Meta, Struct
@@ -68,7 +67,7 @@ class BatterySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 def charge_at(rest_voltage_v: float, table: tuple[tuple[float, float], ...]) -> float:
     """Return the charge that a voltage at rest means, between the table's entries by proportion."""
-    if not isfinite(rest_voltage_v) or rest_voltage_v <= table[0][0]:
+    if not rest_voltage_v > table[0][0]:  # this way round, NaN is empty
         return table[0][1]
     for (volts, charge), (more_volts, more_charge) in pairwise(table):
         if rest_voltage_v <= more_volts:
