@@ -94,7 +94,8 @@ class Arena:
         self._idle_ticks = 0
         self._delays: dict[tuple[str, str], float] = {}
         self._goals: set[str] = set()
-        self._held_goal = ""
+        self._held_goal = self._kind = ""
+        self._undecided = False
         self.body = Body()
         self._told_holder = ""
 
@@ -203,7 +204,9 @@ class Arena:
         name, model, now = f"L{self._names}", self.model, self.now
         model.advance(now)
         expected = model.command(message, now, now, name, message.check is not None)
+        self._undecided = expected is None
         reply = self._do(command_event(message, name, now), "command", message)
+        self._undecided = False
         if reply is None:
             raise self._violation("a command was not answered")
         if expected is None:
@@ -219,6 +222,7 @@ class Arena:
 
     def _do(self, event: Event, kind: str, what: object = None) -> CommandReply | None:
         self.steps += 1
+        self._kind = kind
         self.counts[kind] = self.counts.get(kind, 0) + 1
         self._recent.append((self.steps, self.now, kind, what))
         self._trace += (self.now, kind)
@@ -262,7 +266,7 @@ class Arena:
     def _off_target(self, left: float, right: float) -> str:
         """Return what is wrong with wheels that turn to a target or drive to an end, or nothing."""
         hold = self.model.hold
-        if hold is None:
+        if hold is None or self._undecided:
             return ""
         if hold.message.turns:
             left_deg = self.model.left(hold)
@@ -300,8 +304,8 @@ class Arena:
         if result.goal not in self._goals:
             raise self._violation(f"the result of {result.goal}, which does not run")
         self._goals.remove(result.goal)
-        by_itself = result.result == "reached" or result.result == "fault"
-        if by_itself and self.model.hold is not None and result.goal == self._held_goal:
+        felt = self._kind in {"attitude", "odometry"} and result.result in {"reached", "fault"}
+        if felt and self.model.hold is not None and result.goal == self._held_goal:
             standing = self._wheels == (0.0, 0.0)
             if why := self.model.ended(result.result, result.reason, standing):
                 raise self._violation(why)
