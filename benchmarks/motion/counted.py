@@ -37,6 +37,7 @@ class Stage:
         self.distances = dict.fromkeys(SIDES, FAR_M)
         self._steps = 0
         self.hear()
+        self.arena.attitude()
         self.arena.tick()
 
     def hear(self) -> None:
@@ -45,6 +46,7 @@ class Stage:
             self.distances[side] += self.dice.choice((-0.001, 0.001))
         self.arena.motors()
         self.arena.ranges(dict(self.distances))
+        self.arena.odometry()
 
     def turn(self) -> None:
         """Let one tick pass."""
@@ -52,6 +54,7 @@ class Stage:
         self.arena.now += TICK_S * self.dice.uniform(0.9, 1.2)
         if self._steps % PERIOD_STEPS == 0:
             self.hear()
+        self.arena.attitude()
         self.arena.tick()
 
     @property
@@ -68,9 +71,21 @@ class Stage:
             raise ViolationError(f"it does not begin: {renewal}")
         return lease, renewal
 
-    def again(self, message: Message, lease: str, **changes: float) -> Message:
+    def again(self, message: Message, lease: str) -> Message:
         """Return the same, said now."""
-        return msgspec.structs.replace(message, lease=lease, sent=self.arena.now, **changes)
+        return msgspec.structs.replace(message, lease=lease, sent=self.arena.now)
+
+    def other(self, message: Message, lease: str) -> Message:
+        """Return another motion of the same sender, or the same, said now."""
+        if message.turns:
+            return msgspec.structs.replace(self.again(message, lease), turn_deg=self.dice.choice((-90.0, 300.0)))
+        return msgspec.structs.replace(self.again(message, lease), power=self.dice.choice((0.2, 0.5)))
+
+    def asked(self, *, remote: bool, ahead_s: float) -> Message:
+        """Return a motion that a client begins with: it drives, or it turns."""
+        turns = self.dice.random() < 0.5
+        power, turn_deg = (0.0, 300.0) if turns else (0.5, None)
+        return Message("page", power, turn_deg=turn_deg, remote=remote, ahead_s=ahead_s, sent=self.arena.now)
 
 
 def healed_partitions(n: int, seed: int = 1) -> Count:
@@ -79,7 +94,7 @@ def healed_partitions(n: int, seed: int = 1) -> Count:
     while count.tried < n:
         stage = Stage(dice)
         ahead_s = dice.choice((nan, dice.uniform(-1e6, 1e6)))
-        asked = Message(source="page", power=0.5, remote=True, ahead_s=ahead_s, sent=stage.arena.now)
+        asked = stage.asked(remote=True, ahead_s=ahead_s)
         lease, _ = stage.drive(asked)
         held_back = _cut(stage, asked, lease, dice.uniform(0.3, 8.0))
         for message in held_back:
@@ -95,7 +110,7 @@ def _cut(stage: Stage, asked: Message, lease: str, seconds: float) -> list[Messa
         if stage.arena.now >= due:
             due += RENEW_S
             quoted = stage.dice.choice((lease, lease, ""))
-            sent.append(stage.again(asked, quoted, power=stage.dice.choice((0.2, 0.5))))
+            sent.append(stage.other(asked, quoted))
     return sent
 
 
@@ -114,12 +129,12 @@ def replays(n: int, seed: int = 1) -> Count:
     while count.tried < n:
         stage = Stage(dice)
         remote = dice.random() < 0.5
-        asked = Message(source="page", power=0.5, remote=remote, ahead_s=dice.uniform(-1e6, 1e6), sent=stage.arena.now)
+        asked = stage.asked(remote=remote, ahead_s=dice.uniform(-1e6, 1e6))
         lease, renewal = stage.drive(asked)
         said = [asked, renewal]
         for _ in range(10):
             stage.turn()
-            change = stage.again(asked, lease, power=dice.choice((0.2, 0.5)))
+            change = stage.other(asked, lease)
             if stage.arena.command(change).accepted:
                 said.append(change)
             _again(stage, dice.choice(said), count)
