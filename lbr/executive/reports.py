@@ -20,6 +20,8 @@ from lbr.messages.telemetry import Telemetry
 NAMES = ("telemetry", "settings", "statistics", "health", "events", "wiring")
 ANSWERS_WITHIN_S = 1.0
 
+LONGEST_SHOWN = 400
+
 
 class Reports:
     """Makes reports; from any thread."""
@@ -115,9 +117,21 @@ def flat(data: dict[str, Any]) -> str:
 
 
 def _short(value: Any) -> str:
+    """Return a value as a person reads it; of what would fill a screen, how much it is."""
     if isinstance(value, float):
         return f"{value:.3g}"
-    return json.dumps(value) if isinstance(value, dict | list) else str(value)
+    if not isinstance(value, dict | list):
+        return str(value)
+    text = json.dumps(_rounded(value))
+    return text if len(text) <= LONGEST_SHOWN else f"({len(value)} entries)"
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.3g}")
+    if isinstance(value, dict):
+        return {name: _rounded(part) for name, part in value.items()}
+    return [_rounded(part) for part in value] if isinstance(value, list) else value
 
 
 def _events_text(events: list[dict[str, Any]]) -> str:
