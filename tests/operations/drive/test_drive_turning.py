@@ -183,9 +183,6 @@ def test_turns_pass_the_same_chain_as_other_motion(body):
     assert body.turn(90.0, checks={"cliff": CheckVerdict(accepted=False, reason="a cliff")}).reason == (
         "check cliff: a cliff"
     )
-    body.see(left=0.1)
-    assert body.turn(90.0).reason == "left 0.10 m is inside 0.20 m"
-    body.see()
     body.estop(True)
     assert body.turn(90.0).reason.startswith("emergency stop")
     body.estop(False)
@@ -195,6 +192,10 @@ def test_turns_pass_the_same_chain_as_other_motion(body):
     body.now += 0.01
     assert body.turn(90.0, source="phone").reason == "held by console"
     assert body.turn(90.0, source="phone", take_over=True).accepted
+    body.stop()
+    body.now += 0.01
+    body.see(left=0.1)
+    assert body.turn(90.0).reason.startswith("left 0.10 m is inside 0.20 m")
 
 
 def test_from_another_machine_a_turn_begins_only_when_its_lease_is_quoted(body):
