@@ -22,6 +22,7 @@ from benchmarks.motion.reference import (
     Reference,
 )
 from benchmarks.motion.senses import FULL_DPS, FULL_MPS, Body
+from benchmarks.motion.surroundings import MEMORY_S
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import CommandReply, GoalResult
 from lbr.messages.motors import MotorSetpoint, MotorsState
@@ -59,6 +60,7 @@ SETTINGS = DriveSettings(
     turn_stuck_s=STUCK_S,
     turn_tolerance_deg=TURN_TOLERANCE_DEG,
     distance_tolerance_m=WAY_TOLERANCE_M,
+    memory_s=MEMORY_S,
 )
 ARMED = MotorsState(left=0.0, right=0.0, armed=True, reason="", estop=False)
 DISARMED = MotorsState(left=0.0, right=0.0, armed=False, reason="tripped", estop=False)

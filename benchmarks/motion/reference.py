@@ -84,7 +84,7 @@ class Reference:
         self.stopped = self.begun = now
         recent = [source for source, until in self.insisting.items() if not self.clock >= until]
         self.insisting = dict.fromkeys(recent, now + PAUSE_S)
-        self.around.forget()
+        self.around.forget(now)
         self.attitude.forget()
         self.odometry.forget()
 

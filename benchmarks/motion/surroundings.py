@@ -6,6 +6,8 @@ SIDES = ("forward", "back", "left", "right")
 STOP_M = {"forward": 0.25, "back": 0.25, "left": 0.20, "right": 0.20}
 FROZEN_AFTER_M = {"forward": 0.15, "back": 0.15, "left": 0.45, "right": 0.45}
 OLDEST_S = 0.3
+MEMORY_S, MEMORY_REACH_M = 1.0, 1.2
+"""For how long arcs and spins may be held up by what was seen within reach; what they are, the onlooker does not say."""
 REACTION_S, BRAKE_MPS2 = 0.3, 1.5
 SLACK = 1e-6
 GUARDED: dict[float, tuple[str, ...]] = {
@@ -75,9 +77,11 @@ class Surroundings:
     def __init__(self) -> None:
         self.sights = {side: Sight(side) for side in SIDES}
         self.along_m = self.turned_m = 0.0
+        self.near_at = -inf
 
-    def forget(self) -> None:
-        """Know nothing any more."""
+    def forget(self, now: float) -> None:
+        """Know nothing any more but that something was near, if it was."""
+        self.near_at = now if self.near_at > -inf else -inf
         self.sights = {side: Sight(side) for side in SIDES}
 
     def drove(self, left: float, right: float, seconds: float) -> None:
@@ -87,6 +91,8 @@ class Surroundings:
 
     def see(self, distances: dict[str, float], at: float, *, twice: bool) -> None:
         """Take in what every sensor says."""
+        if any(value_m < MEMORY_REACH_M for value_m in distances.values()) and at >= self.near_at:
+            self.near_at = at
         for side, sight in self.sights.items():
             along = side in {"forward", "back"}
             sight.see(distances[side], at, self.along_m if along else self.turned_m, twice=twice)
@@ -94,12 +100,15 @@ class Surroundings:
     def blocked(self, angle_deg: float, now: float) -> bool | None:
         """Say whether a motion at this angle must not start."""
         verdicts = [self.sights[side].blocked(now) for side in GUARDED[angle_deg]]
-        return True if True in verdicts else None if None in verdicts else False
+        if True in verdicts:
+            return True
+        return None if None in verdicts or self._remembers(angle_deg, now) else False
 
     def free(self, angle_deg: float, now: float) -> bool:
         """Say whether nothing at all is near in the way of a motion at this angle."""
         sights = [self.sights[side] for side in GUARDED[angle_deg]]
-        return all(sight.blocked(now) is False and sight.value_m > 0.8 for sight in sights)
+        far = all(sight.blocked(now) is False and sight.value_m > 0.8 for sight in sights)
+        return far and not self._remembers(angle_deg, now)
 
     def too_fast(self, left: float, right: float, now: float) -> str:
         """Return why the base must not move like this, or nothing."""
@@ -114,3 +123,7 @@ class Surroundings:
         if sight.sure and speed * REACTION_S + speed * speed / (2 * BRAKE_MPS2) > room_m + SLACK:
             return f"{speed:.2f} m/s is too fast for {room_m:.2f} m {sight.side}"
         return ""
+
+    def _remembers(self, angle_deg: float, now: float) -> bool:
+        """Say whether a motion at this angle may be held up by what was near; straight motion never is."""
+        return len(GUARDED[angle_deg]) > 1 and not now - self.near_at >= MEMORY_S

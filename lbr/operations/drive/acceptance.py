@@ -9,8 +9,9 @@ from lbr.operations.drive import travelling, turning
 from lbr.operations.drive.asked import Motion, moves, power_of, towards_deg, what
 from lbr.operations.drive.freshness import TWICE, dated, insists, not_fresh, quoted
 from lbr.operations.drive.goals import not_plausible
+from lbr.operations.drive.limits import limit
 from lbr.operations.drive.mixing import mix
-from lbr.operations.drive.rules import SENSORS, Limit, limit
+from lbr.operations.drive.rules import SENSORS, Limit
 from lbr.operations.drive.state import Command, Hold, State, motors_trouble, offered, why_dead
 
 Intent = Literal["stop", "new", "confirmation", "renewal", "change"]
@@ -46,7 +47,7 @@ def streams(hold: Hold, event: Command) -> bool:
 def limited_by_rules(state: State, command: Motion, now: float) -> Limit:
     """Return what the rules would do to a command now, were it at its full speed."""
     wheels = mix(power_of(command, state.settings), towards_deg(command), state.settings)
-    return limit(state.settings, state.views, wheels, now)
+    return limit(state, wheels, now)
 
 
 def notes(state: State, command: Motion, now: float) -> str:

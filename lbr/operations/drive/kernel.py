@@ -5,7 +5,7 @@ from math import nan
 from msgspec.structs import replace
 
 from lbr.messages.drive import DriveState, LoopStatistics
-from lbr.operations.drive import bearing, goals, holding, mileage, rules, travelling, turning
+from lbr.operations.drive import bearing, goals, holding, memory, mileage, rules, travelling, turning
 from lbr.operations.drive.ending import Decision, end_all, end_what_is_over
 from lbr.operations.drive.freshness import INSISTING_S
 from lbr.operations.drive.settings import DriveSettings
@@ -99,7 +99,8 @@ def _motors(state: State, event: MotorsSeen, now: float) -> Decision:
 
 def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
     arrived = _no_later(event.arrived, now)
-    state = replace(state, views=rules.see(state.views, event.ranges, arrived, state.odometer))
+    views = rules.see(state.views, event.ranges, arrived, state.odometer)
+    state = replace(state, views=views, memory=memory.see(state.memory, views, arrived, state.settings))
     if state.hold is None or state.hold.goal is None:
         return state, ()
     goal = goals.watch(state.hold.goal, event.ranges, arrived)
@@ -109,7 +110,7 @@ def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
 def _attitude(state: State, event: AttitudeSeen, now: float) -> Decision:
     """Take in the attitude; a turn that goes on is watched by it."""
     seen = bearing.see(state.bearing, event.attitude, _no_later(event.arrived, now), state.settings)
-    state = replace(state, bearing=seen)
+    state = replace(state, bearing=seen, memory=memory.turned(state.memory, state.bearing, seen))
     goal = _goal(state)
     if goal is None or goal.turn is None:
         return state, ()
@@ -120,7 +121,7 @@ def _attitude(state: State, event: AttitudeSeen, now: float) -> Decision:
 def _odometry(state: State, event: OdometrySeen, now: float) -> Decision:
     """Take in the odometry; a distance that is being driven is watched by it."""
     seen = mileage.see(state.mileage, event.odometry, _no_later(event.arrived, now), state.settings)
-    state = replace(state, mileage=seen)
+    state = replace(state, mileage=seen, memory=memory.drove(state.memory, state.mileage, seen))
     goal = _goal(state)
     if state.hold is None or goal is None or goal.way is None:
         return state, ()
@@ -160,6 +161,7 @@ def _lose_time(state: State, now: float) -> Decision:
         motors_gone=f"{BACK}; the motor driver was not heard since",
         motors_lost=now,
         views={},
+        memory=memory.redated(state.memory, now),
         bearing=bearing.UNHEARD,
         mileage=mileage.UNHEARD,
         stopped=now,

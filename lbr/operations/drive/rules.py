@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from math import inf, isfinite, isnan, nan, sqrt
+from typing import Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -9,6 +10,9 @@ from msgspec.structs import replace
 from lbr.messages.drive import Direction, Sensor
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive.settings import DriveSettings, Rule
+
+Blocker = Direction | Literal["memory"]
+MEMORY: Literal["memory"] = "memory"
 
 SENSORS: tuple[Sensor, ...] = ("forward", "back", "left", "right", "bottom")
 ALONG: tuple[Sensor, ...] = ("forward", "back", "bottom")
@@ -52,13 +56,16 @@ class View(Struct, frozen=True, kw_only=True):
 
 
 class Limit(Struct, frozen=True, kw_only=True):
-    """What the rules do to a motion: both wheels times `scale`; 0 stops. `text` names sensor and distance."""
+    """What the rules do to a motion: both wheels times `scale`; 0 stops. `text` names sensor and distance.
+
+    `direction` is the rule's: where the motion goes, or `memory` for what is only remembered.
+    """
 
     scale: float = 1.0
-    direction: Direction | None = None
+    direction: Blocker | None = None
     text: str = ""
     detail: str = ""
-    blocked: tuple[Direction, ...] = ()
+    blocked: tuple[Blocker, ...] = ()
 
 
 FREE = Limit()
@@ -87,7 +94,7 @@ def limit(
     views: Mapping[Sensor, View],
     wheels: tuple[float, float],
     now: float,
-    blocked: Iterable[Direction] = (),
+    blocked: Iterable[Blocker] = (),
 ) -> Limit:
     """Return the strictest limit on this motion of the wheels; `blocked` are directions it already stopped for."""
     parts = towards(*wheels)
@@ -133,7 +140,7 @@ def _apply(
     views: Mapping[Sensor, View],
     part: float,
     now: float,
-    held: frozenset[Direction],
+    held: frozenset[Blocker],
 ) -> Limit:
     if part <= 0.0:
         return FREE

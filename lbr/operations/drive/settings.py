@@ -58,6 +58,30 @@ class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     reaction_s: Annotated[float, Meta(gt=0.0, le=2.0, description="from something appearing to braking")] = 0.3
     brake_mps2: Annotated[float, Meta(gt=0.0, le=20.0)] = 1.5
     rules: tuple[Rule, ...] = DEFAULT_RULES
+    body_length_m: Annotated[
+        float, Meta(gt=0.0, le=5.0, description="outline of the base, its middle between the wheels")
+    ] = 0.43
+    body_width_m: Annotated[float, Meta(gt=0.0, le=5.0)] = 0.30
+    track_m: Annotated[
+        float, Meta(gt=0.0, le=5.0, description="between the wheels, as it works out when turning on the spot")
+    ] = 0.27
+    memory_s: Annotated[
+        float,
+        Meta(ge=0.0, le=60.0, description="how long arcs and spins heed what a sensor saw and lost; 0 is not at all"),
+    ] = 10.0
+    memory_reach_m: Annotated[float, Meta(gt=0.0, le=3.0, description="what is farther away is not remembered")] = 1.2
+    memory_aside_m: Annotated[
+        float, Meta(ge=0.0, le=1.0, description="what a sensor sees is taken to reach so far to both sides of its axis")
+    ] = 0.3
+    memory_margin_m: Annotated[
+        float, Meta(ge=0.0, le=1.0, description="kept between the outline and what is remembered")
+    ] = 0.1
+    memory_stop_m: Annotated[
+        float, Meta(ge=0.0, le=1.0, description="way of the faster wheel that is left when it stops for that")
+    ] = 0.1
+    memory_hold_m: Annotated[
+        float, Meta(ge=0.0, le=1.0, description="a stop for that is held until there is so much more")
+    ] = 0.05
     max_turn_dps: Annotated[
         float, Meta(gt=0.0, le=1000.0, description="rate of a spin at full power, degrees a second")
     ] = 400.0

@@ -16,6 +16,7 @@ from lbr.messages.system import Role
 from lbr.operations.drive import bearing, mileage
 from lbr.operations.drive.asked import Motion
 from lbr.operations.drive.bearing import Bearing
+from lbr.operations.drive.memory import Memory
 from lbr.operations.drive.mileage import Mileage
 from lbr.operations.drive.rules import FREE, Limit, Odometer, View
 from lbr.operations.drive.settings import DriveSettings
@@ -215,6 +216,7 @@ class State(Struct, frozen=True, kw_only=True):
     motors_lost: float = -inf
     views: Mapping[Sensor, View] = {}
     odometer: Odometer = Odometer()
+    memory: Memory = Memory()
     bearing: Bearing = bearing.UNHEARD
     mileage: Mileage = mileage.UNHEARD
     limited: Limit = FREE

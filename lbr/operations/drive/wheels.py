@@ -4,8 +4,9 @@ from math import isnan, nan
 
 from msgspec.structs import replace
 
-from lbr.operations.drive import goals
-from lbr.operations.drive.rules import FREE, Limit, limit
+from lbr.operations.drive import goals, memory
+from lbr.operations.drive.limits import limit
+from lbr.operations.drive.rules import FREE, Limit
 from lbr.operations.drive.state import Happened, Outputs, State
 
 LONGEST_STEP_S = 0.1
@@ -20,16 +21,18 @@ def next_wheels(state: State, now: float) -> State:
     elapsed_s = min(max(0.0, now - state.ticked), LONGEST_STEP_S)  # this way round, NaN is no time
     settings = state.settings
     odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps)
-    state = replace(state, odometer=odometer, ticked=now)
+    remembered = memory.moved(state.memory, state.left, state.right, elapsed_s, settings)
+    state = replace(state, odometer=odometer, memory=remembered, ticked=now)
     hold = state.hold
     if hold is None:
         return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="")
     goal = goals.driven(hold.goal, state.left, elapsed_s, settings)
     asked = goals.wheels(goal, hold.power, hold.angle_deg, settings, now)
-    limited = limit(settings, state.views, asked, now, state.limited.blocked)
+    limited = limit(state, asked, now, state.limited.blocked)
     step = settings.accel_per_s * elapsed_s
-    wheels = slew((state.left, state.right), _scaled(asked, limited), step)
-    between = limit(settings, state.views, wheels, now, limited.blocked)
+    target = _scaled(asked, limited)
+    wheels = slew((state.left, state.right), target, step)
+    between = FREE if wheels == target else limit(state, wheels, now, limited.blocked)
     left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))
     state = replace(state, hold=replace(hold, goal=goal))
     blocked = hold.power > 0.0 and not limited.scale > 0.0

@@ -433,7 +433,7 @@ def test_an_arc_keeps_its_shape_while_it_grows_and_while_a_rule_slows_it(bench):
 def test_what_the_wheels_do_between_two_commands_is_ruled_too(bench):
     reply = moving(bench, 0.5, 45)
     assert bench.wheels == pytest.approx((0.5, 0.0))
-    bench.see(forward=0.1)
+    bench.see(forward=0.2)
     assert bench.drive(0.5, 90, lease=reply.lease).accepted
     seen = []
     for _ in range(10):

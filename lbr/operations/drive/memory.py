@@ -1,0 +1,231 @@
+"""What the sensors saw stays where it was seen for a while: arcs and spins do not run into what the cones have lost."""
+
+from collections.abc import Iterable, Mapping
+from math import cos, hypot, inf, isnan, pi, radians, sin
+from typing import NamedTuple
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.drive import Direction, Sensor
+from lbr.operations.drive.bearing import Bearing
+from lbr.operations.drive.mileage import Mileage
+from lbr.operations.drive.rules import FREE, MEMORY, Blocker, Limit, View, allowed_mps, towards
+from lbr.operations.drive.settings import DriveSettings
+from lbr.operations.drive.sweep import Sweep
+
+MOST_SPOTS = 40
+CONE_RAD = 0.2
+"""Half of what a sensor sees: something in it may be anywhere across it."""
+ACROSS = (-1.0, -0.5, 0.0, 0.5, 1.0)
+SURE_SHARE = 0.8
+"""The part of a cone in which nothing is missed."""
+BEYOND_M = 0.15
+"""Something is gone when its sensor sees so much farther, and too near to be seen when it is not so far away."""
+APART_M = 0.06
+STILL_M, STILL_RAD = 0.01, 0.01
+LOOKS: dict[Sensor, float] = {"forward": 0.0, "left": pi / 2, "back": pi, "right": -pi / 2}
+WORDS: dict[Direction, str] = {"forward": "ahead", "back": "behind", "left": "on the left", "right": "on the right"}
+
+
+class Spot(NamedTuple):
+    """Where something was seen, and when: x ahead, y left, from the middle of the base (REP 103).
+
+    `by` is the sensor that saw it, as long as the base has not moved since then.
+    """
+
+    x_m: float
+    y_m: float
+    seen: float
+    by: Sensor | None = None
+
+
+class Memory(Struct, frozen=True, kw_only=True):
+    """What was seen around the base when its sensors were last heard, and where the base has come to since then.
+
+    `turned_rad` and `way_m` are those parts of it that the wheels' powers alone tell: attitude and odometry correct them.
+    """
+
+    spots: tuple[Spot, ...] = ()
+    x_m: float = 0.0
+    y_m: float = 0.0
+    yaw_rad: float = 0.0
+    turned_rad: float = 0.0
+    way_m: float = 0.0
+
+
+class Ahead(Struct, frozen=True, kw_only=True):
+    """What a motion comes to first: after `way_m` of its faster wheel (infinite: nothing); where it is now."""
+
+    way_m: float = inf
+    side: Direction = "forward"
+    distance_m: float = inf
+
+
+NOTHING = Ahead()
+
+
+def moved(memory: Memory, left: float, right: float, dt_s: float, settings: DriveSettings) -> Memory:
+    """Return the memory of a base whose wheels had these powers for a while."""
+    if not memory.spots:
+        return memory
+    step_m = settings.max_speed_mps * dt_s
+    turn_rad, way_m = (right - left) * step_m / settings.track_m, (left + right) * step_m / 2
+    return replace(
+        _shifted(memory, way_m, turn_rad), turned_rad=memory.turned_rad + turn_rad, way_m=memory.way_m + way_m
+    )
+
+
+def turned(memory: Memory, before: Bearing, after: Bearing) -> Memory:
+    """Return the memory of a base that turned as the attitude says, rather than as its wheels do."""
+    if after is before:
+        return memory
+    turn_rad = memory.turned_rad
+    if not (before.trouble or after.trouble) and before.epoch == after.epoch:
+        turn_rad = radians(before.turned_deg - after.turned_deg)
+    return replace(memory, yaw_rad=memory.yaw_rad + turn_rad - memory.turned_rad, turned_rad=0.0)
+
+
+def drove(memory: Memory, before: Mileage, after: Mileage) -> Memory:
+    """Return the memory of a base that went as far as the odometry says."""
+    if after is before:
+        return memory
+    way_m = memory.way_m
+    if not (before.trouble or after.trouble) and before.epoch == after.epoch:
+        way_m = after.distance_m - before.distance_m
+    return replace(_shifted(memory, way_m - memory.way_m, 0.0), way_m=0.0)
+
+
+def see(memory: Memory, views: Mapping[Sensor, View], now: float, settings: DriveSettings) -> Memory:
+    """Return the memory after new readings, of which only those count that came now: no reading frees nothing."""
+    if not settings.memory_s > 0.0:
+        return Memory()
+    stands = hypot(memory.x_m, memory.y_m) < STILL_M and abs(memory.yaw_rad) < STILL_RAD
+    known = memory.spots if stands else around(memory)
+    spots = [spot for spot in known if not now - spot.seen >= settings.memory_s]
+    for sensor, look in LOOKS.items():
+        view = views.get(sensor)
+        if view is not None and view.seen == now and not isnan(view.raw_m):
+            face_m = (settings.body_length_m if sensor in {"forward", "back"} else settings.body_width_m) / 2
+            spots = _seen(spots, view, sensor, look, face_m, settings)
+    nearest = tuple(sorted(spots, key=lambda spot: hypot(spot.x_m, spot.y_m))[:MOST_SPOTS])
+    if stands:
+        return replace(memory, spots=nearest)
+    return replace(memory, spots=nearest, x_m=0.0, y_m=0.0, yaw_rad=0.0)
+
+
+def redated(memory: Memory, now: float) -> Memory:
+    """Return the memory on a clock that begins anew: everything in it was seen just now."""
+    return replace(memory, spots=tuple(spot._replace(seen=now) for spot in memory.spots))
+
+
+def around(memory: Memory) -> list[Spot]:
+    """Return what is remembered, from where the base is now."""
+    return [Spot(*place, spot.seen) for place, spot in zip(_places(memory), memory.spots, strict=True)]
+
+
+def limit(
+    memory: Memory, settings: DriveSettings, wheels: tuple[float, float], blocked: Iterable[Blocker] = ()
+) -> Limit:
+    """Return what the memory does to a motion of the wheels; a stop is held until there is some more room."""
+    if not (memory.spots and settings.memory_s > 0.0 and sweeps(wheels)):
+        return FREE
+    found = ahead(memory, wheels, settings)
+    keep_m = settings.memory_stop_m + (settings.memory_hold_m if MEMORY in blocked else 0.0)
+    share = allowed_mps(found.way_m - keep_m, settings) / settings.max_speed_mps
+    scale = min(1.0, share / max(abs(wheels[0]), abs(wheels[1])))
+    if scale >= 1.0:
+        return FREE
+    text = f"something remembered {WORDS[found.side]} at {found.distance_m:.2f} m"
+    stopped = () if scale > 0.0 else (MEMORY,)
+    return Limit(scale=scale, direction=MEMORY, text=text, detail=text, blocked=stopped)
+
+
+def sweeps(wheels: tuple[float, float]) -> bool:
+    """Say whether a motion is an arc or a spin: what is straight ahead or behind is the live rules' matter."""
+    parts = towards(*wheels)
+    return parts["left"] > 0.0 or parts["right"] > 0.0
+
+
+def free_way_m(memory: Memory, wheels: tuple[float, float], settings: DriveSettings) -> float:
+    """Return how far the faster wheel goes until the base, on this arc, is within the margin of something remembered."""
+    return ahead(memory, wheels, settings).way_m
+
+
+def ahead(memory: Memory, wheels: tuple[float, float], settings: DriveSettings) -> Ahead:
+    """Return what an arc or a spin comes to first; one to the right is looked at in a mirror."""
+    left, right = wheels
+    mirror = 1.0 if right > left else -1.0
+    slower, faster = (left, right) if right > left else (right, left)
+    if not memory.spots or not faster > slower:
+        return NOTHING
+    half_m = settings.track_m / 2
+    radius_m = half_m * (faster + slower) / (faster - slower)
+    sweep = Sweep(settings.body_length_m / 2, settings.body_width_m / 2, settings.memory_margin_m, radius_m)
+    turn_rad, x_m, y_m = min([(sweep.until_rad(x_m, mirror * y_m), x_m, y_m) for x_m, y_m in _places(memory)])
+    if turn_rad == inf:
+        return NOTHING
+    side, distance_m = _named(x_m, y_m, settings)
+    return Ahead(way_m=turn_rad * (abs(radius_m) + half_m), side=side, distance_m=distance_m)
+
+
+def _places(memory: Memory) -> list[tuple[float, float]]:
+    c, s = cos(memory.yaw_rad), sin(memory.yaw_rad)
+    x0_m, y0_m = c * memory.x_m + s * memory.y_m, c * memory.y_m - s * memory.x_m
+    return [(c * x_m + s * y_m - x0_m, c * y_m - s * x_m - y0_m) for x_m, y_m, *_ in memory.spots]
+
+
+def _shifted(memory: Memory, way_m: float, turn_rad: float) -> Memory:
+    looks = memory.yaw_rad + turn_rad / 2
+    x_m, y_m = memory.x_m + way_m * cos(looks), memory.y_m + way_m * sin(looks)
+    return replace(memory, x_m=x_m, y_m=y_m, yaw_rad=memory.yaw_rad + turn_rad)
+
+
+def _seen(
+    spots: list[Spot], view: View, sensor: Sensor, look: float, face_m: float, settings: DriveSettings
+) -> list[Spot]:
+    """Return the spots after what a sensor sees: without those that it looks past, and with what is near."""
+    clear_m = min(view.raw_m, view.distance_m) - BEYOND_M  # a farther value counts when a second one confirms it
+    if clear_m > 0.0:
+        c, s = cos(look), sin(look)
+        spots = [
+            spot
+            for spot in spots
+            if not _past(spot, sensor, spot[0] * c + spot[1] * s - face_m, spot[1] * c - spot[0] * s, clear_m)
+        ]
+    if not view.raw_m < settings.memory_reach_m:
+        return spots
+    return _with(spots, _across(view, sensor, look, face_m, settings))
+
+
+def _past(spot: Spot, sensor: Sensor, along_m: float, across_m: float, clear_m: float) -> bool:
+    """Say whether a sensor sees past a spot: by its cone, and past all that it saw from here if it sees that no more."""
+    if spot.by == sensor:
+        return along_m < clear_m
+    in_sight = along_m > BEYOND_M and abs(across_m) < SURE_SHARE * CONE_RAD * along_m
+    return in_sight and hypot(along_m, across_m) < clear_m
+
+
+def _across(view: View, sensor: Sensor, look: float, face_m: float, settings: DriveSettings) -> list[Spot]:
+    """Return spots across a sensor's look: what it sees may be anywhere in its cone, and reach out of it."""
+    c, s, along_m = cos(look), sin(look), face_m + view.raw_m
+    half_m = max(view.raw_m * sin(CONE_RAD), settings.memory_aside_m)
+    return [
+        Spot(along_m * c - part * half_m * s, along_m * s + part * half_m * c, view.seen, sensor) for part in ACROSS
+    ]
+
+
+def _with(spots: list[Spot], new: list[Spot]) -> list[Spot]:
+    """Return spots with new ones, which take the place of old ones beside them."""
+    return [
+        spot for spot in spots if min([hypot(spot[0] - x_m, spot[1] - y_m) for x_m, y_m, *_ in new]) >= APART_M
+    ] + new
+
+
+def _named(x_m: float, y_m: float, settings: DriveSettings) -> tuple[Direction, float]:
+    """Return on which side of the base something is and how far from its outline."""
+    out_x, out_y = abs(x_m) - settings.body_length_m / 2, abs(y_m) - settings.body_width_m / 2
+    distance_m = hypot(max(0.0, out_x), max(0.0, out_y))
+    if out_y > out_x:
+        return ("left" if y_m > 0.0 else "right"), distance_m
+    return ("forward" if x_m > 0.0 else "back"), distance_m
