@@ -85,7 +85,9 @@ class Robot:
     def __init__(self, seed: int) -> None:
         self.plant = Plant(seed)
         self.results: list[GoalResult] = []
-        self._fusion = Fusion(AttitudeSettings(device="imu"), _calibrated(Imu()), f"seed {seed}")
+        settings = AttitudeSettings(device="imu")
+        self._fusion = Fusion(settings, _calibrated(Imu()), f"seed {seed}")
+        self._state_steps = round(1 / settings.publish_hz / STEP_S)
         self.settings = DriveSettings()
         self._drive = first_state(self.settings)
         self._dice = Random(seed)
@@ -121,7 +123,8 @@ class Robot:
             self._happens(MotorsSeen(motors=ARMED, arrived=self.plant.now))
             self._happens(RangesSeen(ranges=FREE, arrived=self.plant.now))
         if self._steps % TICK_STEPS == 0:
-            self._happens(AttitudeSeen(attitude=self._fusion.state(self.plant.now), arrived=self.plant.now))
+            if self._steps % self._state_steps == 0:
+                self._happens(AttitudeSeen(attitude=self._fusion.state(self.plant.now), arrived=self.plant.now))
             self._happens(Tick())
             self._under_way.append((self._drive.left, self._drive.right))
             while len(self._under_way) > self._dice.choice(WAY_TICKS) + 1:

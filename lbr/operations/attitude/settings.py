@@ -51,7 +51,7 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     declination_deg: Annotated[
         float, Meta(ge=-180.0, le=180.0, description="how far magnetic north is east of true north")
     ] = 0.0
-    publish_hz: Annotated[float, Meta(ge=10.0, le=100.0)] = 50.0
+    publish_hz: Annotated[float, Meta(ge=10.0, le=100.0)] = 25.0
     gain: Annotated[float, Meta(gt=0.0, le=10.0, description="how fast accelerometer and compass correct, per s")] = 0.5
     stale_s: Annotated[float, Meta(gt=0.0, le=2.0, description="without a sample for so long nothing is known")] = 0.2
     gap_s: Annotated[
