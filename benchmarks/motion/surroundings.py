@@ -4,7 +4,7 @@ from math import inf, isfinite, nan
 
 SIDES = ("forward", "back", "left", "right")
 STOP_M = {"forward": 0.25, "back": 0.25, "left": 0.20, "right": 0.20}
-FROZEN_AFTER_M = {"forward": 0.15, "back": 0.15, "left": 0.45, "right": 0.45}
+FROZEN_AFTER_M = {"forward": 0.10, "back": 0.10, "left": 0.30, "right": 0.30}
 OLDEST_S = 0.3
 MEMORY_S, MEMORY_REACH_M = 1.0, 1.2
 """For how long arcs and spins may be held up by what was seen within reach; what they are, the onlooker does not say."""

@@ -23,6 +23,8 @@ SURE_SHARE = 0.8
 BEYOND_M = 0.15
 """Something is gone when its sensor sees so much farther, and too near to be seen when it is not so far away."""
 APART_M = 0.06
+LEAST_M = 0.02
+"""By its own estimate alone the base would creep up to something for ever."""
 STILL_M, STILL_RAD = 0.01, 0.01
 LOOKS: dict[Sensor, float] = {"forward": 0.0, "left": pi / 2, "back": pi, "right": -pi / 2}
 WORDS: dict[Direction, str] = {"forward": "ahead", "back": "behind", "left": "on the left", "right": "on the right"}
@@ -132,7 +134,8 @@ def limit(
         return FREE
     found = ahead(memory, wheels, settings)
     keep_m = settings.memory_stop_m + (settings.memory_hold_m if MEMORY in blocked else 0.0)
-    share = allowed_mps(found.way_m - keep_m, settings) / settings.max_speed_mps
+    room_m = found.way_m - keep_m
+    share = allowed_mps(room_m, settings) / settings.max_speed_mps if room_m > LEAST_M else 0.0
     scale = min(1.0, share / max(abs(wheels[0]), abs(wheels[1])))
     if scale >= 1.0:
         return FREE

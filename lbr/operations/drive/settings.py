@@ -22,14 +22,14 @@ class Rule(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     stop_m: Metres = 0.25
     margin_m: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.05
     max_age_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
-    frozen_after_m: Metres = 0.15
+    frozen_after_m: Metres = 0.10
 
 
 DEFAULT_RULES = (
     Rule(direction="forward", sensor="forward"),
     Rule(direction="back", sensor="back"),
-    Rule(direction="left", sensor="left", stop_m=0.20, frozen_after_m=0.45),
-    Rule(direction="right", sensor="right", stop_m=0.20, frozen_after_m=0.45),
+    Rule(direction="left", sensor="left", stop_m=0.20, frozen_after_m=0.30),
+    Rule(direction="right", sensor="right", stop_m=0.20, frozen_after_m=0.30),
 )
 
 
