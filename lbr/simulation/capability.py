@@ -156,8 +156,9 @@ class World(Capability[WorldSettings]):
             call.refuse(str(err))
             return
         now = "as it was" if request.value is None else json.dumps(request.value)
-        self.ctx.event("fault_injected", f"{request.device}: {request.name} is now {now}", level="warning")
-        call.reply(FaultReply(accepted=True, faults=faults))
+        said = f"{request.device}: {request.name} is now {now}"
+        self.ctx.event("fault_injected", said, level="warning")
+        call.reply(FaultReply(accepted=True, reason=said, faults=faults))
 
     def _change(self, call: Call, request: PlaceRequest | RemoveRequest) -> None:
         engine, _, _ = self._running()
@@ -170,10 +171,11 @@ class World(Capability[WorldSettings]):
             call.refuse(str(err))
             return
         self._scene, self._scene_at = engine.scene(), self.ctx.clock()
-        verb = "stands in the world" if isinstance(request, PlaceRequest) else "has vanished"
-        self.ctx.event("world_changed", f"'{request.name}' {verb}")
+        said = f"'{request.name}' {'stands in the world' if isinstance(request, PlaceRequest) else 'has vanished'}"
+        self.ctx.event("world_changed", said)
         known = {wall.name for wall in self.ctx.settings.walls}
-        call.reply(ThingsReply(accepted=True, things=tuple(w.name for w in self._scene.walls if w.name not in known)))
+        things = tuple(wall.name for wall in self._scene.walls if wall.name not in known)
+        call.reply(ThingsReply(accepted=True, reason=said, things=things))
 
     def _picture(self, call: Call, request: PictureRequest) -> None:
         _, loop, scene = self._running()

@@ -20,7 +20,7 @@ class FaultRequest(Struct, frozen=True, kw_only=True):
 
 
 class FaultReply(Struct, frozen=True, kw_only=True):
-    """The faults of that device as they now are, or why nothing changed."""
+    """What is said of it, and the faults of that device as they now are; or why nothing changed."""
 
     accepted: bool
     reason: str = ""
@@ -46,7 +46,7 @@ class RemoveRequest(Struct, frozen=True, kw_only=True):
 
 
 class ThingsReply(Struct, frozen=True, kw_only=True):
-    """What is placed now, or why nothing changed."""
+    """What is said of it, and what is placed now; or why nothing changed."""
 
     accepted: bool
     reason: str = ""
