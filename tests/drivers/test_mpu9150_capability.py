@@ -127,7 +127,6 @@ def test_another_chip_is_named_and_nothing_is_written_to_it(make, chips, peer, w
     ("spoil", "said"),
     [
         (lambda chips: chips.fails.update({MPU: errno.EREMOTEIO}), r"it does not answer at 0x68 \(Remote I/O error\)"),
-        (lambda chips: chips.fails.update({COMPASS: errno.EIO}), r"its compass does not answer at 0x0c \(Input/output"),
         (lambda chips: setattr(chips, "compass_id", 0x33), r"its compass says 0x33, not 0x48; .* mag_hz to 0"),
         (lambda chips: setattr(chips, "fuses", (0, 0, 0)), r"sensitivity of its compass cannot be read \(00 00 00\)"),
     ],
@@ -275,14 +274,39 @@ def test_a_compass_that_does_not_measure_leaves_the_rest_and_is_told(make, chips
     assert ctx.phases[1:] == ["ready"]
 
 
-def test_a_compass_that_is_gone_starts_the_unit_anew(make, chips):
+@pytest.mark.parametrize("from_the_start", [True, False])
+def test_a_compass_that_is_gone_leaves_the_rest_and_comes_back(make, chips, from_the_start):
     imu, ctx = make()
+    if from_the_start:
+        chips.fails[COMPASS] = errno.EREMOTEIO
     imu.open()
     steps(imu, ctx, 4)
     chips.fails[COMPASS] = errno.EREMOTEIO
-    with pytest.raises(DeviceError, match="its compass does not answer at 0x0c"):
-        steps(imu, ctx, 20)
-    assert all(sample.valid for sample in ctx.samples)
+    later = steps(imu, ctx, 300)
+    assert all(sample.valid and sample.gyro_rps and sample.mag_ut is None for sample in later)
+    assert len(ctx.phases) == 1
+    assert "no compass: device 'imu'" in ctx.phases[0]
+    assert "its compass does not answer at 0x0c (Remote I/O error)" in ctx.phases[0]
+    chips.__init__()
+    imu.close()
+    imu.open()
+    assert any(sample.mag_ut for sample in steps(imu, ctx, 20))
+    chips.fails[COMPASS] = errno.EREMOTEIO
+    steps(imu, ctx, 50)
+    del chips.fails[COMPASS]
+    assert any(sample.mag_ut for sample in steps(imu, ctx, 250))
+    assert ctx.phases[-1] == "ready"
+
+
+def test_a_compass_that_comes_back_as_another_chip_is_told_and_leaves_the_rest(make, chips):
+    imu, ctx = make()
+    imu.open()
+    chips.fails[COMPASS] = errno.EREMOTEIO
+    steps(imu, ctx, 50)
+    del chips.fails[COMPASS]
+    chips.compass_id = 0x33
+    assert all(sample.valid for sample in steps(imu, ctx, 250))
+    assert "says 0x33, not 0x48" in ctx.phases[-1]
 
 
 def test_what_is_beyond_the_range_is_not_measured_and_told(make, chips):

@@ -20,6 +20,7 @@ WAKE_S = 0.03
 CHECK_PERIOD_S = 0.2
 UNUSABLE_S = 1.0
 COMPASS_SILENT_S = 1.0
+COMPASS_RETRY_S = 2.0
 
 Tell = Callable[[str, str], None]
 
@@ -27,6 +28,7 @@ Tell = Callable[[str, str], None]
 class InertialUnit:
     """One unit on an open bus. A failed reading is an invalid sample, many in a row are a DeviceError.
 
+    A compass that does not answer leaves the rest: it is started anew every 2 s.
     `tell(kind, text)` takes what people should know of; it may come often. `compass_trouble`: why there have been no
     compass readings for a second, empty if there have.
     """
@@ -56,6 +58,8 @@ class InertialUnit:
         self._signs = signs
         self._errors = self._compass_errors = self._checks = 0
         self._check_at = self._valid_at = self._field_at = 0.0
+        self._compass_runs = False
+        self._compass_at = 0.0
 
     def start(self) -> None:
         """Reset it, set it up and read that back, start its compass; takes some 0.1 s."""
@@ -72,9 +76,10 @@ class InertialUnit:
             raise self._unanswered(err) from err
         for register in self._wanted:
             self._verify(register, "does not keep its settings")
-        self._start_compass()
-        self._errors = self._compass_errors = 0
+        self._errors = 0
         self._valid_at = self._field_at = self._check_at = self._clock()
+        self.compass_trouble = ""
+        self._start_compass()
 
     def sample(self) -> ImuSample:
         """Measure now; raise DeviceError once it has to be started anew."""
@@ -127,14 +132,19 @@ class InertialUnit:
                 raise OSError(errno.ETIMEDOUT, "reset")
 
     def _start_compass(self) -> None:
-        self.compass_trouble = ""
-        if self._compass is not None:
-            try:
-                self._compass.start(self._device.name)
-            except DeviceError:
-                raise
-            except OSError as err:
-                raise self._unanswered(err, registers.COMPASS_ADDRESS, "its compass") from err
+        """Start the compass; one that does not answer is tried again later, one that is another chip is a DeviceError."""
+        self._compass_errors, self._compass_runs = 0, False
+        if self._compass is None:
+            return
+        try:
+            self._compass.start(self._device.name)
+        except DeviceError:
+            raise
+        except OSError as err:
+            self._compass_at = self._clock() + COMPASS_RETRY_S
+            self.compass_trouble = str(self._unanswered(err, registers.COMPASS_ADDRESS, "its compass"))
+        else:
+            self._compass_runs = True
 
     def _failed(self, now: float, err: OSError) -> ImuSample:
         self._errors += 1
@@ -176,7 +186,7 @@ class InertialUnit:
         raise DeviceError(f"{said} (register {register:#04x} is {found.hex(' ')}, not {wanted.hex(' ')})")
 
     def _field(self, now: float) -> Vector | None:
-        if self._compass is None:
+        if self._compass is None or not self._compass_is_up(now):
             return None
         try:
             found = self._compass.poll(now)
@@ -192,13 +202,24 @@ class InertialUnit:
             self.compass_trouble = ""
         return found.microtesla if found is not None else None
 
+    def _compass_is_up(self, now: float) -> bool:
+        if not self._compass_runs and now >= self._compass_at:
+            try:
+                self._start_compass()
+            except DeviceError as err:
+                self._compass_at = now + COMPASS_RETRY_S
+                self.compass_trouble = str(err)
+        return self._compass_runs
+
     def _compass_failed(self, now: float, err: OSError) -> None:
         self._compass_errors += 1
-        error = self._unanswered(err, registers.COMPASS_ADDRESS, "its compass")
+        trouble = str(self._unanswered(err, registers.COMPASS_ADDRESS, "its compass"))
+        self._tell("compass", trouble)
         if self._compass_errors >= self._settings.most_errors:
-            raise error from err
-        self._tell("compass", str(error))
-        self._miss_compass(now, str(error))
+            self._compass_runs, self._compass_at = False, now
+            self.compass_trouble = trouble
+        else:
+            self._miss_compass(now, trouble)
 
     def _miss_compass(self, now: float, trouble: str) -> None:
         if not now - self._field_at < COMPASS_SILENT_S:
