@@ -1,10 +1,11 @@
 """Samples of a calibration, while they are collected and as files: CSV below `$LBR_HOME/calibration`."""
 
 import csv
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
-from math import isfinite
+from itertools import islice
 from pathlib import Path
 
 from lbr.errors import InputError
@@ -15,9 +16,13 @@ from lbr.operations.attitude.fit import coverage_of
 FOLDER = "calibration"
 MOST = 4000
 MOST_FILE_BYTES = 4 * 1024 * 1024
+MOST_KEPT = 50
+"""Files of samples that calibrations leave, each with its picture; the oldest go."""
 HEADER = ("time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut", "accel_x_mps2", "accel_y_mps2", "accel_z_mps2", "turned_deg")
+MOST_NUMBER = 1e6
 SHORT_HEADER = ("x", "y", "z")
 """What files of other programs have in place of the magnetic field's columns; capital letters do not count."""
+_OWN = re.compile(r"mag-\d{8}-\d{6}\.csv")
 
 
 @dataclass(slots=True)
@@ -57,7 +62,7 @@ class Samples:
 
 
 def save(home: str, samples: Samples, when: datetime) -> Path:
-    """Write a file with the date in its name and return where."""
+    """Write a file with the date in its name and return where; the oldest of such files go."""
     path = _folder(home) / f"mag-{when:%Y%m%d-%H%M%S}.csv"
     rows = zip(samples.times_s, samples.mags_ut, samples.ups, samples.turned_deg, strict=True)
     with path.open("w", newline="") as file:
@@ -66,6 +71,10 @@ def save(home: str, samples: Samples, when: datetime) -> Path:
         for time_s, mag, up, turned in rows:
             numbers = (*mag, *up, turned)
             writer.writerow([f"{time_s:.3f}", *(f"{number:.4f}" for number in numbers)])
+    own = sorted(file for file in path.parent.glob("mag-*.csv") if _OWN.fullmatch(file.name) and file != path)
+    for old in own[: 1 - MOST_KEPT]:
+        old.unlink(missing_ok=True)
+        old.with_suffix(".png").unlink(missing_ok=True)
     return path
 
 
@@ -73,10 +82,12 @@ def load(home: str, name: str, up: Vector) -> Samples:
     """Read a file by its name; `up` is for a file without an accelerometer. Raise InputError."""
     path = _place(home, name)
     try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"{path} is no file")
         if path.stat().st_size > MOST_FILE_BYTES:
             raise InputError(f"{name} has more than {MOST_FILE_BYTES // 1024} KiB; it is no file of samples")
         with path.open(newline="", encoding="utf-8") as file:
-            return _read(name, list(csv.reader(file)), up)
+            return _read(name, list(islice(csv.reader(file), MOST + 1)), up)
     except FileNotFoundError as err:
         raise InputError(f"there is no {path}; {_offer(path.parent)}") from err
     except (OSError, UnicodeDecodeError, csv.Error) as err:
@@ -115,7 +126,7 @@ def _read(name: str, rows: Sequence[Sequence[str]], up: Vector) -> Samples:
         raise InputError(f"{name} has no columns {', '.join(HEADER[1:4])} in its first line")
     ups, turned = _columns(header, HEADER[4:7]), _columns(header, HEADER[7:])
     samples = Samples()
-    for number, row in enumerate(rows[1 : MOST + 1], start=2):
+    for number, row in enumerate(rows[1:], start=2):
         if not any(cell.strip() for cell in row):
             continue
         mag = _numbers(name, number, row, columns)
@@ -136,6 +147,6 @@ def _numbers(name: str, line: int, row: Sequence[str], columns: Sequence[int]) -
         numbers = [float(row[column]) for column in columns]
     except (ValueError, IndexError) as err:
         raise InputError(f"{name}, line {line}: numbers are expected, not {','.join(row)[:80]!r}") from err
-    if not all(map(isfinite, numbers)):
-        raise InputError(f"{name}, line {line}: {','.join(row)[:80]!r} holds a number that is none")
+    if not all(abs(number) <= MOST_NUMBER for number in numbers):
+        raise InputError(f"{name}, line {line}: {','.join(row)[:80]!r} holds a number that is none, or far too large")
     return numbers
