@@ -1,5 +1,6 @@
 """When a process that ended is started again, as an ordered list of decisions without a clock of its own."""
 
+import signal
 from enum import Enum
 from typing import Literal
 
@@ -11,6 +12,7 @@ WINDOW_S = 30.0
 ATTEMPTS = 5
 HEALTHY_S = 60.0
 JITTER = 0.2
+NO_PROGRAM = 127
 
 
 class End(Enum):
@@ -45,3 +47,19 @@ def decide(policy: str, end: End, deaths: tuple[float, ...], now: float, jitter:
         return Decision("failed", reason=f"{end.value} {len(recent) + 1} times within {WINDOW_S:.0f} s; given up")
     delay = min(FIRST_S * 2 ** len(recent), MOST_S)
     return Decision("restart", delay * (1 + JITTER * jitter))
+
+
+def ended_by(code: int, *, program: bool) -> str:
+    """Return what an exit code tells, below 0 a signal; `program` is one of the robot's own that may end by itself."""
+    if code == 0 and not program:
+        return "told to end, but not by the robot"
+    if code == NO_PROGRAM:
+        return "there is no such program, or it may not be executed"
+    return f"killed by {_signal(-code)}" if code < 0 else f"exit code {code}"
+
+
+def _signal(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

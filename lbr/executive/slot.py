@@ -32,7 +32,10 @@ class Started(Protocol):
 
 
 class Slot:
-    """`reason` is about now; `last_words` is what was said of an end to come; `last_end` how it last ended unasked."""
+    """`reason` is about now; `last_words` is what was said of an end to come; `last_end` how it last ended unasked.
+
+    `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
+    """
 
     def __init__(self, unit: Unit) -> None:
         self.unit = unit
@@ -44,6 +47,9 @@ class Slot:
         self.started_at = 0.0
         self.beat_at = 0.0
         self.said: tuple[str, str] | None = None
+        self.told = ("", "")
+        self.settled_at = 0.0
+        self.tell_at: float | None = None
         self.last_words = ""
         self.last_end = ""
         self.due_at: float | None = 0.0

@@ -4,14 +4,13 @@ Runs in one thread. The clock, the dice and the way to start a process are given
 """
 
 import random
-import signal
 import time
 from collections.abc import Callable
 
 from lbr.capability.events import Throttle
 from lbr.errors import LbrError
 from lbr.executive.plan import Change, Plan
-from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide
+from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.scheduling import BACKGROUND, niceness
 from lbr.executive.slot import Slot, Started
 from lbr.executive.units import Unit
@@ -22,8 +21,9 @@ HANG_PROGRAM_S = 3.0
 HANG_STARTING_S = 10.0
 HANG_DEGRADED_S = 4.0
 TERM_S = 0.8
-NO_PROGRAM = 127
 DEGRADED_PATIENCE_S = 1.5
+SETTLING_S = 2.5
+"""Until then after its first word, what a capability still waits for is no trouble: it is told if it lasts."""
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
 
@@ -102,6 +102,8 @@ class Supervisor:
                 self._watch(slot, child, now)
         self._leaving = [slot for slot in self._leaving if slot.child is not None]
         for slot in self.slots.values():
+            if slot.child is not None and slot.tell_at is not None and now >= slot.tell_at:
+                self._tell_phase(slot)
             if slot.child is None and slot.due_at is not None and now >= slot.due_at and self._may_start(slot):
                 self._launch(slot, now)
         return self._next(now)
@@ -138,6 +140,7 @@ class Supervisor:
 
     def _launch(self, slot: Slot, now: float) -> None:
         slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
+        slot.told, slot.tell_at = ("", ""), None
         slot.reason = slot.last_words = ""
         try:
             slot.child = self._start(slot.unit)
@@ -177,14 +180,26 @@ class Supervisor:
     def _phase(self, slot: Slot, phase: str, reason: str) -> None:
         if slot.phase == phase and slot.reason == reason:
             return
-        first = slot.phase == "starting"
-        if first and phase == "ready" and slot.child is not None:
-            slot.child.settle()
+        now = self._clock()
+        if slot.phase == "starting":
+            slot.settled_at = now + SETTLING_S
+            if phase == "ready" and slot.child is not None:
+                slot.child.settle()
         slot.phase, slot.reason = phase, reason  # type: ignore[assignment]
-        if phase == "ready":
-            self._tell("started" if first else "recovered", slot, reason or "ready", "info")
-        elif phase == "degraded":
-            self._tell("degraded", slot, reason, "warning")
+        if phase == "degraded" and now < slot.settled_at:
+            slot.tell_at = slot.settled_at
+        elif phase in {"ready", "degraded"}:
+            self._tell_phase(slot)
+
+    def _tell_phase(self, slot: Slot) -> None:
+        """Tell how it is, unless that is what was told last."""
+        before, slot.told, slot.tell_at = slot.told, (slot.phase, slot.reason), None
+        if slot.told == before:
+            return
+        if slot.phase == "ready":
+            self._tell("recovered" if before[0] else "started", slot, slot.reason or "ready", "info")
+        elif slot.phase == "degraded":
+            self._tell("degraded", slot, slot.reason, "warning")
 
     def _watch(self, slot: Slot, child: Started, now: float) -> None:
         if slot.kill_at is not None and now >= slot.kill_at:
@@ -213,7 +228,11 @@ class Supervisor:
             self._tell("stopped", slot, "stopped", "info")
             return
         end = End.HUNG if slot.hung else End.CLEAN if code == 0 and slot.unit.program is not None else End.CRASHED
-        why = slot.last_words if slot.last_words and end is not End.CLEAN else _code(code, slot)
+        why = (
+            slot.last_words
+            if slot.last_words and end is not End.CLEAN
+            else ended_by(code, program=slot.unit.program is not None)
+        )
         why += "" if end is End.CLEAN else f"; its log: logs/{slot.unit.config.robot}-{slot.unit.name}.log"
         if now - slot.started_at > HEALTHY_S:
             slot.deaths = ()
@@ -255,7 +274,7 @@ class Supervisor:
 
     def _next(self, now: float) -> float:
         times = [slot.due_at for slot in self.slots.values() if slot.due_at is not None and self._may_start(slot)]
-        times += [slot.kill_at for slot, _ in self.children() if slot.kill_at is not None]
+        times += [at for slot, _ in self.children() for at in (slot.kill_at, slot.tell_at) if at is not None]
         times += [
             slot.beat_at + HANG_MOVER_S for slot, _ in self.children() if slot.unit.program is None and slot.wanted
         ]
@@ -272,18 +291,3 @@ def _patience_s(slot: Slot) -> float:
     waits = niceness(slot.unit) == BACKGROUND  # such a one runs when others leave it time
     usual = HANG_MOVER_S if slot.unit.moves else HANG_PROGRAM_S if waits else HANG_S
     return patience.get(slot.phase, usual)
-
-
-def _code(code: int, slot: Slot) -> str:
-    if code == 0 and slot.unit.program is None:
-        return "told to end, but not by the robot"
-    if code == NO_PROGRAM:
-        return "there is no such program, or it may not be executed"
-    return f"killed by {_signal(-code)}" if code < 0 else f"exit code {code}"
-
-
-def _signal(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"

@@ -15,6 +15,7 @@ from lbr.executive.supervisor import (
     HANG_PROGRAM_S,
     HANG_S,
     HANG_STARTING_S,
+    SETTLING_S,
     TERM_S,
     Supervisor,
 )
@@ -127,7 +128,21 @@ def test_a_missing_device_does_not_hold_up_the_others():
     stage = Stage(unit("motors"), unit("drive", needs=("motors",)))
     stage.says("motors", "degraded", "device missing")
     assert stage.starts("drive") == 1
-    assert ("degraded", "motors", "device missing", "warning") in stage.told
+    stage.passes(SETTLING_S + 0.2, beating=["motors", "drive"])
+    assert stage.told == [("degraded", "motors", "device missing", "warning")]
+
+
+def test_what_is_still_missing_right_after_a_start_is_told_as_trouble_only_if_it_lasts():
+    stage = Stage(unit("ranges"))
+    stage.says("ranges")
+    stage.says("ranges", "degraded", "waiting for the first reading")
+    assert stage.phase("ranges") == "degraded"
+    stage.passes(SETTLING_S / 2, beating=["ranges"])
+    stage.says("ranges")
+    stage.passes(SETTLING_S, beating=["ranges"])
+    assert stage.told == [("started", "ranges", "ready", "info")]
+    stage.says("ranges", "degraded", "waiting for the first reading")
+    assert stage.told[1:] == [("degraded", "ranges", "waiting for the first reading", "warning")]
 
 
 def test_a_crash_is_restarted_after_a_delay_and_its_dependants_are_told():
