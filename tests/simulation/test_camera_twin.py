@@ -320,6 +320,19 @@ socket.socket(fileno=int(sys.argv[1])).send(b'{"renderer": "", "note": "no Pillo
     assert watched(monkeypatch, code) == ([Drawing("", "no Pillow")], True)
 
 
+def test_what_lies_in_the_current_directory_is_not_run(monkeypatch, tmp_path):
+    (tmp_path / "msgspec.py").write_text("raise SystemExit('not this one')")
+    monkeypatch.chdir(tmp_path)
+    host, said, end = CameraHost(WorldSettings(walls=()), 8), [], time.monotonic() + 10
+    ours, theirs = socket.socketpair()
+    host.watch("camera", "front", theirs)
+    while not said and time.monotonic() < end:
+        said += host.serve()
+    host.close()
+    ours.close()
+    assert [told.renderer != "" for told in said] == [True]
+
+
 def test_a_mount_that_is_not_there_is_named(tmp_path):
     bench = Bench(tmp_path)
     bench.ctx.devices = (Device("eye", "camera", f"unix:{tmp_path / 'eye'}", {"mount": "top"}),)

@@ -87,7 +87,7 @@ class CameraHost:
         self._drawing = False
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "lbr.simulation.cameras", str(theirs.fileno())],
+                [sys.executable, "-P", "-m", "lbr.simulation.cameras", str(theirs.fileno())],
                 stdin=subprocess.DEVNULL,
                 pass_fds=(theirs.fileno(),),
                 env={**os.environ, "LP_NUM_THREADS": "1"},  # Mesa's software renderer would take every core
