@@ -81,7 +81,7 @@ class Surroundings:
 
     def forget(self, now: float) -> None:
         """Know nothing any more but that something was near, if it was."""
-        self.near_at = now if self.near_at > -inf else -inf
+        self.near_at = self.near_at if self.near_at == -inf else now
         self.sights = {side: Sight(side) for side in SIDES}
 
     def drove(self, left: float, right: float, seconds: float) -> None:
@@ -91,7 +91,7 @@ class Surroundings:
 
     def see(self, distances: dict[str, float], at: float, *, twice: bool) -> None:
         """Take in what every sensor says."""
-        if any(value_m < MEMORY_REACH_M for value_m in distances.values()) and at >= self.near_at:
+        if any(value_m < MEMORY_REACH_M for value_m in distances.values()) and at == at and not at < self.near_at:
             self.near_at = at
         for side, sight in self.sights.items():
             along = side in {"forward", "back"}

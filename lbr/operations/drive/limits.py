@@ -13,6 +13,6 @@ def limit(state: State, wheels: tuple[float, float], now: float, blocked: Iterab
     """Return the strictest limit on this motion of the wheels; `blocked` is by what it was already stopped."""
     held = tuple(blocked)
     seen = rules.limit(state.settings, state.views, wheels, now, held)
-    remembered = memory.limit(state.memory, state.settings, wheels, held)
+    remembered = memory.limit(state.memory, state.settings, wheels, now, held)
     strictest = remembered if remembered.scale < seen.scale else seen
     return replace(strictest, blocked=(*seen.blocked, *remembered.blocked))

@@ -104,7 +104,7 @@ def see(memory: Memory, views: Mapping[Sensor, View], now: float, settings: Driv
         return Memory()
     stands = hypot(memory.x_m, memory.y_m) < STILL_M and abs(memory.yaw_rad) < STILL_RAD
     known = memory.spots if stands else around(memory)
-    spots = [spot for spot in known if not now - spot.seen >= settings.memory_s]
+    spots = _not_forgotten(known, now, settings)
     for sensor, look in LOOKS.items():
         view = views.get(sensor)
         if view is not None and view.seen == now and not isnan(view.raw_m):
@@ -127,11 +127,12 @@ def around(memory: Memory) -> list[Spot]:
 
 
 def limit(
-    memory: Memory, settings: DriveSettings, wheels: tuple[float, float], blocked: Iterable[Blocker] = ()
+    memory: Memory, settings: DriveSettings, wheels: tuple[float, float], now: float, blocked: Iterable[Blocker] = ()
 ) -> Limit:
     """Return what the memory does to a motion of the wheels; a stop is held until there is some more room."""
     if not (memory.spots and settings.memory_s > 0.0 and sweeps(wheels)):
         return FREE
+    memory = replace(memory, spots=tuple(_not_forgotten(memory.spots, now, settings)))
     found = ahead(memory, wheels, settings)
     keep_m = settings.memory_stop_m + (settings.memory_hold_m if MEMORY in blocked else 0.0)
     room_m = found.way_m - keep_m
@@ -172,6 +173,10 @@ def ahead(memory: Memory, wheels: tuple[float, float], settings: DriveSettings) 
     return Ahead(way_m=turn_rad * (abs(radius_m) + half_m), side=side, distance_m=distance_m)
 
 
+def _not_forgotten(spots: Iterable[Spot], now: float, settings: DriveSettings) -> list[Spot]:
+    return [spot for spot in spots if not now - spot.seen >= settings.memory_s]  # this way round, NaN forgets nothing
+
+
 def _places(memory: Memory) -> list[tuple[float, float]]:
     c, s = cos(memory.yaw_rad), sin(memory.yaw_rad)
     x0_m, y0_m = c * memory.x_m + s * memory.y_m, c * memory.y_m - s * memory.x_m
@@ -187,18 +192,23 @@ def _shifted(memory: Memory, way_m: float, turn_rad: float) -> Memory:
 def _seen(
     spots: list[Spot], view: View, sensor: Sensor, look: float, face_m: float, settings: DriveSettings
 ) -> list[Spot]:
-    """Return the spots after what a sensor sees: without those that it looks past, and with what is near."""
-    clear_m = min(view.raw_m, view.distance_m) - BEYOND_M  # a farther value counts when a second one confirms it
-    if clear_m > 0.0:
-        c, s = cos(look), sin(look)
-        spots = [
-            spot
-            for spot in spots
-            if not _past(spot, sensor, spot[0] * c + spot[1] * s - face_m, spot[1] * c - spot[0] * s, clear_m)
-        ]
-    if not view.raw_m < settings.memory_reach_m:
-        return spots
-    return _with(spots, _across(view, sensor, look, face_m, settings))
+    """Return the spots after what a sensor sees: without those that it looks past, and with what is near.
+
+    What it sees may be anywhere across its cone, and reach out of it. New spots take the place of old ones beside them.
+    """
+    c, s, near_m = cos(look), sin(look), view.raw_m
+    clear_m = min(near_m, view.distance_m) - BEYOND_M  # a farther value counts when a second one confirms it
+    half_m = max(near_m * sin(CONE_RAD), settings.memory_aside_m)
+    across = [part * half_m for part in ACROSS] if near_m < settings.memory_reach_m else []
+    kept = []
+    for spot in spots:
+        along_m, across_m = spot[0] * c + spot[1] * s - face_m, spot[1] * c - spot[0] * s
+        if clear_m > 0.0 and _past(spot, sensor, along_m, across_m, clear_m):
+            continue
+        if abs(along_m - near_m) >= APART_M or not any(abs(across_m - aside_m) < APART_M for aside_m in across):
+            kept.append(spot)
+    far_m = face_m + near_m
+    return kept + [Spot(far_m * c - aside * s, far_m * s + aside * c, view.seen, sensor) for aside in across]
 
 
 def _past(spot: Spot, sensor: Sensor, along_m: float, across_m: float, clear_m: float) -> bool:
@@ -207,22 +217,6 @@ def _past(spot: Spot, sensor: Sensor, along_m: float, across_m: float, clear_m: 
         return along_m < clear_m
     in_sight = along_m > BEYOND_M and abs(across_m) < SURE_SHARE * CONE_RAD * along_m
     return in_sight and hypot(along_m, across_m) < clear_m
-
-
-def _across(view: View, sensor: Sensor, look: float, face_m: float, settings: DriveSettings) -> list[Spot]:
-    """Return spots across a sensor's look: what it sees may be anywhere in its cone, and reach out of it."""
-    c, s, along_m = cos(look), sin(look), face_m + view.raw_m
-    half_m = max(view.raw_m * sin(CONE_RAD), settings.memory_aside_m)
-    return [
-        Spot(along_m * c - part * half_m * s, along_m * s + part * half_m * c, view.seen, sensor) for part in ACROSS
-    ]
-
-
-def _with(spots: list[Spot], new: list[Spot]) -> list[Spot]:
-    """Return spots with new ones, which take the place of old ones beside them."""
-    return [
-        spot for spot in spots if min([hypot(spot[0] - x_m, spot[1] - y_m) for x_m, y_m, *_ in new]) >= APART_M
-    ] + new
 
 
 def _named(x_m: float, y_m: float, settings: DriveSettings) -> tuple[Direction, float]:

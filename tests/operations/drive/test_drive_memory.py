@@ -48,7 +48,7 @@ class Watcher:
         return self
 
     def limit(self, wheels, blocked=()):
-        return limit(self.memory, self.settings, wheels, blocked)
+        return limit(self.memory, self.settings, wheels, self.now, blocked)
 
 
 @pytest.fixture
@@ -79,7 +79,7 @@ def test_what_the_side_sensor_lost_stops_an_arc_to_that_side(watcher):
 )
 def test_only_what_sweeps_towards_it_heeds_it(wheels, free):
     beside_the_left_front_corner = at(AHEAD_M + 0.03, ASIDE_M + 0.10)
-    assert (limit(beside_the_left_front_corner, SETTINGS, wheels).scale == 1.0) is free
+    assert (limit(beside_the_left_front_corner, SETTINGS, wheels, 10.0).scale == 1.0) is free
 
 
 @pytest.mark.parametrize("wheels", [(-0.3, 0.3), (0.3, -0.3)], ids=["left", "right"])
@@ -108,13 +108,16 @@ def test_the_way_is_that_of_the_faster_wheel():
 
 def test_what_is_within_the_margin_forbids_only_to_come_nearer():
     at_the_front_corner = at(AHEAD_M + 0.03, ASIDE_M - 0.01)
-    nearer, away = limit(at_the_front_corner, SETTINGS, (0.2, 0.5)), limit(at_the_front_corner, SETTINGS, (-0.2, -0.5))
+    nearer, away = (
+        limit(at_the_front_corner, SETTINGS, (0.2, 0.5), 10.0),
+        limit(at_the_front_corner, SETTINGS, (-0.2, -0.5), 10.0),
+    )
     assert (nearer.scale, away.scale) == (0.0, 1.0)
     assert nearer.text == "something remembered ahead at 0.03 m"
 
 
 def test_the_speed_follows_the_way_that_is_left():
-    scales = [limit(at(x_m, 0.4), SETTINGS, (0.5, 1.0)).scale for x_m in (0.35, 0.45, 0.5, 0.6)]
+    scales = [limit(at(x_m, 0.4), SETTINGS, (0.5, 1.0), 10.0).scale for x_m in (0.35, 0.45, 0.5, 0.6)]
     assert scales == sorted(scales)
     assert 0.0 < scales[1] < scales[-1]
 
@@ -123,8 +126,8 @@ def test_a_stop_is_held_until_there_is_some_more_way():
     spot = at(0.45, 0.4)
     way_m = free_way_m(spot, LEFT_ARC, SETTINGS)
     settings = DriveSettings(memory_stop_m=way_m - 0.02)
-    assert limit(spot, settings, LEFT_ARC).scale > 0.0
-    stopped = limit(spot, settings, LEFT_ARC, [MEMORY])
+    assert limit(spot, settings, LEFT_ARC, 10.0).scale > 0.0
+    stopped = limit(spot, settings, LEFT_ARC, 10.0, [MEMORY])
     assert stopped.scale == 0.0
     assert stopped.blocked == (MEMORY,)
 
@@ -165,7 +168,9 @@ def test_the_odometry_knows_better_than_the_powers_how_far_it_drove(watcher):
 def test_it_is_forgotten_after_a_while():
     watcher = Watcher(memory_s=2.0).see(left=0.5).drive(0.5, 0.5, 1.0)
     assert watcher.see(times=15).memory.spots
-    assert not watcher.see(times=10).memory.spots
+    watcher.now += 1.0
+    assert watcher.limit(SPIN).scale == 1.0
+    assert not watcher.see().memory.spots
 
 
 def test_memory_0_remembers_nothing():
@@ -256,7 +261,7 @@ def remembered(trace):
 @given(history, wheel, wheel)
 def test_it_only_slows_down_and_stays_small(trace, left, right):
     memory = remembered(trace)
-    found = limit(memory, SETTINGS, (left, right))
+    found = limit(memory, SETTINGS, (left, right), 10.0)
     assert isfinite(found.scale)
     assert 0.0 <= found.scale <= 1.0
     assert len(memory.spots) <= MOST_SPOTS
@@ -273,15 +278,15 @@ def test_left_and_right_are_alike(trace, left, right):
         y_m=-memory.y_m,
         yaw_rad=-memory.yaw_rad,
     )
-    assert limit(memory, SETTINGS, (left, right)).scale == pytest.approx(
-        limit(mirrored, SETTINGS, (right, left)).scale, abs=1e-6
+    assert limit(memory, SETTINGS, (left, right), 10.0).scale == pytest.approx(
+        limit(mirrored, SETTINGS, (right, left), 10.0).scale, abs=1e-6
     )
 
 
 @given(place, place, wheel, wheel)
 def test_a_spot_more_never_frees(x_m, y_m, left, right):
     one, two = at(0.4, 0.3), Memory(spots=(Spot(0.4, 0.3, 10.0), Spot(x_m, y_m, 10.0)))
-    assert limit(two, SETTINGS, (left, right)).scale <= limit(one, SETTINGS, (left, right)).scale
+    assert limit(two, SETTINGS, (left, right), 10.0).scale <= limit(one, SETTINGS, (left, right), 10.0).scale
 
 
 @given(st.floats(-0.8, 0.8), place, place)
