@@ -46,8 +46,8 @@ def test_a_text_is_written_heard_and_counted_and_leaves_no_file(bench):
 
 def test_texts_wait_for_one_another_in_their_order(bench):
     found = bench()
-    assert found.say("one").reason == ""
-    assert found.say("two").reason == "after 1 other"
+    assert found.say("one").reason == "says 'one'"
+    assert found.say("two").reason == "says 'two' after 1 other"
     found.until(lambda: found.state.spoken == 2)
     texts = [state.text for state in found.ctx.states if state.speaking]
     assert [text for index, text in enumerate(texts) if text not in texts[:index]] == ["one", "two"]
@@ -65,7 +65,7 @@ def test_an_interrupting_text_ends_what_is_said_and_what_waits(bench):
     found.say("long one")
     found.until(lambda: found.state.speaking)
     found.say("never heard")
-    assert found.say("now", interrupt=True).reason == "ended 'long one' and 1 more"
+    assert found.say("now", interrupt=True).reason == "says 'now'; ended 'long one' and 1 more"
     found.until(lambda: found.state.spoken == 1)
     assert len(found.heard) == 2
 

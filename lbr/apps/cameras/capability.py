@@ -80,7 +80,7 @@ class Cameras(Capability[CamerasSettings]):
                 now.asked = self._ask([now.wanted], on=True)
                 continue
             self._selecting = None
-            now.call.reply(_reply(now.failures))
+            now.call.reply(_reply(now))
 
     def _begun(self, call: Call) -> _Selecting:
         wanted = self._names.get(call.message.name, "")
@@ -111,5 +111,6 @@ def _failure(name: str, reply: CommandReply | None) -> str:
     return f"{short}: {reply.reason if reply is not None else 'no answer'}"
 
 
-def _reply(failures: list[str]) -> CommandReply:
-    return CommandReply(accepted=not failures, reason="; ".join(failures))
+def _reply(done: _Selecting) -> CommandReply:
+    chosen = f"{done.wanted.removeprefix(PREFIX)} is on" if done.wanted else "all cameras are off"
+    return CommandReply(accepted=not done.failures, reason="; ".join(done.failures) or chosen)

@@ -34,6 +34,7 @@ def main() -> int:
         raise BusError(f"the answer makes no sense: {err}") from err
     if not answer.get("accepted"):
         raise BusError(str(answer.get("reason", "refused")))
+    print("the dock capability was told:", " ".join(name for name in BEAMS if getattr(message, name)))
     return 0
 
 

@@ -123,7 +123,8 @@ class Speech(Capability[SpeechSettings]):
         self._jobs.add(job)
         if job.keep is not None:
             return f"will be sounds/{job.keep.name}"
-        return cut or (f"after {ahead} other{'s' if ahead > 1 else ''}" if ahead else "")
+        after = f" after {ahead} other{'s' if ahead > 1 else ''}" if ahead else ""
+        return f"says {job.title}{after}" + (f"; {cut}" if cut else "")
 
     def _play(self, command: PlayCommand) -> PlayReply:
         """Play a song at once: whoever moves to it has to know when it began."""

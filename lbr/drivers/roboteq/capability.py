@@ -17,6 +17,8 @@ PUBLISH_PERIOD_S = 0.05
 RESEND_S = 0.015
 IDLE_QUERY_S = 0.04
 REPORT_PERIOD_S = 5.0
+FEW = 2
+"""So many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
 UNASKED = (
     "the controller's emergency stop is engaged and nobody here asked for it: "
     "release it at the controller, or engage and reset the emergency stop"
@@ -81,7 +83,8 @@ class Roboteq(Capability[RoboteqSettings]):
             super().command(call)
             return
         self._enabled = call.message.enabled  # the step that follows at once acts on it
-        call.reply(CommandReply(accepted=True))
+        said = "the motors may run again" if self._enabled else "the motors are held at zero until 'enable'"
+        call.reply(CommandReply(accepted=True, reason=said))
 
     def degraded(self, reason: str) -> None:
         """Tell that the controller is away."""
@@ -204,7 +207,7 @@ class Roboteq(Capability[RoboteqSettings]):
         if faults is not None and faults != self._faults and not self._latched:
             self._tell_faults(faults)
         unanswered = controller.lost + controller.refused
-        if unanswered > self._unanswered and self.ctx.clock() - self._reported > REPORT_PERIOD_S:
+        if unanswered >= max(FEW, 2 * self._unanswered) and self.ctx.clock() - self._reported > REPORT_PERIOD_S:
             self._unanswered, self._reported = unanswered, self.ctx.clock()
             data = {"lost": controller.lost, "refused": controller.refused}
             counted = f"{controller.lost} commands unanswered and refused {controller.refused}"
