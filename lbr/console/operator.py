@@ -11,6 +11,7 @@ from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console.hold import Ending, Holder, stop
+from lbr.console.news import News
 from lbr.console.printable import clean
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
@@ -99,6 +100,7 @@ class BusOperator:
         self._submit = submit or self._ask
         self._lock = threading.Lock()
         self._said = 0
+        self._news = News(source)
         self._quiet_until = 0.0
         self._holder: Holder | None = None
         self._latest: _Latest | None = _Latest(streams or session, robot, wake) if listen else None
@@ -112,7 +114,9 @@ class BusOperator:
             self._said += 1
             turn = self._said
         began = time.monotonic()
+        self._news.said(line)
         result = self._submit(line)
+        self._news.answered(result.text)
         late_s = time.monotonic() - began
         if result.hold is not None and not late_s < LATE_ANSWER_S:
             return self._too_late(result.hold, late_s)
@@ -135,9 +139,8 @@ class BusOperator:
         return self._latest.telemetry() if self._latest else Telemetry()
 
     def events(self) -> list[Event]:
-        """Return the events since the last call, without those for the record and those of how our own motions ended."""
-        found = [one for one in self._latest.events() if one.kind != "holder"] if self._latest else []
-        return [one for one in found if one.subject != "drive" or not one.text.startswith(f"{self._source}: ")]
+        """Return the events since the last call that are news to whoever says lines here."""
+        return self._news.sifted(self._latest.events()) if self._latest else []
 
     def held(self) -> Holder | None:
         """Return what is being held."""

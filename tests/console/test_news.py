@@ -1,0 +1,52 @@
+"""What a console tells of what happens, beside the answers to its own lines."""
+
+from lbr.console.news import TOLD_S, News
+from lbr.messages.system import Event
+
+
+class Clock:
+    now = 10.0
+
+    def __call__(self):
+        return self.now
+
+
+def event(text, subject="world", kind="refused", level="warning"):
+    return Event(kind=kind, subject=subject, text=text, level=level)
+
+
+def test_a_refusal_that_was_just_answered_is_not_told_again():
+    news = News("console")
+    news.answered("no emulated device 'nope'; there are: imu")
+    mine = event("console: no emulated device 'nope'; there are: imu")
+    of_another = event("phone: no emulated device 'nope'; there are: imu")
+    assert news.sifted([mine, of_another]) == [of_another]
+
+
+def test_what_an_answer_says_is_news_again_later():
+    clock = Clock()
+    news = News("console", clock)
+    news.answered("'obstacle' has vanished")
+    assert not news.sifted([event("'obstacle' has vanished", level="info")])
+    clock.now += TOLD_S + 0.1
+    assert news.sifted([event("'obstacle' has vanished", level="info")])
+
+
+def test_the_start_of_a_program_is_told_to_those_who_did_not_start_it():
+    started = event("'clock' started (pid 7)", subject="executive", kind="external")
+    news = News("console")
+    news.said("clock")
+    assert not news.sifted([started])
+    assert News("console").sifted([started]) == [started]
+
+
+def test_the_same_twice_within_seconds_is_told_once():
+    lost = event("device 'imu' does not answer", subject="imu", kind="degraded")
+    back = event("ready", subject="imu", kind="recovered", level="info")
+    assert News("console").sifted([back, lost, lost, back]) == [back, lost, back]
+
+
+def test_python_typed_here_is_for_the_record():
+    typed = event("console: 1+1", subject="executive", kind="python", level="info")
+    assert not News("console").sifted([typed])
+    assert News("console@2").sifted([typed]) == [typed]
