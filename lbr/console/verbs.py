@@ -2,7 +2,7 @@
 
 import difflib
 import shlex
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from msgspec import Struct
@@ -75,9 +75,12 @@ class Vocabulary:
         return self._path(line) if line.startswith("/") else self._words(line)
 
     def entries(self, choices: Mapping[str, Iterable[str]] | None = None) -> list[dict[str, Any]]:
-        """Return what can be said as plain data, for completion; `choices` are the values of a target's first field."""
+        """Return what can be said as plain data, for completion.
+
+        `choices` are the values of a target's first field, or with `.field` after the target those of that field.
+        """
         known = choices or {}
-        said = [verb.entry(known.get(verb.row.target)) for verb in self._verbs]
+        said = [verb.entry(known) for verb in self._verbs]
         return said + [
             {"word": row.name, "pattern": row.name, "role": "operate", "help": row.help, "target": "external"}
             for row in self._external.values()
@@ -148,10 +151,10 @@ class _Verb:
 
     @property
     def plain(self) -> str:
-        """The pattern as people read it: `/r/power/angle`."""
+        """The pattern as people read it: `/r/power/angle`; a field called as its word is a name."""
         if self.pattern.alias:
             return self.pattern.word
-        return "/".join(("", self.pattern.word, *(field.word if field else part for part, field in self._parts())))
+        return "/".join(("", self.pattern.word, *self._named()))
 
     def looseness(self) -> tuple[bool, int]:
         """Order patterns that fit one line: the one with the most fixed words first."""
@@ -176,13 +179,22 @@ class _Verb:
         capability, command = self.row.target_end
         return VerbCall(verb=self.row, capability=capability, command=command, payload=payload)
 
-    def entry(self, choices: Iterable[str] | None) -> dict[str, Any]:
+    def entry(self, known: Mapping[str, Iterable[str]]) -> dict[str, Any]:
         """Return the row as plain data, with what each field may be."""
-        fields = [{"name": f.word, "hint": f.allowed, "choices": list(f.choices)} for _, f in self._parts() if f]
         row = self.row
+        fields = [
+            {"name": f.word, "hint": f.allowed, "choices": sorted(known.get(f"{row.target}.{f.name}", f.choices))}
+            for _, f in self._parts()
+            if f
+        ]
+        choices = known.get(row.target)
         said: dict[str, Any] = {"word": row.word, "pattern": row.pattern, "role": row.role, "help": row.help}
         said |= {"target": row.target, "fields": fields}
         return said | ({"choices": sorted(choices)} if choices is not None else {})
+
+    def _named(self) -> Iterator[str]:
+        for part, field in self._parts():
+            yield part if field is None else "name" if field.word == self.pattern.word else field.word
 
     def _parts(self) -> list[tuple[str, Field | None]]:
         fields = iter(self.pattern.fields)

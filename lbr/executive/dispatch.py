@@ -9,11 +9,13 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from lbr import home
 from lbr.bus import codec, keys, wire
 from lbr.bus.session import Session
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
 from lbr.errors import InputError, LbrError
 from lbr.executive import reports
+from lbr.executive.choices import choices
 from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
@@ -176,9 +178,8 @@ class Dispatcher:
 
     def _help(self, _call: VerbCall, _source: str) -> ConsoleResult:
         words = self._robot.vocabulary
-        names = tuple(self._robot.plan.units)
-        choices = {"executive.report": reports.NAMES, "executive.restart": names}
-        return ConsoleResult(code=DONE, text=words.help(), data=words.entries(choices))
+        known = choices(self._robot.plan, home.home())
+        return ConsoleResult(code=DONE, text=words.help(), data=words.entries(known))
 
     def _shutdown(self, _call: VerbCall, source: str) -> ConsoleResult:
         self._robot.shutdown(source)

@@ -145,7 +145,8 @@ def test_what_may_be_of_several_types_is_taken_as_it_is_written(text):
 
 
 def test_entries_tell_completion_the_fields_and_their_choices():
-    entries = VOCABULARY.entries({"executive.report": ["drive", "battery"]})
+    entries = VOCABULARY.entries({"executive.report": ["drive", "battery"], "drive.command.power": ["0.2"]})
+    assert entries[1]["fields"][0]["choices"] == ["0.2"]
     assert entries[1]["fields"][3] == {
         "name": "sensor",
         "hint": "back, bottom, forward, left or right",

@@ -260,7 +260,7 @@ def test_rows_and_files_that_only_fail_when_used_do_not_end_the_executive(robot)
 
 def test_an_external_command_without_a_place_for_its_log_is_an_answer(robot):
     robot.edit("INSERT INTO external_command (robot, name, argv) VALUES ('lbr', 'nap', '[\"/bin/sleep\", \"9\"]')")
-    until(lambda: robot.line("help")["text"].count("nap"))
+    until(lambda: robot.line("help")["text"].count("\nnap "))
     logs = robot.home / "logs"
     logs.rename(robot.home / "away")
     try:
