@@ -14,6 +14,9 @@ from lbr.errors import InputError
 Schema = Mapping[str, Any]
 MessageType = type[Struct] | Schema
 
+TYPED_MINIMUM = "x-typed-minimum"
+"""What a schema calls the least that may be typed, where a message may have less."""
+
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)", re.ASCII)
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}", re.ASCII)
 _UNITS = {
@@ -57,7 +60,9 @@ class Field(Struct, frozen=True):
         """What it may be, in words: `0 to 1`, `-360 to 360 degrees`, `forward, back or left`."""
         if self.choices:
             return listed(list(self.choices))
-        low, high = _bound(self.schema, "inimum"), _bound(self.schema, "aximum")
+        typed = self.schema.get(TYPED_MINIMUM)
+        low = _bound(self.schema, "inimum") if typed is None else f"{typed:g}"
+        high = _bound(self.schema, "aximum")
         kind = self.schema.get("type")
         if kind not in {"number", "integer"}:
             return {"boolean": "yes or no"}.get(str(kind), "a text")
@@ -96,7 +101,7 @@ class Field(Struct, frozen=True):
         schema = self.schema
         fits = (
             math.isfinite(value)
-            and schema.get("minimum", -math.inf) <= value <= schema.get("maximum", math.inf)
+            and schema.get(TYPED_MINIMUM, schema.get("minimum", -math.inf)) <= value <= schema.get("maximum", math.inf)
             and schema.get("exclusiveMinimum", -math.inf) < value < schema.get("exclusiveMaximum", math.inf)
         )
         if not fits:

@@ -19,5 +19,13 @@ Quaternion = tuple[float, float, float, float]
 """w, x, y, z; of length 1."""
 TurnDeg = Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees to turn, clockwise positive")]
 HeadingDeg = Annotated[float, Meta(ge=0.0, le=360.0, description="degrees clockwise from true north")]
-DistanceCm = Annotated[float, Meta(ge=0.0, le=10000.0, description="centimetres to travel; 0 sets no distance")]
+DistanceCm = Annotated[
+    float,
+    Meta(
+        ge=0.0,
+        le=10000.0,
+        description="centimetres to travel; 0 sets no distance",
+        extra_json_schema={"x-typed-minimum": 1.0},  # nobody who types a distance means none
+    ),
+]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]

@@ -23,6 +23,7 @@ VOCABULARY = Vocabulary(
     [
         verb("/r/{power}/{angle_deg}", "drive.command"),
         verb("/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}", "drive.command"),
+        verb("/go/{distance_cm}/{power}", "drive.command", {"angle_deg": 0}),
         verb("s", "drive.stop"),
         verb("S", "drive.stop"),
         verb("stop", "drive.stop"),
@@ -86,6 +87,8 @@ def test_a_line_becomes_its_message(line, target, payload):
         ("/r/\u0660.\u0662/0", "power is 0 to 1, not '\u0660.\u0662'"),
         ("/r/-0.1/0", "power is 0 to 1, not -0.1"),
         ("/r/0.2/400", "angle is -360 to 360 degrees, not 400"),
+        ("/go/0/0.2", "distance is 1 to 10000 cm, not 0"),
+        ("/go/-0/0.2", "distance is 1 to 10000 cm, not -0"),
         ("/r/0.2/0/900/forward/0", "range is 0 to 769 cm, not 900"),
         ("/r/0.2/0/40/up/0", "sensor is back, bottom, forward, left or right, not 'up'"),
         ("/d/" + "a" * 30, "song has 30 characters; 20 are allowed"),
