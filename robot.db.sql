@@ -413,7 +413,7 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
     ('lbr', 'snapshot', '/snapshot/rear/{name}', 'camera_rear.snapshot', NULL, 'operate',
      'Save what the rear camera sees as a picture of that name'),
     ('lbr', 'report', '/report/{name}', 'executive.report', NULL, 'view',
-     'Show telemetry, settings, statistics, health or events'),
+     'Show telemetry, settings, statistics, health, events or wiring'),
     ('lbr', 'status', 'status', 'executive.status', NULL, 'view', 'Show what runs and how it is'),
     ('lbr', 'restart', '/restart/{name}', 'executive.restart', NULL, 'operate',
      'Stop a capability and start it anew, by its name'),

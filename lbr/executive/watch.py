@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from lbr.capability import registry
 from lbr.database import copies
-from lbr.database.rows import RobotRows
+from lbr.database.rows import RevisionRow, RobotRows
 from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
 from lbr.executive import plan as plans
@@ -90,9 +90,9 @@ class RowWatch:
 
     def _edited(self, old: RobotRows, new: RobotRows) -> str:
         rows = self._database.revisions(old.revision) if new.revision != old.revision else ()
-        said = [f"{row.operation} {row.table} '{row.row_key[-1]}'" for row in rows[:EDITS_TOLD]]
-        more = f" and {len(rows) - EDITS_TOLD} more" if len(rows) > EDITS_TOLD else ""
-        return ", ".join(filter(None, (", ".join(said) + more, _tokens_edited(old, new))))
+        said = list(dict.fromkeys(_edit(row) for row in rows))
+        more = f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else ""
+        return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(old, new))))
 
     def _fingerprints(self, plan: Plan) -> dict[str, str]:
         kinds = {row.kind for row in plan.rows.capabilities}
@@ -113,6 +113,13 @@ def loaded(database: Database, robot: str) -> RobotRows:
     """Return a robot's rows as a start reads them."""
     rows = database.load(robot)
     return replace(rows, problems=(*rows.problems, *copies.lost_edits(database.path, rows.revision)))
+
+
+def _edit(row: RevisionRow) -> str:
+    """Say what was edited; the many numbers of one calibration are one edit."""
+    if row.table == "calibration":
+        return f"calibration of '{row.row_key[-2]}'"
+    return f"{row.operation} {row.table} '{row.row_key[-1]}'"
 
 
 def _tokens_edited(old: RobotRows, new: RobotRows) -> str:
