@@ -10,8 +10,6 @@ from benchmarks.bench import Bench, bench, processes_of
 from benchmarks.figures import Results
 from benchmarks.fuzzing import intruder
 
-OWNERS = {"motor_controller": {"motors", "world"}, "range_board": {"ranges", "world"}}
-"""Who may hold a device: its driver with its guard, and the world that emulates it."""
 UNCONFINED = {"executive", "program"}
 """The executive starts what needs more, and external commands are their owner's own, who may well say `sudo` in them."""
 EXTERNAL = (
@@ -45,12 +43,19 @@ def _wrong(under_test: Bench, process: psutil.Process) -> Iterator[str]:
     if fields["Umask"] != "0077":
         yield f"{name} has the umask {fields['Umask']}"
     held = _held(process)
+    owners = _owners(under_test)
     devices = under_test.robot.home / "run" / f"{under_test.robot.name}-devices"
     for link in devices.iterdir():
-        if str(link.resolve()) in held and name not in OWNERS[link.name]:
+        if str(link.resolve()) in held and name not in {owners.get(link.name), "world"}:
             yield f"{name} holds {link.name}"
     if name != "executive" and any("robot.db" in path for path in held):
         yield f"{name} holds the database"
+
+
+def _owners(under_test: Bench) -> dict[str, str]:
+    """Return the one capability that may hold each device; besides it only the world does, which emulates it."""
+    settings = under_test.robot.line("/report/settings")["data"]
+    return {said["device"]: name for name, said in settings.items() if "device" in said and name != "attitude"}
 
 
 def _name(under_test: Bench, process: psutil.Process) -> str:

@@ -16,6 +16,7 @@ from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.mpu9150 import Mpu9150
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
+from tests.robot import until
 
 FELT = ImuReading(
     gyro_rps=(0.1, -0.2, 0.3), accel_mps2=(1.0, -2.0, 9.80665), mag_ut=(20.0, -5.0, -40.0), temperature_c=31.0
@@ -364,10 +365,9 @@ def test_unplugged_the_bus_is_gone_and_comes_back(wire):
         assert client.recv(10) == b"\0\x68"
         wire.twin.fault("unplug", True)
         assert client.recv(10) == b""
-    assert not wire.path.exists()
+    until(lambda: not wire.path.exists(), what="the bus is gone")
     wire.twin.fault("replug", None)
-    while not wire.path.exists():
-        wire.over.wait(0.001)
+    until(wire.path.exists, what="it is back")
     with wire.connect() as client:
         client.send(WHO_AM_I)
         assert client.recv(10) == b"\0\x68"
