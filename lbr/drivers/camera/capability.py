@@ -17,6 +17,8 @@ OFF_S, ON_S = 0.6, 1.1
 """So soon a switch is answered, whatever has come of it; both together before whoever asked gives up."""
 CLOSE_S = 0.3
 NEWEST_S = 1.0
+OPENING_S = 1.5
+"""So long a device may take to open before that is a trouble."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +44,7 @@ class Camera(Capability[CameraSettings]):
         self._newest: Picture | None = None
         self._frames = self._dropped_before = 0
         self._fps: float | None = None
-        self._state_at = self._counted_at = 0.0
+        self._state_at = self._counted_at = self._opened_at = 0.0
         self._counted = 0
         self._said = ("", False)
 
@@ -97,6 +99,7 @@ class Camera(Capability[CameraSettings]):
         if self._on:
             device, settings = self.ctx.device, self.ctx.settings
             assert device is not None
+            self._opened_at = self.ctx.clock()
             self._capture = Capture(lambda: open_source(device, settings), self.ctx.wake, silent_s=2.5 / settings.fps)
 
     def _forget(self) -> None:
@@ -164,7 +167,7 @@ class Camera(Capability[CameraSettings]):
             self.ctx.ready()
         elif state.phase == "off":
             self.ctx.ready("off")
-        else:
+        elif state.phase == "lost" or now - self._opened_at > OPENING_S:
             self.ctx.warn(state.reason or "waiting for the first picture")
 
     def _state(self) -> CameraState:
