@@ -149,7 +149,7 @@ class Camera(Capability[CameraSettings]):
             path = snapshot.save(self.ctx.home, name or snapshot.name_now(self.ctx.name), newest.data)
         except InputError as err:
             return SnapshotReply(accepted=False, reason=str(err))
-        return SnapshotReply(accepted=True, path=str(path))
+        return SnapshotReply(accepted=True, reason=f"saved as {path}", path=str(path))
 
     def _tell(self) -> None:
         now = self.ctx.clock()
