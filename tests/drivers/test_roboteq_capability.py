@@ -6,7 +6,7 @@ import pytest
 from peers import FakeContext, until
 
 from lbr.bus.stamp import boot_id
-from lbr.drivers.roboteq import KIND, EnableCommand
+from lbr.drivers.roboteq import KIND, EnableCommand, capability
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.errors import DeviceError
 from lbr.messages.motors import MotorSetpoint
@@ -353,7 +353,8 @@ def test_telemetry_goes_out_twenty_times_a_second(motors, ctx):
     assert ctx.state.voltage_v == 12.6
 
 
-def test_unanswered_commands_are_reported(drive, motors, ctx, peer):
+def test_unanswered_commands_are_reported(drive, motors, ctx, peer, monkeypatch):
+    monkeypatch.setattr(capability, "FEW", 2)
     drive()
     counted = []
     peer.answer = lambda line: b"" if line == "!M -500 500" and len(counted) < 2 and not counted.append(line) else None

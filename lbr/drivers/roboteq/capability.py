@@ -17,7 +17,7 @@ PUBLISH_PERIOD_S = 0.05
 RESEND_S = 0.015
 IDLE_QUERY_S = 0.04
 REPORT_PERIOD_S = 5.0
-FEW = 2
+FEW = 8
 """So many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
 UNASKED = (
     "the controller's emergency stop is engaged and nobody here asked for it: "
