@@ -37,6 +37,7 @@ class Collection:
         self.samples = Samples()
         self._moved_s = now
         self._moved_from_deg = inf
+        self._found, self._found_s = 0, now
 
     @property
     def complete(self) -> bool:
@@ -48,6 +49,12 @@ class Collection:
         if not self.spin.began or abs(turned_deg - self._moved_from_deg) > STUCK_DEG:
             self._moved_s, self._moved_from_deg = now, turned_deg
         return now - self._moved_s > STUCK_S
+
+    def hears_nothing(self, now: float, every_s: float) -> bool:
+        """Say whether the compass has measured nothing for a while."""
+        if not self.spin.began or len(self.samples) != self._found:
+            self._found, self._found_s = len(self.samples), now
+        return now - self._found_s > STUCK_S + every_s
 
 
 class Calibration:
@@ -128,6 +135,8 @@ class Calibration:
             self.stop("the robot does not turn, although the drive took the command")
         elif collection.complete:
             self._finish(collection)
+        elif collection.hears_nothing(now, settings.sample_s):
+            self.stop("the compass measures nothing; 'lbr status' tells what the inertial unit misses")
         elif now - collection.since_s > settings.calibration_limit_s:
             self.stop(f"{found} of {wanted} samples within {settings.calibration_limit_s:g} s; ask for fewer")
         else:

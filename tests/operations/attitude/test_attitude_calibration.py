@@ -254,6 +254,19 @@ def test_a_robot_that_does_not_turn_is_noticed(bench):
     assert len(bench.drive.stops) == 1
 
 
+def test_a_compass_that_falls_silent_ends_it_before_long(bench):
+    bench.calibrate(300)
+    bench.run(2.0)
+    assert last(bench).phase == "collecting"
+    bench.imu.mag_every = 10**9
+    began = bench.clock()
+    bench.run(20.0, ended(bench))
+    assert bench.clock() - began < 4.0
+    assert last(bench).phase == "refused"
+    assert "the compass measures nothing" in last(bench).text
+    assert len(bench.drive.stops) == 1
+
+
 def test_it_ends_after_its_time(tmp_path):
     bench = FakeContext(tmp_path, calibration_limit_s=3.0)
     bench.run(1.5)
