@@ -1,8 +1,8 @@
-"""Somebody steps in the robot's way: S19, and S15 for each sensor. Faster than real time, and the same at each run.
+"""Somebody steps in the robot's way: S20, and S15 for each sensor. Faster than real time, and the same at each run.
 
 `python -m benchmarks.approach --trials 200 --seed 1`; `--json FILE` keeps the figures. Exit code 1 on a contact.
 
-S19: the base moves at 0.5 m/s when somebody (a box 0.3 to 0.5 m wide) appears 0.5 m from its outline: ahead or behind
+S20: the base moves at 0.5 m/s when somebody (a box 0.3 to 0.5 m wide) appears 0.5 m from its outline: ahead or behind
 while it drives straight, to its left or right while it drives an arc to that side, forwards or backwards. Each trial
 is one that ends in a collision if nobody brakes: what would have passed by itself does not count. The sensors' noise
 grows with the distance, and one reading in a hundred is missing.
@@ -56,7 +56,7 @@ IN_A_HALL = WorldSettings(walls=HALL, dock=None, ultrasonic=Ultrasonic(noise_m=0
 
 PROMISES = {
     **{
-        f"S19 {side}": Promise(
+        f"S20 {side}": Promise(
             what=f"somebody appears 50 cm {side} at 0.5 m/s: how much of that is used up", unit="cm", target=45, hard=50
         )
         for side in SIDES
@@ -121,15 +121,15 @@ def run(trial: Trial, drive: DriveSettings) -> Outcome:
 
 
 def approach(results: Results, count: int, seed: int, drive: DriveSettings) -> dict[Side, list[Outcome]]:
-    """S19, from each side."""
+    """S20, from each side."""
     found: dict[Side, list[Outcome]] = {}
     for side in SIDES:
         found[side] = []
         for trial in trials(side, count, seed):
             outcome = run(trial, drive)
             found[side].append(outcome)
-            results.sample(f"S19 {side}", (AWAY_M - outcome.closest_m) * 100)
-            results.check(f"S19 {side}", [f"contact in {trial}"] if outcome.contact else [])
+            results.sample(f"S20 {side}", (AWAY_M - outcome.closest_m) * 100)
+            results.check(f"S20 {side}", [f"contact in {trial}"] if outcome.contact else [])
     return found
 
 
