@@ -10,7 +10,7 @@ from lbr.bus import wire
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.errors import BusError, MalformedError
-from lbr.messages.drive import CommandReply, GoalResult, StopCommand
+from lbr.messages.drive import DEAD_LEASE, CommandReply, GoalResult, StopCommand
 from lbr.messages.system import Hold
 
 PERIOD_S = 0.1
@@ -142,7 +142,7 @@ class Holder:
         if reply.accepted:
             self._answered = self._clock()
         elif not self._refused:
-            self._refused, self._refused_at = reply.reason or "refused", self._clock()
+            self._refused, self._refused_at = reply.reason.removeprefix(DEAD_LEASE) or "refused", self._clock()
             if self.hold.goal:
                 self._ask_result()
 

@@ -18,13 +18,12 @@ from lbr.executive import reports
 from lbr.executive.choices import choices
 from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
-from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.drive import DEAD_LEASE, DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.system import RANKS, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 MAX_RUN_S = 30.0
 MOST_LEASES = 256
-DEAD_LEASE = "lease is dead"
 LEASED = (DriveCommand, TurnCommand, HeadingCommand)
 """Commands that are held: whoever says one goes on saying it under its lease."""
 

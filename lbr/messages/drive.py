@@ -13,6 +13,10 @@ LeaseId = Annotated[
 ]
 
 
+DEAD_LEASE = "lease is dead: "
+"""How the refusal of a command begins whose lease is not the live one; what follows is how that one ended."""
+
+
 class DriveCommand(Struct, frozen=True, kw_only=True):
     """Drive at `power` towards `angle_deg` for as long as the lease is renewed, and no further than the bounds."""
 

@@ -169,7 +169,7 @@ def test_a_stop_of_the_base_ends_dance_and_song_also_before_the_first_beat(dance
     world.driven.clear()
     run(dance, world, 2.0)
     assert world.driven == []
-    assert world.states[-1].reason == "lease is dead: stopped by console"
+    assert world.states[-1].reason == "stopped by console"
     assert world.song == ""
     assert "halt" not in world.requests  # whoever has the base now keeps it
 

@@ -7,7 +7,7 @@ from lbr.apps.program import Robot
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
-from lbr.messages.drive import CommandReply, GoalResult
+from lbr.messages.drive import DEAD_LEASE, CommandReply, GoalResult
 
 TTL_S = 0.8
 """Slow motions, by a program that has to wait while the machine is busy."""
@@ -58,7 +58,7 @@ class Motion:
             final = result.result == "superseded" or result.reason.startswith(FINAL)
             self.ending = Ending(good=good, text=result.reason or result.result, final=final and not good)
         elif self._refused is not None and (not self._goal or now - self._refused[1] > RESULT_S):
-            why = self._refused[0].removeprefix("lease is dead: ")
+            why = self._refused[0].removeprefix(DEAD_LEASE)
             self.ending = Ending(good=False, text=why, final=why.startswith(FINAL))
         elif not now - self._answered < ANSWER_S + TTL_S:
             self.ending = Ending(good=False, text="the drive does not answer", final=True)

@@ -16,6 +16,8 @@ from lbr.messages.drive import CommandReply, StopCommand
 
 STATE_EVERY_S = 1.0
 RESTING = DanceState(phase="resting")
+ENDED_BY_SOMEBODY = ("stopped by", "the song was ended")
+"""How the reasons of ends begin that somebody wanted."""
 
 
 @dataclass(slots=True)
@@ -131,7 +133,8 @@ class Dance(Capability[DanceSettings]):
             dance.call.refuse(why)
         else:
             text = f"the dance to {dance.song.name} ended at beat {dance.beat}: {why}" if why else "danced to the end"
-            self.ctx.event("dance_ended", text, level="warning" if why else "info")
+            asked = not why or why.startswith(ENDED_BY_SOMEBODY)
+            self.ctx.event("dance_ended", text, level="info" if asked else "warning")
         self._last = self._state(dance, "ended", why or "danced to the end")
         self._tell()
 

@@ -5,13 +5,12 @@ from typing import Any, Protocol
 
 from lbr.apps.dance.choreography import REST, Move
 from lbr.capability.context import Asked
-from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.messages.drive import DEAD_LEASE, CommandReply, DriveCommand, StopCommand
 
 RENEW_S = 0.1
 SILENT_S = 0.5
 ANSWER_S = 1.0
 MOST_WAITING = 8
-DEAD_LEASE = "lease is dead"
 TAKING_POWER = 0.001
 """No lease is given for standing still; so much moves nothing, and a stop from now on ends what has not begun yet."""
 
@@ -96,7 +95,7 @@ class Mover:
         """Give up; a refused change leaves the base at the move before, which has no music any more."""
         if not self.ended and not why.startswith(DEAD_LEASE):
             self._halt(why[:100])
-        self.ended = self.ended or why
+        self.ended = self.ended or why.removeprefix(DEAD_LEASE)
 
     def _halt(self, why: str) -> None:
         self._ctx.ask("halt", StopCommand(reason=why), ANSWER_S)

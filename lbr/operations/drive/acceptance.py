@@ -4,7 +4,7 @@ from collections.abc import Callable
 from math import isfinite, isnan
 from typing import Literal
 
-from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.drive import DEAD_LEASE, DriveCommand, HeadingCommand, TurnCommand
 from lbr.operations.drive import travelling, turning
 from lbr.operations.drive.asked import Motion, moves, power_of, towards_deg, what
 from lbr.operations.drive.freshness import TWICE, dated, insists, not_fresh, quoted
@@ -108,7 +108,7 @@ def _holder(state: State, event: Command, now: float) -> str:
     """One holder: a quoted lease must be the live one; without a lease nobody may hold the base, or it is taken over."""
     command, hold, owner = event.command, state.hold, quoted(state, event)
     if command.lease and not (owner is not None and now < owner.expires):  # this way round, NaN means dead
-        return f"lease is dead: {why_dead(state, command.lease)}"
+        return f"{DEAD_LEASE}{why_dead(state, command.lease)}"
     if owner is not None and (why := _not_own(owner, event)):
         return why
     if hold is not None and owner is hold:

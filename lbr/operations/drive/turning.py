@@ -177,7 +177,7 @@ def power(turn: Turn, settings: DriveSettings, now: float) -> float:
 
 def words(turn: Turn) -> str:
     """Say how far it has turned of what was asked."""
-    return f"turned {turn.turned_deg:.1f} of {turn.asked_deg:.4g} degrees"
+    return f"turned {turn.turned_deg:.1f} of {round(turn.asked_deg, 1):g} degrees"
 
 
 def ended(turn: Turn, elapsed_s: float) -> str:
