@@ -17,6 +17,7 @@ from lbr.bus import stamp, wire
 MOTORS, RANGES = "motor_controller", "range_board"
 DEAF_S = 2.0
 STALE_LINES, STALE_MS = 3, 50.0
+WORTH_GOING_BACK_M = 0.2
 AFTERMATH_S = 0.3
 TRUTH_S = 0.8
 RANGE_FAULTS: dict[str, Any] = {
@@ -155,8 +156,8 @@ def _ahead_m(under_test: Bench) -> float:
 
 
 def _back(under_test: Bench, ahead_m: float) -> None:
-    """Drive back to where so much is seen ahead, unless it looks past what it saw before."""
-    if _ahead_m(under_test) >= ahead_m:
+    """Drive back to where so much is seen ahead, unless that is next to nothing, or it looks past what it saw before."""
+    if _ahead_m(under_test) > ahead_m - WORTH_GOING_BACK_M:
         return
     with held(under_test, {"angle_deg": 180.0, "range_cm": round(ahead_m * 100), "sensor": "forward"}):
         under_test.wait_for_motion()
