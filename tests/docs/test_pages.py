@@ -259,6 +259,7 @@ def newcomer() -> Iterator[Newcomer]:
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
         home = Path(place)
         (home / "bin").mkdir()
+        (home / ".sqliterc").write_text(".timeout 2000\n")  # as the pages say that it should be, once
         if shutil.which("sqlite3") is None:
             client = home / "bin" / "sqlite3"
             client.write_text(CLIENT.format(python=sys.executable))
