@@ -6,7 +6,6 @@ from math import atan2, cos, hypot, isfinite, pi, sin
 from typing import Any
 
 import msgspec
-import numpy as np
 
 from lbr.errors import LbrError
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
@@ -14,8 +13,8 @@ from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
 from lbr.simulation.docking import DockSense, world_dock
 from lbr.simulation.inertial import InertialUnit
-from lbr.simulation.measured import Beam, CameraPose, ImuReading, Sensed
-from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml, quaternion
+from lbr.simulation.measured import Beam, ImuReading, Sensed
+from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml
 from lbr.simulation.placing import Placed
 from lbr.simulation.ranging import Ring
 from lbr.simulation.room import BoxSettings
@@ -52,7 +51,6 @@ class Engine:
         self._imu = InertialUnit(settings.imu, settings.seed)
         self._dock = DockSense(mujoco, self._model, settings.dock, settings.body) if settings.dock else None
         self._placed = Placed(self._model)
-        self._turned = {name: np.array(quaternion(mount)) for name, mount in settings.cameras.items()}
         self._walls = frozenset(self._geoms(STANDING)) - {self._model.geom(DOCK).id if settings.dock else -1}
         self._robot = frozenset(self._geoms(ROBOT))
         joints = [self._model.joint(name) for name in ("left", "right")]
@@ -90,7 +88,6 @@ class Engine:
             charging=self._charging,
             charging_a=self.battery.charging_a,
             beams=self._beams,
-            cameras=self.cameras(),
         )
 
     @property
@@ -101,17 +98,6 @@ class Engine:
     def imu(self) -> ImuReading:
         """Return what an inertial unit measures at the newest step of the physics; cheap, for a twin that is read."""
         return self._imu.read(self._steps)
-
-    def cameras(self) -> dict[str, CameraPose]:
-        """Return where the robot's cameras are and which way they look."""
-        base, turned, fov = self._data.qpos[3:7], np.zeros(4), self.settings.camera_fov_deg
-        found = {}
-        for name, mounted in self._turned.items():
-            mujoco.mju_mulQuat(turned, base, mounted)
-            x, y, z = (float(value) for value in self._data.camera(name).xpos)
-            w, i, j, k = (float(value) for value in turned)
-            found[name] = CameraPose(x_m=x, y_m=y, z_m=z, orientation=(w, i, j, k), fov_deg=fov)
-        return found
 
     def view(self) -> bytes:
         """Return what a picture needs of this instant."""

@@ -4,12 +4,11 @@ from typing import Literal
 
 from msgspec import Struct
 
-from lbr.messages.units import Quaternion, Vector
+from lbr.messages.units import Vector
 
 Beam = Literal["left", "right", "power"]
 
 AT_REST = (0.0, 0.0, 0.0)
-_UNTURNED = (1.0, 0.0, 0.0, 0.0)
 
 
 class ImuReading(Struct, frozen=True, kw_only=True):
@@ -22,19 +21,6 @@ class ImuReading(Struct, frozen=True, kw_only=True):
     accel_mps2: Vector = (0.0, 0.0, 9.81)
     mag_ut: Vector = AT_REST
     temperature_c: float = 30.0
-
-
-class CameraPose(Struct, frozen=True, kw_only=True):
-    """Where a camera is in the world and how it is turned from there (REP 103: x along its view, y left, z up).
-
-    `fov_deg` is the angle seen from top to bottom.
-    """
-
-    x_m: float
-    y_m: float
-    z_m: float
-    orientation: Quaternion = _UNTURNED
-    fov_deg: float = 45.0
 
 
 class Sensed(Struct, frozen=True, kw_only=True):
@@ -54,7 +40,6 @@ class Sensed(Struct, frozen=True, kw_only=True):
     charging: bool = False
     charging_a: float = 0.0
     beams: frozenset[Beam] = frozenset()
-    cameras: dict[str, CameraPose] = {}
 
 
 class Measured(Struct, frozen=True, kw_only=True):
