@@ -16,6 +16,7 @@ from lbr.drivers.roboteq.protocol import STOP
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
 
+ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 DRIVER = """
 import sys, time
 from peers import FakeContext
@@ -42,7 +43,7 @@ def driver(peer):
     )
     guard = int(process.stdout.readline())
     until(lambda: peer.motor == (500, 500), 5.0)
-    until(lambda: ignores(guard, signal.SIGTERM))
+    until(lambda: all(ignores(guard, number) for number in ENDING))
     yield process, guard
     process.kill()
     process.wait()
@@ -74,7 +75,7 @@ def test_killing_the_driver_zeroes_the_motors_long_before_the_watchdog(driver, p
 
 def test_the_guard_outlives_the_signals_that_end_its_driver(driver, peer):
     process, guard = driver
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+    for number in ENDING:
         os.kill(guard, number)
     process.kill()
     until(lambda: peer.motor == (0, 0), 0.5)
