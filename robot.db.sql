@@ -19,7 +19,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0003');
+INSERT INTO alembic_version (version_num) VALUES ('0004');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -183,10 +183,14 @@ CREATE TABLE joint (
 
 -- Humanoids: the named motions.
 CREATE TABLE motion (
-    robot TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    name  TEXT NOT NULL  -- by which it is played
+    robot    TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name     TEXT NOT NULL  -- by which it is played
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    help  TEXT NOT NULL DEFAULT '',  -- one line for people
+    help     TEXT NOT NULL DEFAULT '',  -- one line for people
+    lead_in  TEXT NOT NULL DEFAULT ''  -- the motion that is played once before it; empty: none
+        CHECK (lead_in = '' OR (lead_in GLOB '[a-z]*' AND lead_in NOT GLOB '*[^a-z0-9_]*')),
+    lead_out TEXT NOT NULL DEFAULT ''  -- the motion that is played once after it, unless it was stopped; empty: none
+        CHECK (lead_out = '' OR (lead_out GLOB '[a-z]*' AND lead_out NOT GLOB '*[^a-z0-9_]*')),
     PRIMARY KEY (robot, name)
 ) STRICT;
 
@@ -490,6 +494,98 @@ INSERT INTO phrase (name, language, text) VALUES
 
 
 -- ---------------------------------------------------------------------------------------------------------------------
+-- Bioloid: a humanoid of eighteen AX-12A servos, with a PhidgetSpatial under its front cover and a UPS PIco.
+
+INSERT INTO robot (name, model, description)
+VALUES ('bioloid', 'Bioloid Humanoid Type A', 'A humanoid of eighteen Dynamixel servos on a Raspberry Pi');
+
+INSERT INTO device (robot, name, type, address, settings) VALUES
+    ('bioloid', 'servo_bus', 'dynamixel', '/dev/ttyACM0', '{}'),
+    ('bioloid', 'imu', 'phidget_spatial', 'usb:', '{}'),
+    ('bioloid', 'ups', 'pico', 'i2c:1:0x69', '{}');
+
+INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
+    ('bioloid', 'servos', 'dynamixel', '{"device": "servo_bus"}', '[]',
+     'The servo bus: eighteen AX-12A behind a USB2AX'),
+    ('bioloid', 'joints', 'joints', '{}', '["servos"]',
+     'The joints: who moves them, how far and how fast'),
+    ('bioloid', 'motions', 'motions', '{}', '["joints"]',
+     'The motions: plays what the rows know, and writes down poses made by hand'),
+    ('bioloid', 'imu', 'phidget_spatial', '{"device": "imu"}', '[]',
+     'The inertial unit: acceleration, rate of turn and magnetic field, along its own axes'),
+    ('bioloid', 'attitude', 'attitude', '{"device": "imu"}', '["imu"]',
+     'The attitude: how the trunk lies and where it looks'),
+    ('bioloid', 'ups', 'pico', '{"device": "ups"}', '[]',
+     'The uninterruptible supply: where the power comes from, and the relay of the motors'' power'),
+    ('bioloid', 'power', 'power', '{"device": "ups"}', '["ups"]',
+     'The power: shuts the computer down before the voltage is too low'),
+    ('bioloid', 'world', 'humanoid_world', '{"model": "bioloid"}', '[]',
+     'The simulated body and floor; runs only under a simulating launch profile');
+
+-- Off: nothing on the robot can be reached from other machines, as for lbr.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('bioloid', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
+     'The door to other machines: whoever has a token comes in');
+
+INSERT INTO channel (robot, source, target, history) VALUES
+    ('bioloid', 'joints.setpoint', 'servos.setpoint', 1),
+    ('bioloid', 'servos.state', 'joints.servos', 1),
+    ('bioloid', 'joints.servos_recover', 'servos.recover', 1),
+    ('bioloid', 'joints.state', 'motions.joints', 1),
+    ('bioloid', 'joints.result', 'motions.ended', 4),
+    ('bioloid', 'motions.move', 'joints.command', 1),
+    ('bioloid', 'motions.halt', 'joints.stop', 1),
+    ('bioloid', 'imu.sample', 'attitude.samples', 32),
+    ('bioloid', 'ups.state', 'power.ups', 1),
+    ('bioloid', 'power.park', 'motions.play', 1),
+    ('bioloid', 'power.let_go', 'joints.torque', 1);
+
+-- Ids as on the robot's drawing. Signs and zeros follow published descriptions of the Type A; limits are what the
+-- motions below use and 15 steps more. Confirm all of them on your robot, by hand and without torque.
+-- Mirrored joints count alike: the same angles left and right are a symmetrical pose. At zero it stands upright,
+-- arms down.
+INSERT INTO joint (robot, name, device_id, side, sign, zero_rad, lower_rad, upper_rad, speed_rps) VALUES
+    ('bioloid', 'right_shoulder_pitch', 1, 'right', 1, -1.5708, -0.277, 2.554, 3.0),
+    ('bioloid', 'left_shoulder_pitch', 2, 'left', -1, 1.5708, -0.277, 2.554, 3.0),
+    ('bioloid', 'right_shoulder_roll', 3, 'right', 1, -1.5708, -0.036, 1.248, 3.0),
+    ('bioloid', 'left_shoulder_roll', 4, 'left', -1, 1.5708, -0.036, 1.248, 3.0),
+    ('bioloid', 'right_elbow', 5, 'right', 1, 0.0000, -1.930, 0.077, 3.0),
+    ('bioloid', 'left_elbow', 6, 'left', -1, 0.0000, -1.930, 0.077, 3.0),
+    ('bioloid', 'right_hip_yaw', 7, 'right', 1, -0.7854, -0.095, 0.074, 3.0),
+    ('bioloid', 'left_hip_yaw', 8, 'left', -1, 0.7854, -0.095, 0.074, 3.0),
+    ('bioloid', 'right_hip_roll', 9, 'right', -1, 0.0000, -0.159, 0.328, 3.0),
+    ('bioloid', 'left_hip_roll', 10, 'left', 1, 0.0000, -0.159, 0.328, 3.0),
+    ('bioloid', 'right_hip_pitch', 11, 'right', -1, 0.0000, -0.496, 1.300, 3.0),
+    ('bioloid', 'left_hip_pitch', 12, 'left', 1, 0.0000, -0.496, 1.300, 3.0),
+    ('bioloid', 'right_knee', 13, 'right', 1, 0.0000, -2.339, 0.118, 3.0),
+    ('bioloid', 'left_knee', 14, 'left', -1, 0.0000, -2.339, 0.118, 3.0),
+    ('bioloid', 'right_ankle_pitch', 15, 'right', 1, 0.0000, -0.118, 1.346, 3.0),
+    ('bioloid', 'left_ankle_pitch', 16, 'left', -1, 0.0000, -0.118, 1.346, 3.0),
+    ('bioloid', 'right_ankle_roll', 17, 'right', 1, 0.0000, -0.256, 0.189, 3.0),
+    ('bioloid', 'left_ankle_roll', 18, 'left', -1, 0.0000, -0.256, 0.189, 3.0);
+
+
+INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
+    ('bioloid', 's', 's', 'joints.stop', NULL, 'view', 'Stop: every joint holds where it is; anyone may'),
+    ('bioloid', 'S', 'S', 'joints.stop', NULL, 'view', 'Stop: every joint holds where it is; anyone may'),
+    ('bioloid', 'stop', 'stop', 'joints.stop', NULL, 'view',
+     'Stop: every joint holds where it is; anyone may. With a name: end that external command'),
+    ('bioloid', 'report', '/report/{name}', 'executive.report', NULL, 'view',
+     'Show telemetry, settings, statistics, health, events or wiring'),
+    ('bioloid', 'status', 'status', 'executive.status', NULL, 'view', 'Show what runs and how it is'),
+    ('bioloid', 'restart', '/restart/{name}', 'executive.restart', NULL, 'operate',
+     'Stop a capability and start it anew, by its name'),
+    ('bioloid', 'estop', 'estop', 'executive.estop', NULL, 'view',
+     'Emergency stop: everything stops and stays so until reset, also over a restart; anyone may'),
+    ('bioloid', 'estop', '/estop/{reason...}', 'executive.estop', NULL, 'view', 'Emergency stop, and why'),
+    ('bioloid', 'reset', 'reset', 'executive.reset', NULL, 'operate',
+     'Release the emergency stop; nothing moves by that alone'),
+    ('bioloid', 'Shutdown', 'Shutdown', 'executive.shutdown', NULL, 'admin',
+     'Stop everything in order and end; mind the capital letter'),
+    ('bioloid', 'help', 'help', 'executive.help', NULL, 'view', 'List what can be said here');
+
+
+-- ---------------------------------------------------------------------------------------------------------------------
 -- Triggers that keep the revisions; last, so that a new database begins at revision 0. What lbr itself writes into the
 -- robot's row while it runs (last start and shutdown, emergency stop) is no revision.
 
@@ -752,6 +848,100 @@ BEGIN
     VALUES ('calibration', json_array(OLD.robot, OLD.device, OLD.name), 'delete',
             json_object('robot', OLD.robot, 'device', OLD.device, 'name', OLD.name, 'value', OLD.value,
             'measured_at', OLD.measured_at),
+            NULL);
+END;
+
+CREATE TRIGGER joint_insert AFTER INSERT ON joint
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
+            'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
+            'speed_rps', NEW.speed_rps));
+END;
+
+CREATE TRIGGER joint_update AFTER UPDATE ON joint
+WHEN (OLD.robot, OLD.name, OLD.device_id, OLD.side, OLD.sign, OLD.zero_rad, OLD.lower_rad, OLD.upper_rad, OLD.speed_rps)
+     IS NOT (NEW.robot, NEW.name, NEW.device_id, NEW.side, NEW.sign, NEW.zero_rad, NEW.lower_rad, NEW.upper_rad, NEW.speed_rps)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
+            'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
+            'speed_rps', OLD.speed_rps),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
+            'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
+            'speed_rps', NEW.speed_rps));
+END;
+
+CREATE TRIGGER joint_delete AFTER DELETE ON joint
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
+            'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
+            'speed_rps', OLD.speed_rps),
+            NULL);
+END;
+
+CREATE TRIGGER motion_insert AFTER INSERT ON motion
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'lead_in', NEW.lead_in,
+            'lead_out', NEW.lead_out));
+END;
+
+CREATE TRIGGER motion_update AFTER UPDATE ON motion
+WHEN (OLD.robot, OLD.name, OLD.help, OLD.lead_in, OLD.lead_out)
+     IS NOT (NEW.robot, NEW.name, NEW.help, NEW.lead_in, NEW.lead_out)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'lead_in', OLD.lead_in,
+            'lead_out', OLD.lead_out),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'lead_in', NEW.lead_in,
+            'lead_out', NEW.lead_out));
+END;
+
+CREATE TRIGGER motion_delete AFTER DELETE ON motion
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'lead_in', OLD.lead_in,
+            'lead_out', OLD.lead_out),
+            NULL);
+END;
+
+CREATE TRIGGER motion_step_insert AFTER INSERT ON motion_step
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step, 'duration_s', NEW.duration_s,
+            'positions', NEW.positions));
+END;
+
+CREATE TRIGGER motion_step_update AFTER UPDATE ON motion_step
+WHEN (OLD.robot, OLD.motion, OLD.step, OLD.duration_s, OLD.positions)
+     IS NOT (NEW.robot, NEW.motion, NEW.step, NEW.duration_s, NEW.positions)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'update',
+            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step, 'duration_s', OLD.duration_s,
+            'positions', OLD.positions),
+            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step, 'duration_s', NEW.duration_s,
+            'positions', NEW.positions));
+END;
+
+CREATE TRIGGER motion_step_delete AFTER DELETE ON motion_step
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(OLD.robot, OLD.motion, OLD.step), 'delete',
+            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step, 'duration_s', OLD.duration_s,
+            'positions', OLD.positions),
             NULL);
 END;
 

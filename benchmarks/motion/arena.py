@@ -24,7 +24,8 @@ from benchmarks.motion.reference import (
 from benchmarks.motion.senses import FULL_DPS, FULL_MPS, Body
 from benchmarks.motion.surroundings import MEMORY_S
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.drive import CommandReply, GoalResult
+from lbr.messages.drive import GoalResult
+from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import kernel

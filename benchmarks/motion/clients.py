@@ -5,7 +5,7 @@ from random import Random
 from typing import Literal, Protocol
 
 from benchmarks.motion.message import Message
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 
 RENEW_S = 0.1
 ANGLES = (0.0, 0.0, 0.0, 30.0, -30.0, 90.0, -90.0, 150.0, 180.0, 180.0, 210.0)

@@ -10,7 +10,7 @@ from benchmarks.motion.arena import Arena, ViolationError
 from benchmarks.motion.message import Message
 from benchmarks.motion.surroundings import SIDES
 from lbr.bus import stamp
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 
 TICK_S, SENSE_S, RENEW_S = 0.02, 0.1, 0.05
 FAR_M, NEAR_M, TARGET_CM = 1.5, 0.6, 90.0

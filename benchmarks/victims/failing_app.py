@@ -12,7 +12,8 @@ from failures import Fail, fail  # type: ignore[import-not-found]
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context
 from lbr.capability.kind import Kind
-from lbr.messages.drive import CommandReply, DriveCommand
+from lbr.messages.drive import DriveCommand
+from lbr.messages.leases import CommandReply
 
 RENEW_S = 0.1
 

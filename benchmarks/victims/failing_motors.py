@@ -11,7 +11,7 @@ from failures import Fail, fail  # type: ignore[import-not-found]
 from lbr.capability.context import Call
 from lbr.drivers import roboteq
 from lbr.drivers.roboteq.capability import Roboteq
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 
 
 class FailingMotors(Roboteq):

@@ -9,7 +9,8 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.capability import Asked, Call, Capability, Kind
-from lbr.messages.drive import CommandReply, DriveCommand
+from lbr.messages.drive import DriveCommand
+from lbr.messages.leases import CommandReply
 from lbr.messages.sensing import Ranges
 
 RENEW_S = 0.1

@@ -9,7 +9,7 @@ from msgspec import Struct
 from lbr.bus import stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.system import Role
 
 UNSTAMPED = "a bus client"

@@ -6,6 +6,7 @@ from msgspec import Raw, Struct
 
 from lbr.bus.access import Credentials
 from lbr.messages.dance import DanceStep
+from lbr.messages.joints import CapturedFrame, Joint, Motion
 from lbr.messages.speech import Phrase
 from lbr.messages.system import EstopState, Role
 
@@ -89,6 +90,8 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     calibration: dict[str, float] = {}
     phrases: tuple[Phrase, ...] = ()
     dance_steps: tuple[DanceStep, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    motions: tuple[Motion, ...] = ()
     estop: EstopState = EstopState(engaged=False, reason="")
     release_key: str = ""
     lan: LanConfig | None = None
@@ -97,10 +100,12 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A line from a process to its executive; an empty line is a bare heartbeat.
 
-    `calibration` is what was measured on the device that it calibrates, to be written down.
+    `calibration` is what was measured on the device that it calibrates, `captured` a key frame that was made; both are
+    to be written down.
     """
 
     phase: str = ""
     reason: str = ""
     counts: dict[str, int] = {}
     calibration: dict[str, float] = {}
+    captured: CapturedFrame | None = None

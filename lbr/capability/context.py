@@ -7,6 +7,7 @@ from typing import Any, Protocol, TypeVar
 from msgspec import Struct
 
 from lbr.messages.dance import DanceStep
+from lbr.messages.joints import CapturedFrame, Joint, Motion
 from lbr.messages.speech import Phrase
 from lbr.messages.system import Role, Stamp
 
@@ -97,6 +98,8 @@ class Context(Protocol[S_co]):
     calibration: Mapping[str, float]
     phrases: tuple[Phrase, ...]
     dance_steps: tuple[DanceStep, ...]
+    joints: tuple[Joint, ...]
+    motions: tuple[Motion, ...]
     on_tick: bool
 
     @property
@@ -144,6 +147,9 @@ class Context(Protocol[S_co]):
 
     def keep_calibration(self, values: Mapping[str, float]) -> None:
         """Have values of the device that this capability calibrates written down; it goes on without a restart."""
+
+    def keep_frame(self, captured: CapturedFrame) -> None:
+        """Have a key frame written down among the rows; `motions` has it at once, without a restart."""
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works (the runtime does so after `open`)."""

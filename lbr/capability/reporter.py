@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import msgspec
 
 from lbr.capability.config import Report
+from lbr.messages.joints import CapturedFrame
 
 BEAT_S = 0.2
 COUNTS_S = 1.0
@@ -38,6 +39,10 @@ class Reporter:
     def calibration(self, values: Mapping[str, float]) -> None:
         """Report what was measured on the device that this process calibrates."""
         self._write(_encode(Report(calibration=dict(values))))
+
+    def captured(self, captured: CapturedFrame) -> None:
+        """Report a key frame that was made here."""
+        self._write(_encode(Report(captured=captured)))
 
     def beat(self, counts: dict[str, int]) -> None:
         """Say that the main loop goes round; rate-limited here, so call it freely."""

@@ -21,6 +21,7 @@ from lbr.capability.reporter import Reporter
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import CheckVerdict
+from lbr.messages.joints import CapturedFrame, with_frame
 from lbr.messages.system import Event
 
 COMPLAINTS_PER_S = 2
@@ -111,6 +112,8 @@ class ProcessContext:
         self.calibration: Mapping[str, float] = config.calibration
         self.phrases = config.phrases
         self.dance_steps = config.dance_steps
+        self.joints = config.joints
+        self.motions = config.motions
         self.devices = tuple(Device(d.name, d.type, d.address, d.settings) for d in config.devices)
         self.device = next((d for d in self.devices if d.name == config.device), None)
         self.on_tick = False
@@ -225,6 +228,13 @@ class ProcessContext:
             raise ValueError(f"'{self.name}' calibrates no device: its kind says so by `calibrates`")
         self.calibration = {**self.calibration, **values}
         self._reporter.calibration(self.calibration)
+
+    def keep_frame(self, captured: CapturedFrame) -> None:
+        """Have a key frame written down among the rows."""
+        if "motion" not in self._kind.rows:
+            raise ValueError(f"'{self.name}' keeps no motions: its kind says so by `rows`")
+        self.motions = with_frame(self.motions, captured)
+        self._reporter.captured(captured)
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works."""

@@ -10,7 +10,8 @@ from lbr.bus import wire
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.errors import BusError, MalformedError
-from lbr.messages.drive import DEAD_LEASE, CommandReply, GoalResult, StopCommand
+from lbr.messages.drive import GoalResult
+from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
 from lbr.messages.system import Hold
 
 PERIOD_S = 0.1

@@ -7,7 +7,7 @@ from msgspec import Struct
 
 from lbr.database import decode, patterns
 from lbr.database.reader import json_strictly, shown
-from lbr.database.rows import Problem, RobotRow, RobotRows, VerbRow
+from lbr.database.rows import JointRow, MotionStepRow, Problem, RobotRow, RobotRows, VerbRow
 from lbr.database.tables import KEYS, RawRow, RawTables
 
 _LISTS = (
@@ -19,6 +19,9 @@ _LISTS = (
     "phrases",
     "choreographies",
     "calibrations",
+    "joints",
+    "motions",
+    "motion_steps",
 )
 
 
@@ -36,6 +39,9 @@ def check(tables: RawTables, robot: str, *, revision: int = 0, problems: Iterabl
         phrases=decode.decode("phrase", own["phrase"], decode.phrase, found),
         choreographies=decode.decode("choreography", own["choreography"], decode.choreography, found),
         calibrations=decode.decode("calibration", own["calibration"], decode.calibration, found),
+        joints=decode.decode("joint", own["joint"], decode.joint, found),
+        motions=decode.decode("motion", own["motion"], decode.motion, found),
+        motion_steps=decode.decode("motion_step", own["motion_step"], decode.motion_step, found),
         revision=revision,
     )
     return _Between(rows, own, found).checked()
@@ -82,10 +88,12 @@ class _Between:
         self._wiring()
         self._targets()
         self._same_lines()
+        self._same_servos()
+        self._motions()
         return self._passed()
 
     def _wrong(self, table: str, row: Struct, column: str, text: str) -> None:
-        key = [self._rows.robot.name, *(getattr(row, part) for part in KEYS[table][1:])]
+        key = [self._rows.robot.name, *(str(getattr(row, part)) for part in KEYS[table][1:])]
         self._bad.add(id(row))
         self._problems.append(Problem(table, "/".join(key), column, text))
 
@@ -139,6 +147,33 @@ class _Between:
         for command in self._rows.external_commands:
             if (command.name,) in said:
                 self._wrong("external_command", command, "name", f"'{command.name}' is a verb already")
+
+    def _same_servos(self) -> None:
+        servos: dict[int, str] = {}
+        for row in self._rows.joints:
+            first = servos.setdefault(row.device_id, row.name)
+            if first != row.name:
+                self._wrong("joint", row, "device_id", f"servo {row.device_id} moves joint '{first}' already")
+
+    def _motions(self) -> None:
+        joints = {row.name: row for row in self._rows.joints}
+        names = {row.name for row in self._rows.motions}
+        for row in self._rows.motions:
+            for column, other in (("lead_in", row.lead_in), ("lead_out", row.lead_out)):
+                if other and (other not in names or other == row.name):
+                    self._wrong("motion", row, column, f"there is no other motion '{other}'")
+        for step in self._rows.motion_steps:
+            if step.motion not in names:
+                self._wrong("motion_step", step, "motion", f"there is no motion '{step.motion}'")
+            for name, angle in step.positions.items():
+                self._angle(step, joints.get(name), name, angle)
+
+    def _angle(self, step: MotionStepRow, joint: JointRow | None, name: str, angle: float) -> None:
+        if joint is None:
+            self._wrong("motion_step", step, "positions", f"there is no joint '{shown(name)}'")
+        elif not joint.lower_rad <= angle <= joint.upper_rad:
+            text = f"{name}: {angle:g} is outside {joint.lower_rad:g} to {joint.upper_rad:g}, the joint's limits"
+            self._wrong("motion_step", step, "positions", text)
 
     def _passed(self) -> RobotRows:
         changed = {field: self._good(getattr(self._rows, field)) for field in _LISTS}

@@ -13,10 +13,14 @@ from lbr.database.rows import (
     ChoreographyRow,
     DeviceRow,
     ExternalCommandRow,
+    JointRow,
+    MotionRow,
+    MotionStepRow,
     PhraseRow,
     Problem,
     Restart,
     RobotRow,
+    Side,
     VerbRow,
 )
 from lbr.database.tables import KEYS, RawRow
@@ -171,3 +175,54 @@ def calibration(reader: RowReader, _: RawRow) -> CalibrationRow:
         value=reader.number("value"),
         measured_at=reader.text("measured_at"),
     )
+
+
+def joint(reader: RowReader, _: RawRow) -> JointRow:
+    """Read a joint's row."""
+    lower, upper = reader.within("lower_rad", -10.0, 10.0), reader.within("upper_rad", -10.0, 10.0)
+    if reader.good and not lower < upper:
+        reader.wrong("upper_rad", f"{upper:g} is not above lower_rad, {lower:g}")
+    speed = reader.within("speed_rps", 0.0, 100.0)
+    if reader.good and not speed > 0.0:
+        reader.wrong("speed_rps", "0 would never get anywhere")
+    return JointRow(
+        name=reader.name("name"),
+        device_id=reader.whole("device_id", 0, 253),
+        side=reader.choice("side", get_args(Side)),
+        sign=reader.choice("sign", (1, -1)),
+        zero_rad=reader.within("zero_rad", -10.0, 10.0),
+        lower_rad=lower,
+        upper_rad=upper,
+        speed_rps=speed,
+    )
+
+
+def motion(reader: RowReader, values: RawRow) -> MotionRow:
+    """Read a motion's row."""
+    return MotionRow(
+        name=reader.name("name"),
+        help=reader.text("help"),
+        lead_in=reader.name("lead_in") if values.get("lead_in") != "" else "",
+        lead_out=reader.name("lead_out") if values.get("lead_out") != "" else "",
+    )
+
+
+def motion_step(reader: RowReader, _: RawRow) -> MotionStepRow:
+    """Read a key frame."""
+    duration_s = reader.within("duration_s", 0.0, 60.0)
+    if reader.good and not duration_s > 0.0:
+        reader.wrong("duration_s", "0 is no time to get anywhere")
+    return MotionStepRow(
+        motion=reader.name("motion"),
+        step=reader.whole("step", 1, 10_000),
+        duration_s=duration_s,
+        positions=_positions(reader),
+    )
+
+
+def _positions(reader: RowReader) -> dict[str, float]:
+    positions = reader.json_object("positions")
+    for name, angle in positions.items():
+        if isinstance(angle, bool) or not isinstance(angle, int | float) or not -10.0 <= angle <= 10.0:
+            reader.wrong("positions", f"'{shown(name)}': '{shown(angle)}' is not an angle in radians")
+    return {name: float(angle) for name, angle in positions.items()} if reader.good else {}

@@ -152,6 +152,8 @@ class Motion(Model):
     robot: Mapped[str] = _robot_key()
     name: Mapped[str] = mapped_column(primary_key=True)
     help: Mapped[str]
+    lead_in: Mapped[str]
+    lead_out: Mapped[str]
 
 
 class MotionStep(Model):
@@ -241,5 +243,8 @@ CONFIGURATION: tuple[type[Model], ...] = (
     Phrase,
     Choreography,
     Calibration,
+    Joint,
+    Motion,
+    MotionStep,
 )
 """The tables that make a robot; their changes are revisions."""

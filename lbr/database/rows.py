@@ -7,6 +7,7 @@ from msgspec import Struct
 
 from lbr.messages.system import Role
 
+Side = Literal["left", "right", "centre"]
 Restart = Literal["never", "on-failure", "always"]
 
 
@@ -130,6 +131,40 @@ class CalibrationRow(Struct, frozen=True, kw_only=True):
     measured_at: str
 
 
+class JointRow(Struct, frozen=True, kw_only=True):
+    """One joint of a humanoid: which servo moves it, how the two angles relate, and how far and fast it may go.
+
+    Where the joint is at 0, the servo is at `zero_rad`; `sign` says whether it turns the way the joint counts.
+    """
+
+    name: str
+    device_id: int
+    side: Side = "centre"
+    sign: int = 1
+    zero_rad: float = 0.0
+    lower_rad: float
+    upper_rad: float
+    speed_rps: float
+
+
+class MotionRow(Struct, frozen=True, kw_only=True):
+    """A motion; its key frames are rows of their own. `lead_in` and `lead_out` name what is played before and after."""
+
+    name: str
+    help: str = ""
+    lead_in: str = ""
+    lead_out: str = ""
+
+
+class MotionStepRow(Struct, frozen=True, kw_only=True):
+    """A key frame: the angles that the named joints have `duration_s` after the step before."""
+
+    motion: str
+    step: int
+    duration_s: float
+    positions: dict[str, float]
+
+
 class RevisionRow(Struct, frozen=True, kw_only=True):
     """One change of a row, as the triggers kept it."""
 
@@ -191,6 +226,9 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     phrases: tuple[PhraseRow, ...] = ()
     choreographies: tuple[ChoreographyRow, ...] = ()
     calibrations: tuple[CalibrationRow, ...] = ()
+    joints: tuple[JointRow, ...] = ()
+    motions: tuple[MotionRow, ...] = ()
+    motion_steps: tuple[MotionStepRow, ...] = ()
     tokens: tuple[TokenRow, ...] = ()
     revision: int = 0
     digest: str = ""

@@ -11,8 +11,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+import msgspec
 from msgspec.structs import replace
-from sqlalchemy import Connection, select, update
+from sqlalchemy import Connection, func, select, update
 from sqlalchemy.dialects.sqlite import insert
 
 from lbr.database import adopted, audit, history, tokens
@@ -20,12 +21,13 @@ from lbr.database.checks import check
 from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, flush_log, pragma, run, sentences, transaction
 from lbr.database.files import check_file
 from lbr.database.migrate import bring_up_to_date
-from lbr.database.models import Calibration, Robot
+from lbr.database.models import Calibration, Motion, MotionStep, Robot
 from lbr.database.reader import shown
 from lbr.database.resources import robot_db_sql
 from lbr.database.rows import AuditRow, RevisionRow, RobotRows, TokenRow
 from lbr.database.tables import RawTables, read_tables
 from lbr.errors import InputError, RowError
+from lbr.messages.joints import CapturedFrame
 from lbr.messages.system import Event, Role
 
 APPLICATION_ID = 0x4C425231
@@ -162,6 +164,17 @@ class Database:
         if rows:
             with self._writing(durable=True) as connection:
                 connection.execute(statement, rows)
+
+    def append_frame(self, robot: str, captured: CapturedFrame) -> None:
+        """Write a key frame after the last of its motion, which is a new row if there is none."""
+        key = {"robot": robot, "motion": captured.motion}
+        new = insert(Motion).values(robot=robot, name=captured.motion, help=captured.help, lead_in="", lead_out="")
+        with self._writing(durable=True) as connection:
+            connection.execute(new.on_conflict_do_nothing())
+            steps = select(func.max(MotionStep.step)).filter_by(**key)
+            positions = msgspec.json.encode(captured.frame.positions).decode()
+            step = {"step": (connection.scalar(steps) or 0) + 1, "positions": positions}
+            connection.execute(insert(MotionStep).values(**key, **step, duration_s=captured.frame.duration_s))
 
     def tokens(self) -> tuple[TokenRow, ...]:
         """Return every token's row, revoked and expired ones too."""

@@ -18,7 +18,8 @@ from lbr.executive import reports
 from lbr.executive.choices import choices
 from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
-from lbr.messages.drive import DEAD_LEASE, DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.leases import DEAD_LEASE
 from lbr.messages.system import RANKS, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2

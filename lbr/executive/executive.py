@@ -47,6 +47,7 @@ from lbr.executive.supervisor import Supervisor
 from lbr.executive.troubles import Troubles
 from lbr.executive.units import Unit
 from lbr.executive.watch import RowWatch
+from lbr.messages.joints import CapturedFrame
 from lbr.messages.system import ConsoleResult, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
@@ -104,6 +105,7 @@ class Executive:
             self._happened,
             lambda name: name in self._presence.names,
             calibrated=self._calibrated,
+            captured=self._captured,
         )
         self._overview = Overview(self._supervisor)
         self._watch = RowWatch(database, profile, self._site)
@@ -318,8 +320,21 @@ class Executive:
             )
             self._happened("calibration_lost", name, text, "error")
             return
-        self.plan = plans.calibrated(self.plan, name, values)
-        self._supervisor.slots[name].unit = self.plan.units[name]
+        self._keeps(plans.calibrated(self.plan, name, values), name)
+
+    def _captured(self, name: str, captured: CapturedFrame) -> None:
+        """Write down a key frame that a capability has made; it goes on with it already, and is not restarted for it."""
+        try:
+            self._database.append_frame(self.plan.robot, captured)
+        except LbrError as err:
+            text = f"the key frame of '{captured.motion}' holds until the next restart only, it was not written: {err}"
+            self._happened("frame_lost", name, text, "error")
+            return
+        self._keeps(plans.captured(self.plan, name, captured), name)
+
+    def _keeps(self, plan: Plan, name: str) -> None:
+        self.plan = plan
+        self._supervisor.slots[name].unit = plan.units[name]
         self._watch.look_again()
 
     def _became_ready(self, *, announce: bool) -> None:

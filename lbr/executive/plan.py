@@ -15,8 +15,9 @@ from lbr.database.rows import CapabilityRow, Problem, RobotRows
 from lbr.executive.devices import check_device_settings, check_devices
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
-from lbr.executive.units import LAN, Unit, commands_of, streams_of, unit, with_lan
+from lbr.executive.units import LAN, Unit, by_name, commands_of, streams_of, unit, with_lan
 from lbr.executive.wiring import check_channels, check_verbs
+from lbr.messages.joints import CapturedFrame, with_frame
 
 EXECUTIVE = "executive"
 
@@ -91,6 +92,13 @@ def calibrated(plan: Plan, name: str, values: Mapping[str, float]) -> Plan:
     """Return the plan with a unit that has these values already: rows that say the same do not restart it."""
     unit = plan.units[name]
     unit = replace(unit, config=replace(unit.config, calibration={**unit.config.calibration, **values}))
+    return replace(plan, units={**plan.units, name: unit})
+
+
+def captured(plan: Plan, name: str, frame: CapturedFrame) -> Plan:
+    """Return the plan with a unit that has this key frame already: rows that say the same do not restart it."""
+    unit = plan.units[name]
+    unit = replace(unit, config=replace(unit.config, motions=by_name(with_frame(unit.config.motions, frame))))
     return replace(plan, units={**plan.units, name: unit})
 
 

@@ -14,6 +14,7 @@ from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.scheduling import BACKGROUND, niceness
 from lbr.executive.slot import Slot, Started
 from lbr.executive.units import Unit
+from lbr.messages.joints import CapturedFrame
 
 HANG_S = 1.2
 HANG_MOVER_S = 0.8
@@ -32,7 +33,8 @@ class Supervisor:
     """Owns every process of the plan. `happened(kind, subject, text, level)` is told whatever people should know.
 
     `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
-    `calibrated(name, values)` is told what a capability has measured on the device that it calibrates.
+    `calibrated(name, values)` is told what a capability has measured on the device that it calibrates, and `captured(name, frame)` what
+    key frame it has made.
     """
 
     def __init__(
@@ -43,6 +45,7 @@ class Supervisor:
         clock: Callable[[], float] = time.monotonic,
         dice: random.Random | None = None,
         calibrated: Callable[[str, dict[str, float]], None] = lambda _name, _values: None,
+        captured: Callable[[str, CapturedFrame], None] = lambda _name, _frame: None,
     ) -> None:
         self.slots: dict[str, Slot] = {}
         self._leaving: list[Slot] = []
@@ -51,6 +54,7 @@ class Supervisor:
         self._happened = happened
         self._present = present
         self._calibrated = calibrated
+        self._captured = captured
         self._clock = clock
         self._dice = dice or random.Random()
 
@@ -161,6 +165,8 @@ class Supervisor:
                 self._count(slot, report.counts, now)
             if report.calibration:
                 self._calibrated(slot.unit.name, report.calibration)
+            if report.captured is not None:
+                self._captured(slot.unit.name, report.captured)
             if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
                 slot.said = (report.phase, report.reason)
             elif report.phase in {"failed", "hung"}:

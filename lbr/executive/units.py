@@ -19,6 +19,7 @@ from lbr.executive.devices import device_address
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 from lbr.messages.dance import DanceStep
+from lbr.messages.joints import Joint, KeyFrame, Motion
 from lbr.messages.speech import Phrase
 
 LAN = "lan"
@@ -81,6 +82,8 @@ def unit(
         calibration={c.name: c.value for c in rows.calibrations if calibrates and c.device == calibrates},
         phrases=_phrases(rows) if "phrase" in kind.rows else (),
         dance_steps=_dance_steps(rows) if "choreography" in kind.rows else (),
+        joints=_joints(rows) if "joint" in kind.rows else (),
+        motions=_motions(rows) if "motion" in kind.rows else (),
         release_key=site.seal(keys.estop_release(robot, row.name)),
     )
     return Unit(
@@ -124,6 +127,11 @@ def with_lan(unit: Unit, units: Mapping[str, Unit], kinds: Mapping[str, Kind], r
     return replace(unit, config=replace(unit.config, lan=config))
 
 
+def by_name(motions: Iterable[Motion]) -> tuple[Motion, ...]:
+    """Return motions in the order of the rows."""
+    return tuple(sorted(motions, key=lambda motion: motion.name))
+
+
 def commands_of(unit: Unit, kind: Kind) -> tuple[str, ...]:
     """Return what a unit can be asked for."""
     return tuple(unit.program.commands if unit.program is not None else kind.commands)
@@ -143,6 +151,28 @@ def _dance_steps(rows: RobotRows) -> tuple[DanceStep, ...]:
     return tuple(
         DanceStep(dance=row.dance, step=row.step, power=row.power, angle_deg=row.angle_deg, beats=row.beats)
         for row in rows.choreographies
+    )
+
+
+def _joints(rows: RobotRows) -> tuple[Joint, ...]:
+    return tuple(msgspec.convert(row, Joint, from_attributes=True) for row in rows.joints)
+
+
+def _motions(rows: RobotRows) -> tuple[Motion, ...]:
+    steps = sorted(rows.motion_steps, key=lambda step: step.step)
+    return by_name(
+        Motion(
+            name=row.name,
+            frames=tuple(
+                KeyFrame(positions=step.positions, duration_s=step.duration_s)
+                for step in steps
+                if step.motion == row.name
+            ),
+            help=row.help,
+            lead_in=row.lead_in,
+            lead_out=row.lead_out,
+        )
+        for row in rows.motions
     )
 
 

@@ -1,20 +1,14 @@
 """Messages on `drive/*`: what moves the base, and what the base says back."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from msgspec import Meta, Struct
+from msgspec import Struct
 
+from lbr.messages.leases import LeaseId
 from lbr.messages.units import AngleDeg, DistanceCm, HeadingDeg, IntervalS, Power, RangeCm, SignedPower, TtlS, TurnDeg
 
 Direction = Literal["forward", "back", "left", "right"]
 Sensor = Literal["forward", "back", "left", "right", "bottom"]
-LeaseId = Annotated[
-    str, Meta(max_length=64, description="the lease this command renews or changes; empty asks for one")
-]
-
-
-DEAD_LEASE = "lease is dead: "
-"""How the refusal of a command begins whose lease is not the live one; what follows is how that one ended."""
 
 
 class DriveCommand(Struct, frozen=True, kw_only=True):
@@ -49,22 +43,6 @@ class HeadingCommand(Struct, frozen=True, kw_only=True):
     take_over: bool = False
 
 
-class StopCommand(Struct, frozen=True, kw_only=True):
-    """Stop, whoever holds the robot; ends every goal, observer and timer."""
-
-    reason: Annotated[str, Meta(max_length=200)] = ""
-
-
-class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What became of a command: accepted, with the lease it lives by; or refused, with the reason."""
-
-    accepted: bool
-    reason: str = ""
-    lease: str = ""
-    ttl_s: float | None = None
-    goal: str = ""
-
-
 class GoalResult(Struct, frozen=True, kw_only=True):
     """How a bounded move or a turn ended. `reached` and `interval` are the planned ends; all others carry a reason.
 
@@ -74,8 +52,8 @@ class GoalResult(Struct, frozen=True, kw_only=True):
     goal: str
     result: Literal["reached", "interval", "stopped", "lapsed", "superseded", "fault"]
     reason: str
-    range_cm: float | None
     elapsed_s: float
+    range_cm: float | None = None
     turned_deg: float | None = None
     error_deg: float | None = None
     distance_m: float | None = None

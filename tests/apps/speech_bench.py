@@ -9,7 +9,7 @@ from typing import Any
 
 from lbr.apps.speech import KIND
 from lbr.capability.context import Device
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.speech import Phrase, SayCommand, SpeechState
 
 ENGINE = textwrap.dedent("""

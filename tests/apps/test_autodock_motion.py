@@ -9,7 +9,8 @@ import pytest
 from lbr.apps.autodock.motion import Motion
 from lbr.apps.program import Robot
 from lbr.bus import codec, session, wire
-from lbr.messages.drive import CommandReply, GoalResult
+from lbr.messages.drive import GoalResult
+from lbr.messages.leases import CommandReply
 
 FIELDS = {"power": 0.2, "angle_deg": 180.0}
 

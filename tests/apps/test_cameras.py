@@ -6,7 +6,7 @@ import pytest
 from lbr.apps.cameras import KIND
 from lbr.capability.context import Received
 from lbr.messages.camera import CameraState, SelectCommand
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 
 
 class Bus:

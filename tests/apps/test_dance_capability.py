@@ -8,7 +8,7 @@ from lbr.apps.dance import KIND
 from lbr.apps.dance.mover import TAKING_POWER
 from lbr.capability.context import Received
 from lbr.messages.dance import DanceCommand, DanceStep
-from lbr.messages.drive import CommandReply, StopCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import PlayReply, SpeechState
 
 STEPS = (

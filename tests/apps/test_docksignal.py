@@ -10,7 +10,7 @@ from lbr.apps.docksignal.__main__ import heard
 from lbr.bus import codec, session, wire
 from lbr.errors import InputError
 from lbr.messages.dock import DockHeard
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from tests.robot import environment
 
 

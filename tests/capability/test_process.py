@@ -21,7 +21,7 @@ PROBE = """
     from msgspec import Struct
     from lbr.capability import Capability, Kind
     from lbr.errors import DeviceError
-    from lbr.messages.drive import CommandReply
+    from lbr.messages.leases import CommandReply
     from lbr.messages.motors import MotorSetpoint
 
 

@@ -8,7 +8,8 @@ from typing import get_args
 import msgspec
 
 from lbr.bus import keys, session, stamp, wire
-from lbr.messages.drive import CommandReply, GoalResult
+from lbr.messages.drive import GoalResult
+from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult, EstopState, Event, Hold, Role, Status
 
 ROBOT = "rob"

@@ -5,7 +5,8 @@ from hypothesis import strategies as st
 from lbr.console.verbs import ExternalCall, ExternalStop, PythonLine, VerbCall, Vocabulary
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.errors import InputError
-from lbr.messages.drive import DriveCommand, StopCommand
+from lbr.messages.drive import DriveCommand
+from lbr.messages.leases import StopCommand
 
 
 def verb(pattern: str, target: str, payload: dict | None = None) -> VerbRow:

@@ -155,6 +155,8 @@ BAD_ROWS = [
     ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1, "zero_rad": 99}),
     ("joint", {"name": "J", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1}),
     ("motion", {"name": "Bow"}),
+    ("motion", {"name": "b", "lead_in": "Bow"}),
+    ("motion", {"name": "b", "lead_out": "b w"}),
     ("motion_step", {"motion": "none", "step": 1, "duration_s": 1.0, "positions": "{}"}),
     ("motion_step", {"motion": "bow", "step": 0, "duration_s": 1.0, "positions": "{}"}),
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 0, "positions": "{}"}),
@@ -231,6 +233,9 @@ CHANGES = {
     "phrase": "text = 'Hm.'",
     "choreography": "power = 0.25",
     "calibration": "value = 2.0",
+    "joint": "speed_rps = 2.0",
+    "motion": "help = 'another'",
+    "motion_step": "duration_s = 9.0",
 }
 
 

@@ -7,7 +7,8 @@ from lbr.apps.program import Robot
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
-from lbr.messages.drive import DEAD_LEASE, CommandReply, GoalResult
+from lbr.messages.drive import GoalResult
+from lbr.messages.leases import DEAD_LEASE, CommandReply
 
 TTL_S = 0.8
 """Slow motions, by a program that has to wait while the machine is busy."""

@@ -11,7 +11,7 @@ from lbr.apps.program import Robot
 from lbr.bus import codec, keys, wire
 from lbr.errors import BusError, MalformedError
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.drive import StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.speech import SayCommand
 
 STOP_S = 1.0

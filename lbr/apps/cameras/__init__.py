@@ -4,7 +4,7 @@ from msgspec import Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.camera import CamerasState, CameraState, SelectCommand, SwitchCommand
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 
 
 class CamerasSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -7,7 +7,7 @@ from lbr.apps.cameras import CamerasSettings
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context
 from lbr.messages.camera import CameraPhase, CamerasState, CameraState, SelectCommand, SwitchCommand
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 
 PREFIX = "camera_"
 OFF = "off"

@@ -6,7 +6,8 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.dance import DanceCommand, DanceState
-from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.messages.drive import DriveCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SpeechState
 from lbr.messages.units import Name
 

@@ -12,7 +12,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.dance import DanceCommand, DanceState
-from lbr.messages.drive import CommandReply, StopCommand
+from lbr.messages.leases import CommandReply, StopCommand
 
 STATE_EVERY_S = 1.0
 RESTING = DanceState(phase="resting")

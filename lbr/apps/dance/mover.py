@@ -5,7 +5,8 @@ from typing import Any, Protocol
 
 from lbr.apps.dance.choreography import REST, Move
 from lbr.capability.context import Asked
-from lbr.messages.drive import DEAD_LEASE, CommandReply, DriveCommand, StopCommand
+from lbr.messages.drive import DriveCommand
+from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
 
 RENEW_S = 0.1
 SILENT_S = 0.5

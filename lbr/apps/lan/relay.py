@@ -11,7 +11,7 @@ from typing import get_args
 
 from lbr.bus import keys, stamp, wire
 from lbr.bus.session import Session
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult, Role
 
 COMMAND_S = 3.0

@@ -5,7 +5,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SayCommand, SpeechState
 from lbr.messages.units import Fraction, Name
 

@@ -17,7 +17,7 @@ from lbr.apps.speech.writer import Writer
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import DeviceError, InputError
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SayCommand, SpeechState
 
 RECORDING = "<"

@@ -6,7 +6,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
 
 Pixels = Annotated[int, Meta(ge=16, le=4096)]

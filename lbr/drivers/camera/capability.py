@@ -10,7 +10,7 @@ from lbr.drivers.camera.capture import Capture
 from lbr.drivers.camera.source import Picture, open_source
 from lbr.errors import DeviceError, InputError
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 
 STATE_PERIOD_S = 1.0
 OFF_S, ON_S = 0.6, 1.1

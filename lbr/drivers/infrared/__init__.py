@@ -6,7 +6,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.dock import DockHeard, DockSignal
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
 
 Beam = Literal["left", "right", "power"]

@@ -10,7 +10,7 @@ from lbr.drivers.infrared.receiver import Receiver
 from lbr.drivers.infrared.records import ANY_PROTOCOL, Scancode
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockSignal
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 
 PUBLISH_S = 0.5
 SOONEST_S = 0.1

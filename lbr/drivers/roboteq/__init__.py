@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.units import Name
 

@@ -10,7 +10,7 @@ from lbr.drivers.roboteq.controller import Controller
 from lbr.drivers.roboteq.guard import Guard
 from lbr.drivers.serial_line import SerialLine, open_line
 from lbr.errors import DeviceError
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState
 
 PUBLISH_PERIOD_S = 0.05

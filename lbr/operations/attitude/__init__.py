@@ -2,8 +2,9 @@
 
 from lbr.capability.kind import Kind
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress, ObserveCommand
-from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.messages.drive import DriveCommand
 from lbr.messages.imu import ImuSample
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.attitude.settings import AttitudeSettings
 
 KIND = Kind(

@@ -7,8 +7,8 @@ from pathlib import Path
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.attitude import CalibrateCommand, CalibrationProgress
-from lbr.messages.drive import CommandReply
 from lbr.messages.imu import ImuSample
+from lbr.messages.leases import CommandReply
 from lbr.operations.attitude.compass import MagCalibration
 from lbr.operations.attitude.fit import Fit, FitError, fit, level_part
 from lbr.operations.attitude.fusion import Fusion

@@ -3,7 +3,7 @@
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.operations.attitude.calibration import Calibration
 from lbr.operations.attitude.fusion import Fusion
 from lbr.operations.attitude.settings import AttitudeSettings

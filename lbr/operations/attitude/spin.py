@@ -3,7 +3,8 @@
 from typing import Literal
 
 from lbr.capability.context import Asked, Context
-from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.messages.drive import DriveCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.attitude.settings import AttitudeSettings
 
 RENEW_S = 0.1

@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.battery import BatteryState
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState
 from lbr.messages.speech import SayCommand
 

@@ -2,16 +2,8 @@
 
 from lbr.capability.kind import Kind
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.drive import (
-    CheckRequest,
-    CommandReply,
-    DriveCommand,
-    DriveState,
-    GoalResult,
-    HeadingCommand,
-    StopCommand,
-    TurnCommand,
-)
+from lbr.messages.drive import CheckRequest, DriveCommand, DriveState, GoalResult, HeadingCommand, TurnCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges

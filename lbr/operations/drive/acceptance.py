@@ -4,7 +4,8 @@ from collections.abc import Callable
 from math import isfinite, isnan
 from typing import Literal
 
-from lbr.messages.drive import DEAD_LEASE, DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.leases import DEAD_LEASE
 from lbr.operations.drive import travelling, turning
 from lbr.operations.drive.asked import Motion, moves, power_of, towards_deg, what
 from lbr.operations.drive.freshness import TWICE, dated, insists, not_fresh, quoted

@@ -4,7 +4,7 @@ from math import copysign, inf, isnan, nan
 
 from msgspec.structs import replace
 
-from lbr.messages.drive import CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals
 from lbr.operations.drive.acceptance import intent, notes, refusal, streams

@@ -8,7 +8,8 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.drive import CheckVerdict, CommandReply, GoalResult, Sensor
+from lbr.messages.drive import CheckVerdict, GoalResult, Sensor
+from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges

@@ -9,7 +9,8 @@ from imu_bench import MadeUpImu
 
 from lbr.capability.context import Received
 from lbr.messages.attitude import CalibrateCommand, ObserveCommand
-from lbr.messages.drive import CommandReply, DriveCommand, StopCommand
+from lbr.messages.drive import DriveCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.attitude.capability import Attitude
 from lbr.operations.attitude.settings import AttitudeSettings
 

@@ -3,7 +3,8 @@
 from math import nan
 
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.drive import CommandReply, DriveCommand, GoalResult, HeadingCommand, TurnCommand
+from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand
+from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges

@@ -7,7 +7,8 @@ from typing import Any
 from drive_bench import motors, ranges
 
 from lbr.capability.context import Received
-from lbr.messages.drive import CommandReply, DriveCommand, HeadingCommand, StopCommand, TurnCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.drive.settings import DriveSettings
 
 

@@ -1,0 +1,183 @@
+"""Messages on `joints/*` and `motions/*`: what moves a humanoid, and what its joints say back."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+from msgspec.structs import replace
+
+from lbr.messages.drive import LoopStatistics
+from lbr.messages.leases import LeaseId
+from lbr.messages.servos import ServoPhase
+from lbr.messages.units import Name, TtlS
+
+JointRad = Annotated[float, Meta(ge=-10.0, le=10.0, description="radians from the joint's zero")]
+JointDeg = Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees from the joint's zero")]
+JointRps = Annotated[float, Meta(gt=0.0, le=100.0, description="radians a second")]
+DurationS = Annotated[float, Meta(gt=0.0, le=60.0, description="seconds")]
+Interpolation = Literal["smooth", "linear"]
+MAX_FRAMES = 1000
+
+
+class Joint(Struct, frozen=True, kw_only=True):
+    """A row of the table `joint`: the servo is at `zero_rad + sign * joint angle`."""
+
+    name: str
+    device_id: int
+    side: Literal["left", "right", "centre"] = "centre"
+    sign: int = 1
+    zero_rad: float = 0.0
+    lower_rad: float
+    upper_rad: float
+    speed_rps: float
+
+
+class KeyFrame(Struct, frozen=True, kw_only=True):
+    """The angles that the named joints are to have `duration_s` after the frame before; joints left out stay."""
+
+    positions: dict[str, JointRad]
+    duration_s: DurationS
+
+
+class Motion(Struct, frozen=True, kw_only=True):
+    """A row of the table `motion` with its key frames."""
+
+    name: str
+    frames: tuple[KeyFrame, ...]
+    help: str = ""
+    lead_in: str = ""
+    lead_out: str = ""
+
+
+class CapturedFrame(Struct, frozen=True, kw_only=True):
+    """A key frame that was made here, to be written down after the last of its motion; `help` is for a new one."""
+
+    motion: str
+    frame: KeyFrame
+    help: str = ""
+
+
+class JointsCommand(Struct, frozen=True, kw_only=True):
+    """Move joints, for as long as the lease is renewed: to `positions`, or through `frames`.
+
+    The way to `positions` takes `duration_s`, or as long as `speed_rps` needs for the longest way, or what the rows allow.
+    A joint never goes faster than its row says: then all take longer. `smooth` passes through key frames without
+    stopping; `linear` goes straight from one to the next.
+    """
+
+    positions: dict[str, JointRad] = {}
+    frames: Annotated[tuple[KeyFrame, ...], Meta(max_length=MAX_FRAMES)] = ()
+    duration_s: DurationS | None = None
+    speed_rps: JointRps | None = None
+    interpolation: Interpolation = "smooth"
+    mirror: bool = False
+    lease: LeaseId = ""
+    ttl_s: TtlS | None = None
+    take_over: bool = False
+
+
+class JointMove(Struct, frozen=True, kw_only=True):
+    """Move one joint, as people say it: in degrees, at so many degrees a second."""
+
+    joint: Name
+    angle_deg: JointDeg
+    speed_dps: Annotated[float, Meta(gt=0.0, le=1000.0, description="degrees a second")] = 30.0
+    lease: LeaseId = ""
+    ttl_s: TtlS | None = None
+    take_over: bool = False
+
+
+class TorqueCommand(Struct, frozen=True, kw_only=True):
+    """Switch the torque of joints on, where they are, or off; no joint named: all of them.
+
+    All off drops the robot: it is refused unless it says `confirmed`.
+    """
+
+    on: bool
+    joints: tuple[Name, ...] = ()
+    confirmed: bool = False
+    lease: LeaseId = ""
+
+
+class RecoverCommand(Struct, frozen=True, kw_only=True):
+    """Take joints out of what they have latched, such as an overload whose cause is gone; no joint named: all."""
+
+    joints: tuple[Name, ...] = ()
+
+
+class JointState(Struct, frozen=True, kw_only=True):
+    """One joint as it was measured last; null is not measured. `load` is a fraction of its most, the way it counts.
+
+    `goal_rad` is what its servo is to hold or reach, read from what was sent. `torque` is what is applied, 0 for none.
+    `faults` are there now; `latched` keep it without torque until it is recovered. `raw` is the servo's own number.
+    """
+
+    id: int
+    position_rad: float | None = None
+    speed_rps: float | None = None
+    load: float | None = None
+    goal_rad: float | None = None
+    torque: float | None = None
+    voltage_v: float | None = None
+    temperature_c: float | None = None
+    faults: tuple[str, ...] = ()
+    latched: tuple[str, ...] = ()
+    raw: int | None = None
+    age_s: float | None = None
+    reason: str = ""
+
+
+class JointsState(Struct, frozen=True, kw_only=True):
+    """All joints out of one sweep of the bus, who moves them, and why they stand still."""
+
+    sequence: int
+    measured_s: float
+    moving: bool
+    phase: ServoPhase
+    joints: dict[str, JointState]
+    holder: str | None = None
+    goal: str | None = None
+    reason: str = ""
+    estop: bool = False
+    loop: LoopStatistics | None = None
+
+
+class PlayCommand(Struct, frozen=True, kw_only=True):
+    """Play a motion of the rows `times` times, for as long as the lease is renewed; its lead-in and lead-out once."""
+
+    motion: Name
+    times: Annotated[int, Meta(ge=1, le=1000)] = 1
+    speed: Annotated[float, Meta(ge=0.1, le=3.0, description="1: as the rows say")] = 1.0
+    mirror: bool = False
+    lease: LeaseId = ""
+    ttl_s: TtlS | None = None
+    take_over: bool = False
+
+
+class CaptureCommand(Struct, frozen=True, kw_only=True):
+    """Write the pose that the joints have now down as a key frame: of a new motion, or after the last of one there is."""
+
+    motion: Name
+    duration_s: DurationS = 1.0
+    help: Annotated[str, Meta(max_length=200)] = ""
+
+
+class MotionsState(Struct, frozen=True, kw_only=True):
+    """What is played, and at which key frame it is, from 1; `reason` says how the last one ended."""
+
+    playing: bool
+    motion: str = ""
+    frame: int = 0
+    frames: int = 0
+    round: int = 0
+    times: int = 0
+    holder: str | None = None
+    reason: str = ""
+
+
+def with_frame(motions: tuple[Motion, ...], captured: CapturedFrame) -> tuple[Motion, ...]:
+    """Return the motions with a key frame after the last of its motion, which is a new one if there is none."""
+    known = next((motion for motion in motions if motion.name == captured.motion), None)
+    if known is None:
+        return (*motions, Motion(name=captured.motion, frames=(captured.frame,), help=captured.help))
+    longer = replace(known, frames=(*known.frames, captured.frame))
+    return tuple(longer if motion is known else motion for motion in motions)

@@ -1,0 +1,92 @@
+"""Messages on `servos/*`: between joints operation and the driver of a servo bus, in the servos' own angles."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.messages.units import Fraction
+
+ServoId = Annotated[int, Meta(ge=0, le=253, description="the servo's number on its bus")]
+ServoRad = Annotated[float, Meta(ge=-10.0, le=10.0, description="radians from the middle of its range")]
+ServoRps = Annotated[float, Meta(gt=0.0, le=100.0, description="radians a second")]
+ServoPhase = Literal["released", "following", "holding", "releasing"]
+
+
+class ServoGoal(Struct, frozen=True, kw_only=True):
+    """What one servo is to do. `position_rad` null: stay where it is. `torque` is a fraction of its most; 0 is off."""
+
+    id: ServoId
+    position_rad: ServoRad | None = None
+    speed_rps: ServoRps | None = None
+    torque: Fraction = 1.0
+
+
+class ServoSetpoint(Struct, frozen=True, kw_only=True):
+    """The goals of a bus; valid for 0.1 s. Servos that it does not name are to be without torque.
+
+    `lost`: whoever moved them is gone. The driver then does as when setpoints cease: it holds, then lets go slowly.
+    `halt` counts the stops: another number than before is to be told to every servo before anything else.
+    """
+
+    goals: tuple[ServoGoal, ...]
+    lost: bool = False
+    halt: int = 0
+    lease: str = ""
+
+
+class ServoState(Struct, frozen=True, kw_only=True):
+    """One servo as it was measured last; null is not measured. `load` is a fraction of its most, as `speed_rps` signed.
+
+    `faults` are what it reports of itself or the driver found, `latched` those of them that keep it without torque
+    until it is recovered. `reason` says why nothing is measured. `age_s` is how old the position is.
+    """
+
+    id: int
+    position_rad: float | None = None
+    speed_rps: float | None = None
+    load: float | None = None
+    goal_rad: float | None = None
+    torque: float | None = None
+    voltage_v: float | None = None
+    temperature_c: float | None = None
+    faults: tuple[str, ...] = ()
+    latched: tuple[str, ...] = ()
+    raw: int | None = None
+    age_s: float | None = None
+    reason: str = ""
+
+
+class BusStatistics(Struct, frozen=True, kw_only=True):
+    """The line over the last second or so, and what went wrong on it since it was opened."""
+
+    sweeps_hz: float = 0.0
+    states_hz: float = 0.0
+    sweep_ms: float = 0.0
+    timeouts: int = 0
+    corrupt: int = 0
+    retries: int = 0
+    strays: int = 0
+    sync_read: bool = False
+
+
+class ServosState(Struct, frozen=True, kw_only=True):
+    """One coherent look at every servo of a bus. `sweep` counts; `measured_s` is when it ended, monotonic.
+
+    `armed` says that a setpoint would be applied; `reason` says why not.
+    """
+
+    sweep: int
+    measured_s: float
+    armed: bool
+    phase: ServoPhase
+    servos: tuple[ServoState, ...]
+    reason: str = ""
+    estop: bool = False
+    halt: int = 0
+    bus: BusStatistics = BusStatistics()
+
+
+class RecoverServos(Struct, frozen=True, kw_only=True):
+    """Take servos out of their latched faults, where the cause is gone; moves nothing. Empty: all."""
+
+    ids: tuple[ServoId, ...] = ()
