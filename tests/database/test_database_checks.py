@@ -25,7 +25,21 @@ def shipped() -> dict:
     tables["calibration"] = [
         {"robot": "lbr", "device": "range_board", "name": "offset_cm", "value": 1.5, "measured_at": "2026-01-01"}
     ]
-    return tables
+    neck = {"name": "neck", "device_id": 1, "side": "centre", "sign": 1, "zero_rad": 0.0, "speed_rps": 1.0}
+    tables["joint"] = [
+        {"robot": "lbr", **neck, "lower_rad": -1.0, "upper_rad": 1.0},
+        {"robot": "lbr", **neck, "name": "jaw", "device_id": 2, "lower_rad": 0.0, "upper_rad": 0.5},
+    ]
+    tables["motion"] = [
+        {"robot": "lbr", "name": name, "help": "", "lead_in": lead_in, "lead_out": ""}
+        for name, lead_in in (("nod", "rest"), ("rest", ""))
+    ]
+    tables["motion_step"] = [
+        {"robot": "lbr", "motion": "nod", "step": 1, "duration_s": 1.0, "positions": '{"neck": 0.5, "jaw": 0}'}
+    ]
+    return {
+        name: [row for row in rows if row.get("robot", row.get("name")) == "lbr"] for name, rows in tables.items()
+    } | {"phrase": tables["phrase"]}
 
 
 SHIPPED = shipped()
@@ -117,6 +131,24 @@ BAD_VALUES = [
     ("calibration", 0, "value", float("inf"), "is not a finite number"),
     ("calibration", 0, "value", "1.5", "is not a finite number"),
     ("calibration", 0, "measured_at", None, "is NULL"),
+    ("joint", 0, "device_id", 254, "'254' is not a whole number from 0 to 253"),
+    ("joint", 1, "device_id", 1, "servo 1 moves joint 'neck' already"),
+    ("joint", 0, "side", "top", "'top' is none of left, right, centre"),
+    ("joint", 0, "sign", 0, "'0' is none of 1, -1"),
+    ("joint", 0, "zero_rad", 11.0, "11 is outside -10 to 10"),
+    ("joint", 0, "lower_rad", float("nan"), "is not a finite number"),
+    ("joint", 0, "upper_rad", -2.0, "-2 is not above lower_rad, -1"),
+    ("joint", 0, "speed_rps", 0.0, "0 would never get anywhere"),
+    ("motion", 0, "lead_in", "gone", "there is no other motion 'gone'"),
+    ("motion", 0, "lead_in", "nod", "there is no other motion 'nod'"),
+    ("motion", 0, "lead_out", "No Name", "'No Name' is not a name"),
+    ("motion_step", 0, "motion", "gone", "there is no motion 'gone'"),
+    ("motion_step", 0, "step", 0, "'0' is not a whole number from 1 to 10000"),
+    ("motion_step", 0, "duration_s", 0.0, "0 is no time to get anywhere"),
+    ("motion_step", 0, "positions", '{"gone": 0.5}', "there is no joint 'gone'"),
+    ("motion_step", 0, "positions", '{"neck": 1.5}', "neck: 1.5 is outside -1 to 1, the joint's limits"),
+    ("motion_step", 0, "positions", '{"neck": true}', "'neck': 'True' is not an angle in radians"),
+    ("motion_step", 0, "positions", '{"neck": "up"}', "'neck': 'up' is not an angle in radians"),
 ]
 
 

@@ -27,7 +27,7 @@ def digest(path: Path) -> str:
 
 def edit(path: Path, owner: str) -> None:
     with closing(sqlite3.connect(path)) as connection:
-        connection.execute("UPDATE robot SET owner = ?", (owner,))
+        connection.execute("UPDATE robot SET owner = ? WHERE name = 'lbr'", (owner,))
         connection.commit()
 
 

@@ -32,8 +32,8 @@ def test_running_the_robot_is_no_difference(database):
 
 
 def test_revisions_since_a_number_tell_how_it_came_about(database, client):
-    client.execute("UPDATE robot SET owner = 'a'")
-    client.execute("UPDATE robot SET owner = 'b'")
+    client.execute("UPDATE robot SET owner = 'a' WHERE name = 'lbr'")
+    client.execute("UPDATE robot SET owner = 'b' WHERE name = 'lbr'")
     (second,) = database.revisions(since=1)
     assert (second.id, second.table, second.row_key, second.operation) == (2, "robot", ("lbr",), "update")
     assert (second.old["owner"], second.new["owner"]) == ("a", "b")

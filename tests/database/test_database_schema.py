@@ -243,6 +243,8 @@ CHANGES = {
 def test_every_change_of_a_row_is_a_revision(client, database, table):
     client.execute("DELETE FROM calibration")
     insert(client, "calibration", {"device": "range_board", "name": "n", "value": 1.0})
+    insert(client, "motion", {"name": "bow"})
+    insert(client, "motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": "{}"})
     since = database.load("lbr").revision
     keys = [c.name for c in MODELS[table].primary_key]
     rowid, *key = client.execute(f"SELECT rowid, {', '.join(keys)} FROM {table}").fetchone()
