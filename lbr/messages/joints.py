@@ -61,7 +61,8 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
 
     The way to `positions` takes `duration_s`, or as long as `speed_rps` needs for the longest way, or what the rows allow.
     A joint never goes faster than its row says: then all take longer. `smooth` passes through key frames without
-    stopping; `linear` goes straight from one to the next.
+    stopping; `linear` goes straight from one to the next. `append` has `frames` follow those under way, which go on, so
+    that a motion longer than a message may be flows; the goal stays the same. A lease with nothing to move is renewed.
     """
 
     positions: dict[str, JointRad] = {}
@@ -70,6 +71,7 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     speed_rps: JointRps | None = None
     interpolation: Interpolation = "smooth"
     mirror: bool = False
+    append: bool = False
     lease: LeaseId = ""
     ttl_s: TtlS | None = None
     take_over: bool = False
@@ -127,7 +129,10 @@ class JointState(Struct, frozen=True, kw_only=True):
 
 
 class JointsState(Struct, frozen=True, kw_only=True):
-    """All joints out of one sweep of the bus, who moves them, and why they stand still."""
+    """All joints out of one sweep of the bus, who moves them, and why they stand still.
+
+    `passed` counts the key frames of the goal under way that lie behind, since it began.
+    """
 
     sequence: int
     measured_s: float
@@ -136,6 +141,7 @@ class JointsState(Struct, frozen=True, kw_only=True):
     joints: dict[str, JointState]
     holder: str | None = None
     goal: str | None = None
+    passed: int = 0
     reason: str = ""
     estop: bool = False
     loop: LoopStatistics | None = None
@@ -162,7 +168,10 @@ class CaptureCommand(Struct, frozen=True, kw_only=True):
 
 
 class MotionsState(Struct, frozen=True, kw_only=True):
-    """What is played, and at which key frame it is, from 1; `reason` says how the last one ended."""
+    """What is played, on the way to which key frame, in which round, both from 1; `reason` is how the last one ended.
+
+    `motion` is the lead-in or the lead-out while that is played.
+    """
 
     playing: bool
     motion: str = ""
