@@ -1,4 +1,4 @@
-"""What devices can measure of the world, and how an emulated Roboteq's registers say it."""
+"""What devices can measure of the world and do in it, and how an emulated Roboteq's registers say it."""
 
 from typing import Literal
 
@@ -26,20 +26,44 @@ class ImuReading(Struct, frozen=True, kw_only=True):
 class Sensed(Struct, frozen=True, kw_only=True):
     """What the world lets its devices measure; pairs are left and right wheel, forward positive.
 
-    `imu` is as old as this; whoever is read more often asks `Engine.imu()`. `charging`: both contacts of the dock touch,
+    A world without wheels or ranges leaves theirs out. `imu` is as old as this; whoever is read more often is told of each step. `charging`: both contacts of the dock touch,
     and `charging_a` flows into the battery. `beams` are what the infrared receiver sees of the dock now.
     """
 
     battery_v: float
-    amps_a: tuple[float, float]
-    battery_amps_a: tuple[float, float]
-    counts: tuple[int, int]
-    speeds_rpm: tuple[float, float]
-    ranges_m: dict[str, float | None]
+    amps_a: tuple[float, float] = (0.0, 0.0)
+    battery_amps_a: tuple[float, float] = (0.0, 0.0)
+    counts: tuple[int, int] = (0, 0)
+    speeds_rpm: tuple[float, float] = (0.0, 0.0)
+    ranges_m: dict[str, float | None] = {}
     imu: ImuReading = ImuReading()
     charging: bool = False
     charging_a: float = 0.0
     beams: frozenset[Beam] = frozenset()
+
+
+class ServoDrive(Struct, frozen=True, kw_only=True):
+    """What a servo's registers make of its motor, in the servo's own radians from the middle of its range.
+
+    `torque` is a fraction of its most; 0: none, it is limp. It goes to its goal at `speed_rps` at most (null: as fast as
+    it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` to `torque` over
+    `slopes_rad`. Both are for a goal that is further clockwise (negative) and further anticlockwise.
+    """
+
+    goal_rad: float = 0.0
+    speed_rps: float | None = None
+    torque: float = 0.0
+    margins_rad: tuple[float, float] = (0.0051, 0.0051)
+    slopes_rad: tuple[float, float] = (0.164, 0.164)
+    punch: float = 0.031
+
+
+class ServoFelt(Struct, frozen=True, kw_only=True):
+    """What the world makes of a servo: its angle, its speed, and its motor's torque as a fraction of its most, signed."""
+
+    position_rad: float
+    speed_rps: float = 0.0
+    load: float = 0.0
 
 
 class Measured(Struct, frozen=True, kw_only=True):

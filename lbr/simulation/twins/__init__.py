@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from lbr.simulation.twins.base import Factory, Feeling, Surroundings, Twin
+from lbr.simulation.twins.base import Factory, Feeling, ServoBus, Surroundings, Twin
 from lbr.simulation.twins.camera import CameraTwin
 from lbr.simulation.twins.infrared import InfraredTwin
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
@@ -10,7 +10,7 @@ from lbr.simulation.twins.riox import RioxTwin
 from lbr.simulation.twins.roboteq import RoboteqTwin
 from lbr.simulation.twins.ultrasonic import UltrasonicTwin
 
-__all__ = ["TWINS", "WITHOUT_TWIN", "Feeling", "RoboteqTwin", "Surroundings", "Twin"]
+__all__ = ["TWINS", "WITHOUT_TWIN", "Feeling", "RoboteqTwin", "ServoBus", "Surroundings", "Twin"]
 
 TWINS: Mapping[str, Factory] = {
     "roboteq": RoboteqTwin,

@@ -1,7 +1,7 @@
 """What all emulated devices on ports have in common."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 from zlib import crc32
 
@@ -12,7 +12,7 @@ from lbr.capability.context import Device
 from lbr.errors import InputError
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.faults import Faults, FaultValue, changed
-from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
 from lbr.simulation.trace import OutputTrace
 
 S = TypeVar("S", bound=Struct)
@@ -41,12 +41,12 @@ P = TypeVar("P", bound=Port)
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What a twin is built with: seed and time of the world, the trace of the motors' outputs, and its cameras."""
+    """What a twin is built with: seed and time of the world, the trace of the wheels' outputs, and its cameras if any."""
 
     seed: int
     now: float
-    trace: OutputTrace
-    cameras: CameraHost
+    trace: OutputTrace = field(default_factory=lambda: OutputTrace(""))
+    cameras: CameraHost | None = None
     mounts: tuple[str, ...] = ()
 
     def seed_for(self, device: Device) -> int:
@@ -84,6 +84,20 @@ class Feeling(Protocol):
 
     def feel(self, reading: ImuReading, now: float) -> None:
         """Take in what an inertial unit measures now."""
+
+
+@runtime_checkable
+class ServoBus(Protocol):
+    """A twin whose servos move the joints of a body; asked and told at every step of the world, by the servos' ids.
+
+    What it answers is the same object until a register has changed.
+    """
+
+    def drives(self, now: float) -> Mapping[int, ServoDrive]:
+        """Return what each servo's motor does now; a servo without supply is limp."""
+
+    def feel_servos(self, felt: Mapping[int, ServoFelt], supply_v: float, now: float) -> None:
+        """Take in where the world has the servos, and the voltage of their supply."""
 
 
 Factory = Callable[[Device, Surroundings], Twin]

@@ -18,6 +18,8 @@ class CameraTwin(PortTwin[SocketPort, CameraFaults]):
         settings = row(device, CameraRow)
         super().__init__(device.name, SocketPort(device.address), settings.faults)
         self._mount = _mount(device, settings.mount, around.mounts)
+        if around.cameras is None:
+            raise InputError(f"device '{device.name}' ({device.type}): this world has no cameras")
         self._cameras = around.cameras
         if settings.faults != CameraFaults():
             self._cameras.set_faults(device.name, settings.faults)
