@@ -1,0 +1,137 @@
+"""What an accepted command does: it begins to hold, goes on, changes, or is offered a lease to confirm; and what stops it."""
+
+from math import inf, isnan
+
+from msgspec.structs import replace
+
+from lbr.messages.leases import CommandReply
+from lbr.operations.leasing.ending import Decision, Said, drop_offers, end, end_all, tell_holder
+from lbr.operations.leasing.freshness import dated, forget_insisting, insists, note_insisting, offset_s
+from lbr.operations.leasing.state import Ask, Ended, Hold, Holding, M, Reply, confirmed, offered, quoted, streams
+
+MOST_OFFERS = 8
+ANOTHER = "another command came"
+STOPPED = Reply(message=CommandReply(accepted=True, reason="stopped"))
+
+
+def refuse(holding: Holding[M], ask: Ask, why: str, now: float) -> tuple[Holding[M], Reply]:
+    """Answer with the reason; whoever goes on when it should not is remembered for it."""
+    if ask.moves and (how := _insisting(holding, ask, now)):
+        holding = note_insisting(holding, ask.source, how, now)
+    return holding, Reply(message=CommandReply(accepted=False, reason=why), late=bool(ask.lease))
+
+
+def accepted(hold: Hold[M] | None, reason: str = "", goal: str = "") -> Reply:
+    """Answer with the lease of a hold or an offer, what its holder should know, and the name of its goal."""
+    assert hold is not None
+    message = CommandReply(accepted=True, reason=reason, lease=hold.lease, ttl_s=hold.ttl_s, goal=goal)
+    return Reply(message=message)
+
+
+def renew(holding: Holding[M], ask: Ask, now: float) -> Holding[M]:
+    """Let the hold live on, with the motion it has."""
+    assert holding.hold is not None
+    return _keep(holding, replace(_quoting(holding, holding.hold, ask), ttl_s=_ttl_s(holding, ask)), now)
+
+
+def change(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
+    """Go on under the same lease with another motion; the one before is superseded, but the hold goes on."""
+    held = holding.hold
+    assert held is not None
+    hold = replace(_new_hold(holding, ask, motion, now), lease=held.lease, source=held.source)
+    hold = replace(hold, said=max(held.said, hold.said))
+    ended = Ended(hold=held, how="superseded", why=ANOTHER, held=False)
+    return _keep(holding, _quoting(holding, hold, ask), now), (ended,)
+
+
+def begin(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
+    """Hold it from now on; whoever held it does so no more."""
+    before, offer = holding.hold, offered(holding, ask.lease)
+    source = offer.source if offer else ask.source
+    why = f"taken over by {source}" if before else ""
+    hold = _new_hold(holding, ask, motion, now)
+    replaced: Said[M] = ()
+    if offer is not None:
+        hold = _quoting(holding, replace(hold, lease=offer.lease, source=offer.source), ask)
+        if confirmed(holding, ask) is None:
+            replaced = (Ended(hold=offer, how="superseded", why=ANOTHER, held=False),)
+        holding = replace(holding, offers=tuple(one for one in holding.offers if one is not offer))
+    holding, ended = end(holding, "superseded", why, now, heir=source) if before else (holding, ())
+    holding = _keep(replace(holding, begun=max(holding.begun, hold.said)), hold, now)
+    holding, told = tell_holder(holding, now, took=source, lost=before.source if before else "", why=why)
+    return holding, ended + replaced + told
+
+
+def offer(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
+    """Promise a lease that moves nothing until it is quoted: only that proves that the command was not held back.
+
+    The newest of the offers is the one that was made.
+    """
+    own = tuple(offer for offer in holding.offers if offer.source == ask.source)
+    oldest = holding.offers[:1] if len(holding.offers) >= MOST_OFFERS else ()
+    holding, dropped = drop_offers(holding, own or oldest, "superseded", ANOTHER)
+    made = _new_hold(holding, ask, motion, now)
+    made = replace(made, expires=now + made.ttl_s, offset_s=offset_s(ask, None))
+    return replace(holding, offers=(*holding.offers, made)), dropped
+
+
+def stop(holding: Holding[M], source: str, received: float, now: float, reason: str = "") -> Decision[M]:
+    """Stand still, whoever says so; what was sent before it begins nothing any more."""
+    sent = min(now, received)  # this way round, NaN means now
+    holding = forget_insisting(replace(holding, stopped=max(holding.stopped, sent)), source)
+    return end_all(holding, "stopped", f"stopped by {source}" + (f": {reason}" if reason else ""), now)
+
+
+def latch(holding: Holding[M], reason: str, now: float, *, engaged: bool) -> Decision[M]:
+    """Take in that the emergency stop was latched or reset; what was sent before either begins nothing any more."""
+    holding = replace(holding, estop=engaged, estop_reason=reason, stopped=max(holding.stopped, now))
+    why = f"emergency stop: {reason or 'no reason given'}" if engaged else "the emergency stop was reset"
+    return end_all(holding, "fault", why, now)
+
+
+def with_motion(holding: Holding[M], motion: M) -> Holding[M]:
+    """Return the holding whose holder's motion has come so far."""
+    assert holding.hold is not None
+    return replace(holding, hold=replace(holding.hold, motion=motion))
+
+
+def _insisting(holding: Holding[M], ask: Ask, now: float) -> str:
+    """Return how a refused command goes on when it should not, or nothing."""
+    if holding.estop:
+        return "commands went on through the emergency stop"
+    if holding.hold is not None and streams(holding.hold, ask):
+        return "commands went on without quoting their lease"
+    return insists(holding, ask.source, now)
+
+
+def _keep(holding: Holding[M], hold: Hold[M], now: float) -> Holding[M]:
+    """A lease lives from when it was last quoted, or else accepted; it is over a little sooner than it says."""
+    since = now if isnan(hold.renewed) else hold.renewed
+    ahead_s = min(holding.ahead_s, hold.ttl_s / 5)
+    return replace(holding, hold=replace(hold, expires=since + hold.ttl_s - ahead_s), reason="")
+
+
+def _quoting(holding: Holding[M], hold: Hold[M], ask: Ask) -> Hold[M]:
+    """Return a hold whose lease was quoted; it lives from when that was sent."""
+    known = quoted(holding, ask)
+    assert known is not None
+    renewed = max(dated(holding, ask), known.renewed)  # this way round, NaN is no renewal yet
+    own_s = offset_s(ask, known) if ask.source == known.source else inf
+    return replace(hold, renewed=renewed, offset_s=min(known.offset_s, own_s))
+
+
+def _new_hold(holding: Holding[M], ask: Ask, motion: M, now: float) -> Hold[M]:
+    return Hold(
+        lease=ask.new_lease,
+        source=ask.source,
+        what=ask.what,
+        motion=motion,
+        ttl_s=_ttl_s(holding, ask),
+        changed=now,
+        said=dated(holding, ask),
+        take_over=ask.take_over,
+    )
+
+
+def _ttl_s(holding: Holding[M], ask: Ask) -> float:
+    return holding.ttl_s if ask.ttl_s is None else ask.ttl_s

@@ -1,0 +1,159 @@
+"""What is known of who has something that moves, what is asked of it, and what is said in return."""
+
+from collections.abc import Hashable, Mapping
+from math import inf, isnan, nan
+from typing import Generic, Literal, TypeVar
+
+from msgspec import Struct
+
+from lbr.messages.leases import CommandReply
+
+M = TypeVar("M")
+Ending = Literal["reached", "interval", "stopped", "lapsed", "superseded", "fault"]
+Level = Literal["info", "warning", "error"]
+
+LATE_S = 0.3
+TELLINGS = 20
+"""Changes of holder told at once; more come back at `TELLINGS_PER_S`."""
+TELLINGS_PER_S = 5.0
+
+
+class Words(Struct, frozen=True, kw_only=True):
+    """How a kernel speaks of what it moves: the base, drive it, send power 0."""
+
+    noun: str
+    verb: str
+    rest: str
+    idle: str
+
+
+class Ask(Struct, frozen=True, kw_only=True):
+    """A command as far as leases are concerned; it was sent, or else came in, at `received`.
+
+    `what` it asks for, whoever asks, under whichever lease and for how long; `moves` says that it is not standing still.
+    `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
+    the reply. `new_lease` is for what it may begin. It may be `patience_s` old.
+    """
+
+    source: str
+    role: str
+    lease: str
+    what: Hashable
+    moves: bool
+    received: float
+    new_lease: str
+    take_over: bool = False
+    ttl_s: float | None = None
+    remote: bool = False
+    sender_s: float = nan
+    answerable: bool = True
+    patience_s: float = LATE_S
+
+
+class Hold(Struct, Generic[M], frozen=True, kw_only=True):
+    """A live lease, what its holder asked for, and the motion that the kernel made of it.
+
+    `said` is when that was asked, `renewed` when the newest that quoted the lease was (NaN: none yet), `changed` when it
+    was accepted. `offset_s` is the least that a remote sender's clock was seen to be behind ours.
+    """
+
+    lease: str
+    source: str
+    what: Hashable
+    motion: M
+    ttl_s: float
+    changed: float
+    said: float
+    expires: float = nan
+    renewed: float = nan
+    offset_s: float = inf
+    take_over: bool = False
+
+
+class Insisting(Struct, frozen=True, kw_only=True):
+    """A source that goes on sending motion when it should not; `how` says so."""
+
+    until: float
+    how: str
+
+
+class Tally(Struct, frozen=True, kw_only=True):
+    """How many changes of holder may be told now, and how many were not."""
+
+    left: float = TELLINGS
+    at: float = -inf
+    untold: int = 0
+
+
+class Holding(Struct, Generic[M], frozen=True, kw_only=True):
+    """Who has what moves. `offers` are leases that remote senders have yet to quote.
+
+    Whatever was sent at or before `stopped` or `begun` begins nothing any more. `reason` says why nobody moves it.
+    A lease lives for `ttl_s` if its ask says nothing, and is over up to `ahead_s` sooner, so that the motion is too.
+    """
+
+    words: Words
+    ttl_s: float
+    ahead_s: float = 0.0
+    hold: Hold[M] | None = None
+    offers: tuple[Hold[M], ...] = ()
+    dead: tuple[tuple[str, str], ...] = ()
+    stopped: float = -inf
+    begun: float = -inf
+    estop: bool = False
+    estop_reason: str = ""
+    insisting: Mapping[str, Insisting] = {}
+    tally: Tally = Tally()
+    reason: str = ""
+
+
+class Ended(Struct, Generic[M], frozen=True, kw_only=True):
+    """A hold that is over, or an offer: those are not `held`, and moved nothing."""
+
+    hold: Hold[M]
+    how: Ending
+    why: str
+    held: bool = True
+
+
+class Happened(Struct, frozen=True, kw_only=True):
+    """Something people should be told."""
+
+    kind: str
+    text: str
+    level: Level = "info"
+    data: Mapping[str, str] = {}
+
+
+class Reply(Struct, frozen=True, kw_only=True):
+    """The answer to the command or stop that was just decided."""
+
+    message: CommandReply
+    late: bool = False
+
+
+def first(words: Words, ttl_s: float, ahead_s: float = 0.0) -> "Holding[M]":
+    """Return that nobody has it yet."""
+    return Holding(words=words, ttl_s=ttl_s, ahead_s=ahead_s, reason=words.idle)
+
+
+def offered(holding: Holding[M], lease: str) -> Hold[M] | None:
+    """Return the offer that a command quotes, if it still stands at the time of the last event."""
+    return next((offer for offer in holding.offers if offer.lease == lease), None)
+
+
+def confirmed(holding: Holding[M], ask: Ask) -> Hold[M] | None:
+    """Return the offer that a command confirms, asking for exactly what was offered."""
+    offer = offered(holding, ask.lease)
+    return offer if offer is not None and offer.what == ask.what else None
+
+
+def quoted(holding: Holding[M], ask: Ask) -> Hold[M] | None:
+    """Return the hold or the offer whose lease a command quotes."""
+    known = (holding.hold, *holding.offers)
+    return next((hold for hold in known if hold is not None and hold.lease == ask.lease), None) if ask.lease else None
+
+
+def streams(hold: Hold[M], ask: Ask) -> bool:
+    """Say whether a sender asks anew, and has never quoted the lease that it holds by."""
+    return hold.source == ask.source and isnan(hold.renewed) and not ask.lease
