@@ -6,7 +6,7 @@ from itertools import chain, repeat
 
 from msgspec import Struct
 
-from lbr.apps.sound.names import near
+from lbr.capability.near import near
 from lbr.errors import InputError
 from lbr.messages.dance import DanceStep
 

@@ -1,14 +1,11 @@
-"""Names that people give to songs and recordings, and that become files: checked, and the near ones told."""
+"""Names that people give to songs and recordings, and that become files: checked."""
 
-import difflib
 import re
-from collections.abc import Iterable
 from pathlib import Path
 
 from lbr.errors import InputError
 
 _ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-MOST_TOLD = 8
 
 
 def checked(name: str, what: str) -> str:
@@ -25,15 +22,3 @@ def stems(folder: Path, suffix: str) -> list[str]:
         return sorted(path.stem for path in folder.glob(f"*{suffix}") if path.is_file())
     except OSError:
         return []
-
-
-def near(name: str, known: Iterable[str]) -> str:
-    """Return which of the known names may have been meant, or which there are."""
-    names = sorted(set(known))
-    if not names:
-        return "there is none"
-    close = difflib.get_close_matches(name[:64], names, n=3, cutoff=0.5)
-    if close:
-        return f"did you mean {' or '.join(close)}?"
-    more = ", …" if len(names) > MOST_TOLD else ""
-    return f"there {'is' if len(names) == 1 else 'are'} {', '.join(names[:MOST_TOLD])}{more}"

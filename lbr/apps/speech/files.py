@@ -4,6 +4,7 @@ from pathlib import Path
 
 from lbr.apps.sound import names, wav
 from lbr.apps.sound.wav import Wav
+from lbr.capability.near import near
 from lbr.errors import InputError
 
 MOST_RECORDINGS = 200
@@ -32,5 +33,5 @@ def place_for(home: Path, name: str) -> Path:
 def _known(folder: Path, name: str, what: str) -> Wav:
     path = folder / f"{name}.wav"
     if not path.is_file():
-        raise InputError(f"there is no {what} '{name}' in {folder}; {names.near(name, names.stems(folder, '.wav'))}")
+        raise InputError(f"there is no {what} '{name}' in {folder}; {near(name, names.stems(folder, '.wav'))}")
     return wav.read(path)

@@ -3,7 +3,7 @@
 import unicodedata
 from collections.abc import Iterable
 
-from lbr.apps.sound.names import near
+from lbr.capability.near import near
 from lbr.errors import InputError
 from lbr.messages.speech import Phrase, SayCommand
 
