@@ -46,6 +46,7 @@ OWNERS = {
     "imufusion": {"operations"},
     "matplotlib": {"operations"},
     "smbus2": {"drivers"},
+    "Phidget22": {"drivers"},
     "linuxpy": {"drivers"},
     "picamera2": {"drivers"},
     "pyttsx3": {"apps"},
@@ -61,6 +62,7 @@ OWNERS = {
 """Which floor may import a library, so that replacing one stays a matter of one package."""
 
 HEAVY = (
+    "Phidget22",
     "numpy",
     "imufusion",
     "matplotlib",

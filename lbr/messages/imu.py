@@ -21,3 +21,7 @@ class ImuSample(Struct, frozen=True, kw_only=True):
     mag_ut: Vector | None = None
     temperature_c: float | None = None
     orientation: Quaternion | None = None
+
+
+class ZeroCommand(Struct, frozen=True, kw_only=True):
+    """Take the gyro's zero anew; the robot must not move for two seconds."""

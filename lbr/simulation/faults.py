@@ -111,6 +111,19 @@ class UltrasonicFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=
     range_back_m: PinnedM | None = None
 
 
+class PhidgetSpatialFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a PhidgetSpatial on its USB cable.
+
+    `silent`: attached, but no sample comes. `frozen`: the same sample for ever. `jump`: the turn rate about x is off by
+    400 degrees a second. `no_compass`: no field is measured.
+    """
+
+    silent: bool = False
+    frozen: bool = False
+    jump: bool = False
+    no_compass: bool = False
+
+
 class Mpu9150Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of an MPU-9150 on its bus; `unplug`: the bus is gone.
 

@@ -8,6 +8,7 @@ from lbr.simulation.faults import (
     CameraFaults,
     InfraredFaults,
     Mpu9150Faults,
+    PhidgetSpatialFaults,
     RioxFaults,
     RoboteqFaults,
     UltrasonicFaults,
@@ -81,6 +82,13 @@ class InfraredRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     faults: InfraredFaults = InfraredFaults()
     codes: BeamCodes = BeamCodes()
     protocol: Annotated[int, Meta(ge=0, le=63)] = 7
+
+
+class PhidgetSpatialRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How many samples a `phidget_spatial` device row's unit sends at once."""
+
+    faults: PhidgetSpatialFaults = PhidgetSpatialFaults()
+    burst: Annotated[int, Meta(ge=1, le=8)] = 2
 
 
 class CameraRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,19 +1,30 @@
 """PhidgetSpatial 3/3/3 inertial units (1042, 1044, 1056) by Phidgets' own library: their kind and their settings."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
-from lbr.messages.imu import ImuSample
+from lbr.messages.imu import ImuSample, ZeroCommand
+from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
 
 
 class PhidgetSpatialSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `phidget_spatial` may set."""
+    """What a row of kind `phidget_spatial` may set.
+
+    `gravity_sign` -1: the unit says -1 g along the axis that points up, as these boards do.
+    """
 
     device: Name
     interval_ms: Annotated[int, Meta(ge=4, le=1000, description="between two samples: 4, or a multiple of 8")] = 4
+    gravity_sign: Literal[-1, 1] = -1
+    zero_at_start: Annotated[bool, Meta(description="take the gyro's zero at each start; it must lie still")] = False
+
+    def __post_init__(self) -> None:
+        """Refuse intervals that no board has."""
+        if self.interval_ms != 4 and self.interval_ms % 8:
+            raise ValueError(f"interval_ms {self.interval_ms}: these units know 4, and multiples of 8")
 
 
 KIND = Kind(
@@ -23,6 +34,8 @@ KIND = Kind(
     entry="lbr.drivers.phidget_spatial.capability:PhidgetSpatial",
     settings=PhidgetSpatialSettings,
     outputs={"sample": ImuSample},
+    commands={"zero": ZeroCommand},
+    replies={"zero": CommandReply},
     device="phidget_spatial",
     emulated="socket",
 )

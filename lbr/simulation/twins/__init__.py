@@ -6,6 +6,7 @@ from lbr.simulation.twins.base import Factory, Feeling, ServoBus, Surroundings, 
 from lbr.simulation.twins.camera import CameraTwin
 from lbr.simulation.twins.infrared import InfraredTwin
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
+from lbr.simulation.twins.phidget_spatial import PhidgetSpatialTwin
 from lbr.simulation.twins.riox import RioxTwin
 from lbr.simulation.twins.roboteq import RoboteqTwin
 from lbr.simulation.twins.ultrasonic import UltrasonicTwin
@@ -16,6 +17,7 @@ TWINS: Mapping[str, Factory] = {
     "roboteq": RoboteqTwin,
     "ultrasonic_ring": UltrasonicTwin,
     "mpu9150": Mpu9150Twin,
+    "phidget_spatial": PhidgetSpatialTwin,
     "riox": RioxTwin,
     "infrared": InfraredTwin,
     "camera": CameraTwin,

@@ -1,0 +1,136 @@
+"""The PhidgetSpatial as a capability: every sample, dated by the device's own clock."""
+
+import time
+from collections import deque
+from collections.abc import Sequence
+from contextlib import suppress
+from math import inf
+from typing import Any
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.drivers.inertial import LifeSigns, Notices
+from lbr.drivers.phidget_spatial import PhidgetSpatialSettings
+from lbr.drivers.phidget_spatial.library import Opened, find
+from lbr.drivers.phidget_spatial.readings import DeviceClock, Reading, sample
+from lbr.errors import DeviceError
+from lbr.messages.imu import ImuSample
+from lbr.messages.leases import CommandReply
+
+ATTACH_MS = 800
+SILENT_S = 0.2
+ZERO_S = 2.2
+STILL_DPS = 5.0
+MOST_ALIKE = 25
+MOST_WAITING = 512
+READING_HZ = 125.0
+
+
+class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
+    """Publishes what the inertial unit measures; the library's thread only hands over."""
+
+    rate_hz = READING_HZ
+
+    def __init__(self, ctx: Context[PhidgetSpatialSettings]) -> None:
+        super().__init__(ctx)
+        self._notices = Notices(ctx)
+        self._opened: Opened | None = None
+        self._waiting: deque[Reading] = deque(maxlen=MOST_WAITING)
+        self._begin()
+
+    def open(self) -> None:
+        """Wait a moment for the unit, and have it measure."""
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
+        opened = self._opened = find(self.ctx.device)
+        self._begin()
+        opened.unit.setOnSpatialDataHandler(self._came)
+        opened.unit.setOnDetachHandler(self._went)
+        try:
+            opened.unit.openWaitForAttachment(ATTACH_MS)
+            opened.unit.setDataInterval(self.ctx.settings.interval_ms)
+            if self.ctx.settings.zero_at_start:
+                self._zero(opened)
+        except opened.errors as err:
+            raise DeviceError(f"{self._who()}: {_said(err)}; is it plugged in, and may this user use it?") from err
+        self._heard_s = self.ctx.clock()
+
+    def step(self) -> None:
+        """Publish what came; raise DeviceError if nothing does."""
+        now = self.ctx.clock()
+        while self._waiting:
+            reading = self._waiting.popleft()
+            self._heard_s = reading.arrived_s
+            self.ctx.publish("sample", self._sample(reading))
+        if self._gone:
+            raise DeviceError(f"{self._who()} was unplugged; plug it in again")
+        if not now - self._heard_s <= SILENT_S + 4 * self.ctx.settings.interval_ms / 1000.0:
+            raise DeviceError(f"{self._who()} has fallen silent; opening it anew")
+
+    def command(self, call: Call) -> None:
+        """Take the gyro's zero, if the unit lies still."""
+        if call.name != "zero":
+            super().command(call)
+        elif self._opened is None or self.ctx.clock() - self._heard_s > SILENT_S:
+            call.refuse("the unit measures nothing now")
+        elif self._turns:
+            call.refuse(f"it turns by more than {STILL_DPS:g} degrees a second; keep it still for two seconds")
+        else:
+            try:
+                self._zero(self._opened)
+            except self._opened.errors as err:
+                call.refuse(f"{self._who()}: {_said(err)}")
+                return
+            call.reply(CommandReply(accepted=True, reason=f"keep it still for {ZERO_S:g} s"))
+
+    def degraded(self, reason: str) -> None:
+        """Tell that nothing is measured."""
+        self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
+
+    def close(self) -> None:
+        """Let go of the unit."""
+        opened, self._opened = self._opened, None
+        if opened is not None:
+            with suppress(*opened.errors):
+                opened.unit.close()
+
+    def _begin(self) -> None:
+        self._waiting.clear()
+        self._clock = DeviceClock()
+        self._signs = LifeSigns(MOST_ALIKE)
+        self._zeroed_s = -inf
+        self._heard_s = -inf
+        self._gone = self._turns = False
+
+    def _came(
+        self, _: Any, accel: Sequence[float], gyro: Sequence[float], mag: Sequence[float], device_ms: float
+    ) -> None:
+        """Hand over, on the library's thread: its lists are its own."""
+        self._waiting.append(Reading(tuple(accel), tuple(gyro), tuple(mag), device_ms, time.monotonic()))
+
+    def _went(self, _: Any) -> None:
+        self._gone = True
+        self.ctx.wake()
+
+    def _sample(self, reading: Reading) -> ImuSample:
+        time_s = self._clock.date_s(reading)
+        self._turns = not max(map(abs, reading.gyro_dps), default=inf) <= STILL_DPS
+        if time_s < self._zeroed_s:
+            return ImuSample(valid=False, time_s=time_s, reason="the gyro's zero is being taken; keep it still")
+        counts = tuple(round(value * 1e6) for value in (*reading.accel_g, *reading.gyro_dps) if abs(value) < 1e6)
+        if why := self._signs.missing(counts):
+            self._notices.tell("imu_dead", f"{self._who()}: {why}")
+            return ImuSample(valid=False, time_s=time_s, reason=why)
+        return sample(reading, time_s, self.ctx.settings.gravity_sign)
+
+    def _zero(self, opened: Opened) -> None:
+        opened.unit.zeroGyro()
+        self._zeroed_s = self.ctx.clock() + ZERO_S
+
+    def _who(self) -> str:
+        assert self.ctx.device is not None
+        return f"device '{self.ctx.device.name}' at {self.ctx.device.address}"
+
+
+def _said(err: Exception) -> str:
+    return str(getattr(err, "details", "") or err) or type(err).__name__

@@ -1,0 +1,108 @@
+"""An emulated PhidgetSpatial 3/3/3 as Phidgets' library shows it: records of what it measures, by its own clock. Pure.
+
+A record is ten little-endian doubles: acceleration (g; -1 along the axis that points up), turn rate (degrees a second),
+field (gauss) along x, y and z, and the unit's clock (milliseconds). The magnetometer is slower: between two of its
+measurements its numbers are the library's for none.
+"""
+
+import json
+import struct
+from math import degrees, inf
+
+from lbr.simulation.faults import PhidgetSpatialFaults
+from lbr.simulation.measured import AT_REST, ImuReading
+
+RECORD = struct.Struct("<10d")
+NOT_MEASURED = 1e300
+STANDARD_GRAVITY_MPS2 = 9.80665
+MAG_MS = 8
+ZEROING_MS = 2000
+_LONGEST_LINE = 200
+_LATEST_MS = 200.0
+_JUMP_DPS = 400.0
+
+
+class PhidgetSpatial:
+    """The unit: told what it feels, asked for the records that are due. `burst` samples go at once, as over USB."""
+
+    def __init__(self, *, now: float, burst: int = 2) -> None:
+        self.faults = PhidgetSpatialFaults()
+        self._began = now
+        self._burst = burst
+        self._felt = ImuReading()
+        self._zero = AT_REST
+        self.plugged_in()
+
+    def plugged_in(self) -> None:
+        """Forget what was set: it is attached anew."""
+        self._interval_ms = 0
+        self._due_ms = inf
+        self._frozen = b""
+        self._zeroing: list[tuple[float, float, float]] = []
+        self._zeroing_until_ms = -inf
+        self._line = b""
+
+    def feel(self, reading: ImuReading) -> None:
+        """Take in what it measures now."""
+        self._felt = reading
+
+    def hear(self, data: bytes, now: float) -> None:
+        """Take in orders; what is none is passed over."""
+        *lines, rest = (self._line + data).split(b"\n")
+        self._line = rest[:_LONGEST_LINE]
+        for line in lines:
+            self._obey(line, now)
+
+    def next_due(self) -> float:
+        """Return when the next burst is complete."""
+        return self._began + (self._due_ms + (self._burst - 1) * self._interval_ms) / 1000.0
+
+    def records(self, now: float) -> bytes:
+        """Return what is due by now."""
+        if now < self.next_due():
+            return b""
+        now_ms = (now - self._began) * 1000.0
+        self._due_ms = max(self._due_ms, now_ms - _LATEST_MS)
+        told = b""
+        while self._due_ms <= now_ms:
+            told += self._record(self._due_ms)
+            self._due_ms += self._interval_ms
+        return b"" if self.faults.silent else told
+
+    def _obey(self, line: bytes, now: float) -> None:
+        try:
+            order = json.loads(line)
+        except ValueError:
+            return
+        now_ms = (now - self._began) * 1000.0
+        if not isinstance(order, dict):
+            return
+        interval_ms = order.get("interval_ms")
+        if isinstance(interval_ms, int) and 4 <= interval_ms <= 1000:
+            self._interval_ms, self._due_ms = interval_ms, now_ms + interval_ms
+        if order.get("zero") is True:
+            self._zeroing, self._zeroing_until_ms = [], now_ms + ZEROING_MS
+
+    def _record(self, at_ms: float) -> bytes:
+        if self.faults.frozen and self._frozen:
+            return self._frozen[: RECORD.size - 8] + struct.pack("<d", at_ms)
+        x, y, z = (degrees(rate) for rate in self._felt.gyro_rps)
+        if at_ms < self._zeroing_until_ms:
+            self._zeroing.append((x, y, z))
+            gyro = AT_REST
+        else:
+            self._take_zero()
+            gyro = (x - self._zero[0], y - self._zero[1], z - self._zero[2])
+        if self.faults.jump:
+            gyro = (gyro[0] + _JUMP_DPS, gyro[1], gyro[2])
+        accel = [-value / STANDARD_GRAVITY_MPS2 for value in self._felt.accel_mps2]
+        measured = not self.faults.no_compass and at_ms % MAG_MS < self._interval_ms
+        mag = [value / 100.0 for value in self._felt.mag_ut] if measured else [NOT_MEASURED] * 3
+        self._frozen = RECORD.pack(*accel, *gyro, *mag, at_ms)
+        return self._frozen
+
+    def _take_zero(self) -> None:
+        if not self._zeroing:
+            return
+        x, y, z = (sum(axis) / len(self._zeroing) for axis in zip(*self._zeroing, strict=True))
+        self._zero, self._zeroing = (x, y, z), []
