@@ -1,17 +1,43 @@
 """UPS PIco HV3.0, an uninterruptible supply for the Raspberry Pi on i2c: its kind and its settings."""
 
-from msgspec import Struct
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import RelayCommand, UpsState
 from lbr.messages.units import Name
 
+Chemistry = Literal["auto", "lipo", "lifepo4"]
+Sensor = Literal["to92", "ntc"]
+
 
 class PicoSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `pico` may set."""
+    """What a row of kind `pico` may set.
+
+    `relay_on` is what the relay's register holds while the motors have power, which depends on the wiring. With
+    `still_alive_s` the supply resets the computer, for certain, once this driver has not fed it for that long; 0: it is
+    left alone.
+    """
 
     device: Name
+    pace_s: Annotated[
+        float, Meta(ge=0.01, le=1.0, description="from one register to the next; a tenth of a sweep, or so")
+    ] = 0.1
+    retries: Annotated[int, Meta(ge=0, le=20, description="how often a register is read again that gave nothing")] = 3
+    most_errors: Annotated[
+        int, Meta(ge=1, le=100, description="failed exchanges in a row after which the device is opened anew")
+    ] = 8
+    chemistry: Annotated[Chemistry, Meta(description="of the supply's own battery; auto: as it says itself")] = "auto"
+    temperature_sensor: Annotated[Sensor, Meta(description="on the board (ntc), or plugged into it (to92)")] = "to92"
+    relay_on: Literal[0, 1] = 1
+    still_alive_s: Annotated[int, Meta(ge=0, le=254)] = 0
+
+    def __post_init__(self) -> None:
+        """Refuse a time too short to be kept up over a restart of the driver."""
+        if 0 < self.still_alive_s < 20:
+            raise ValueError("still_alive_s: 0 for off, or at least 20, so that a restart of the driver resets nothing")
 
 
 KIND = Kind(

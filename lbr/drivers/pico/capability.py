@@ -1,0 +1,77 @@
+"""The UPS PIco as a capability: one register at each tick, a state after each sweep, and the relay of the motors."""
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.drivers.i2c import open_bus
+from lbr.drivers.inertial import Notices
+from lbr.drivers.pico import PicoSettings
+from lbr.drivers.pico.registers import STATUS_ADDRESS
+from lbr.drivers.pico.supply import Supply
+from lbr.errors import DeviceError
+from lbr.messages.leases import CommandReply
+from lbr.messages.power import RelayCommand, UpsState
+
+
+class Pico(Capability[PicoSettings]):
+    """Tells where the power comes from about once a second, invalid with a reason where it is not known."""
+
+    def __init__(self, ctx: Context[PicoSettings]) -> None:
+        super().__init__(ctx)
+        self.rate_hz = 1.0 / ctx.settings.pace_s
+        self._notices = Notices(ctx)
+        self._supply: Supply | None = None
+        self._trouble = ""
+
+    def open(self) -> None:
+        """Open the bus; whether anybody answers there shows in the first second."""
+        settings = self.ctx.settings
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        bus, address = open_bus(self.ctx.device, STATUS_ADDRESS)
+        self._supply = Supply(bus, address, self.ctx.device, settings, self.ctx.clock)
+        self._trouble = ""
+
+    def step(self) -> None:
+        """Do one exchange."""
+        assert self._supply is not None
+        if not self.ctx.on_tick:
+            return
+        state = self._supply.exchange()
+        if state is not None:
+            self._tell(state)
+
+    def command(self, call: Call) -> None:
+        """Switch the relay, and answer once it was read back."""
+        if not isinstance(call.message, RelayCommand) or self._supply is None:
+            super().command(call)
+            return
+        on = call.message.on
+        word = "on" if on else "off"
+
+        def answer(trouble: str) -> None:
+            if trouble:
+                call.refuse(trouble)
+            else:
+                self.ctx.event("relay", f"{call.source} switched the motors' power {word}")
+                call.reply(CommandReply(accepted=True, reason=f"the motors' power is {word}"))
+
+        self._supply.switch(answer, on=on)
+
+    def degraded(self, reason: str) -> None:
+        """Tell that nothing is known."""
+        self.ctx.publish("state", UpsState(valid=False, reason=reason))
+
+    def close(self) -> None:
+        """Let go of the bus; the relay stays as it is."""
+        supply, self._supply = self._supply, None
+        if supply is not None:
+            supply.close()
+
+    def _tell(self, state: UpsState) -> None:
+        self.ctx.publish("state", state)
+        trouble = state.reason
+        if trouble:
+            self._notices.tell("ups", f"device '{self.ctx.settings.device}': {trouble}")
+        if bool(trouble) != bool(self._trouble):
+            self.ctx.warn(trouble) if trouble else self.ctx.ready()
+        self._trouble = trouble

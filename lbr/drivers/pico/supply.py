@@ -1,0 +1,149 @@
+"""The supply as a device: one exchange at a time, as far apart as it needs, so that nobody ever waits for it."""
+
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+from lbr.capability.context import Device
+from lbr.drivers.i2c import Bus, unanswered
+from lbr.drivers.pico import PicoSettings, registers
+from lbr.drivers.pico.sweep import Sweep, items
+from lbr.messages.power import UpsState
+
+FED_TIMES = 4
+"""How often the still-alive timer is fed within its time."""
+
+_CELLS = {"lipo": registers.LIPO, "lifepo4": registers.LIFEPO4, "auto": None}
+
+
+class Answer(Protocol):
+    """Told what became of a switched relay: nothing, or why it is not as it should be."""
+
+    def __call__(self, trouble: str) -> None:
+        """Take it."""
+
+
+class Supply:
+    """One supply on an open bus; `exchange` does one thing, the most urgent first."""
+
+    def __init__(
+        self, bus: Bus, address: int, device: Device, settings: PicoSettings, clock: Callable[[], float]
+    ) -> None:
+        self.firmware = ""
+        self._bus = bus
+        self._status, self._commands = address, address + registers.COMMANDS_ABOVE
+        self._device = device
+        self._settings = settings
+        self._clock = clock
+        self._cell = _CELLS[settings.chemistry]
+        self._errors = 0
+        self._feed_at = 0.0
+        self._relays: deque[RelaySwitch] = deque()
+        self._versions: list[int] = []
+        self._sweep = self._begin()
+
+    def switch(self, answer: Answer, *, on: bool) -> None:
+        """Have the relay switched and read back, before anything else."""
+        bits = self._settings.relay_on if on else 1 - self._settings.relay_on
+        self._relays.append(RelaySwitch(bits, self._settings.retries, answer))
+
+    def exchange(self) -> UpsState | None:
+        """Do one exchange; return the state when a sweep is through. Raise DeviceError if nothing is answered any more."""
+        try:
+            if self._feed_is_due():
+                self._feed()
+            elif self._relays:
+                self._switch(self._relays[0])
+            elif len(self._versions) < 3:
+                self._ask_version()
+            else:
+                return self._read()
+        except OSError as err:
+            self._failed(err)
+        else:
+            self._errors = 0
+        return None
+
+    def close(self) -> None:
+        """Let the timer rest, refuse what waits, and let go of the bus."""
+        for relay in self._relays:
+            relay.answer("the driver is closing; the relay may be either way")
+        self._relays.clear()
+        try:
+            if self._settings.still_alive_s:
+                self._bus.write_byte_data(self._commands, registers.STILL_ALIVE, registers.STILL_ALIVE_OFF)
+        except OSError:
+            pass  # it is away; if it runs on, it resets a computer that nobody feeds, as it was told to
+        finally:
+            self._bus.close()
+
+    def _begin(self) -> Sweep:
+        return Sweep(list(items(self._settings, self._cell)), self._settings.retries)
+
+    def _read(self) -> UpsState | None:
+        item = self._sweep.next
+        if item is not None:
+            try:
+                address = self._commands if item.command else self._status
+                read = self._bus.read_word_data if item.word else self._bus.read_byte_data
+                self._sweep.take(read(address, item.register))
+            except OSError as err:
+                self._sweep.fail(err.strerror or str(err))
+                raise
+        return self._finish() if self._sweep.next is None else None
+
+    def _finish(self) -> UpsState:
+        done, self._cell = self._sweep, self._sweep.found.get("chemistry", self._cell)
+        self._sweep = self._begin()
+        return done.state(self.firmware, self._cell, self._settings.relay_on)
+
+    def _failed(self, err: OSError) -> None:
+        self._errors += 1
+        if self._errors >= self._settings.most_errors:
+            raise unanswered(self._device, self._status, err) from err
+
+    def _feed_is_due(self) -> bool:
+        return bool(self._settings.still_alive_s) and self._clock() >= self._feed_at
+
+    def _feed(self) -> None:
+        self._bus.write_byte_data(self._commands, registers.STILL_ALIVE, self._settings.still_alive_s)
+        self._feed_at = self._clock() + self._settings.still_alive_s / FED_TIMES
+
+    def _switch(self, relay: "RelaySwitch") -> None:
+        """Write, and at the next turn read back; it is bistable, so that writing twice does no harm."""
+        try:
+            if relay.written:
+                relay.found = self._bus.read_byte_data(self._commands, registers.RELAY)
+            else:
+                self._bus.write_byte_data(self._commands, registers.RELAY, relay.bits)
+        except OSError as err:
+            relay.tries_left -= 1
+            if relay.tries_left < 0:
+                self._relays.popleft().answer(f"the supply does not take it: {err.strerror or err}")
+            raise
+        if relay.written:
+            self._relays.popleft().answer(relay.trouble)
+        relay.written = True
+
+    def _ask_version(self) -> None:
+        self._versions.append(self._bus.read_byte_data(self._status, registers.FIRMWARE + len(self._versions)))
+        if len(self._versions) == 3:
+            self.firmware = registers.firmware(*self._versions)
+
+
+class RelaySwitch:
+    """A relay that is being switched."""
+
+    def __init__(self, bits: int, retries: int, answer: Answer) -> None:
+        self.bits = bits
+        self.tries_left = retries
+        self.answer = answer
+        self.written = False
+        self.found = bits
+
+    @property
+    def trouble(self) -> str:
+        """Why it is not as it should be."""
+        if self.found == self.bits:
+            return ""
+        return f"the relay reads {self.found:#04x} after {self.bits} was written; look at the supply"
