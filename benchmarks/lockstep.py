@@ -17,7 +17,8 @@ from lbr.messages.motors import MotorsState
 from lbr.messages.simulation import WorldBox
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.drive.state import Command, Event, MotorsSeen, RangesSeen, Reply, Setpoint, Tick
+from lbr.operations.drive.state import Command, Event, MotorsSeen, RangesSeen, Setpoint, Tick
+from lbr.operations.leasing.state import Reply
 from lbr.simulation.engine import Engine
 from lbr.simulation.faults import UltrasonicFaults
 from lbr.simulation.model import TIMESTEP_S

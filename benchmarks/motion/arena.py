@@ -32,20 +32,17 @@ from lbr.operations.drive import kernel
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
     AttitudeSeen,
-    EstopChanged,
     Event,
-    Happened,
     MotorsLost,
     MotorsSeen,
     OdometrySeen,
     Outputs,
     RangesSeen,
-    Reply,
     Setpoint,
     State,
-    Stop,
     Tick,
 )
+from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
 
 Decide = Callable[[State, Event, float], tuple[State, Outputs]]
 SETTINGS = DriveSettings(
@@ -328,12 +325,12 @@ class Arena:
                 raise self._violation("the motors were told something else than the kernel thinks")
         if self._goals and self._goals != self._running():
             raise self._violation(f"goals that neither run nor ended: {self._goals} and {self._running()}")
-        if self.state.tally.untold == 0 and self._told_holder != (hold.source if hold else ""):
+        if self.state.holding.tally.untold == 0 and self._told_holder != (hold.source if hold else ""):
             raise self._violation(f"the record says that '{self._told_holder}' holds it")
 
     def _running(self) -> set[str]:
-        known = (self.state.hold, *self.state.offers)
-        return {hold.goal.goal for hold in known if hold is not None and hold.goal is not None}
+        known = (self.state.hold, *self.state.holding.offers)
+        return {hold.motion.goal.goal for hold in known if hold is not None and hold.motion.goal is not None}
 
     def _moves_when_free(self) -> None:
         held = self.model.hold

@@ -11,15 +11,15 @@ from lbr.operations.drive import kernel
 from lbr.operations.drive.state import (
     AttitudeSeen,
     Command,
-    EstopChanged,
     Event,
     OdometrySeen,
     Outputs,
     RangesSeen,
     State,
-    Stop,
     Tick,
 )
+from lbr.operations.leasing.holding import with_motion
+from lbr.operations.leasing.state import EstopChanged, Stop
 
 Decision = tuple[State, Outputs]
 
@@ -27,7 +27,7 @@ Decision = tuple[State, Outputs]
 def no_lapse(state: State, event: Event, now: float) -> Decision:
     """Leases live for ever."""
     if state.hold is not None:
-        state = replace(state, hold=replace(state.hold, expires=inf))
+        state = replace(state, holding=replace(state.holding, hold=replace(state.hold, expires=inf)))
     return kernel.decide(state, event, now)
 
 
@@ -35,7 +35,8 @@ def resumes_after_reset(state: State, event: Event, now: float) -> Decision:
     """Goes on, when the emergency stop is reset, with what was held before it."""
     after, said = kernel.decide(state, event, now)
     if isinstance(event, EstopChanged):
-        after = replace(after, hold=state.hold, dead=state.dead)
+        holding = replace(after.holding, hold=state.holding.hold, dead=state.holding.dead)
+        after = replace(after, holding=holding)
     return after, said
 
 
@@ -82,7 +83,8 @@ def trusts_afar(state: State, event: Event, now: float) -> Decision:
 def forgets_stops(state: State, event: Event, now: float) -> Decision:
     """Stops, and lets what was sent before that begin again."""
     after, said = kernel.decide(state, event, now)
-    return (replace(after, stopped=-inf) if isinstance(event, Stop) else after), said
+    forgotten = replace(after, holding=replace(after.holding, stopped=-inf))
+    return (forgotten if isinstance(event, Stop) else after), said
 
 
 def jumps_to_speed(state: State, event: Event, now: float) -> Decision:
@@ -101,10 +103,11 @@ def believes_any_attitude(state: State, event: Event, now: float) -> Decision:
 
 def misses_no_attitude(state: State, event: Event, now: float) -> Decision:
     """Turns on by the last attitude, however old."""
-    if isinstance(event, Tick) and state.hold and state.hold.goal and state.hold.goal.turn:
-        turn = state.hold.goal.turn
-        goal = replace(state.hold.goal, turn=replace(turn, bearing=replace(turn.bearing, seen=now)))
-        state = replace(state, hold=replace(state.hold, goal=goal))
+    course = state.hold.motion if isinstance(event, Tick) and state.hold else None
+    if course and course.goal and course.goal.turn:
+        turn = course.goal.turn
+        goal = replace(course.goal, turn=replace(turn, bearing=replace(turn.bearing, seen=now)))
+        state = replace(state, holding=with_motion(state.holding, replace(course, goal=goal)))
     return kernel.decide(state, event, now)
 
 

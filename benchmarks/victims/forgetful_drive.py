@@ -3,13 +3,13 @@
 import dataclasses
 
 from lbr.operations import drive
-from lbr.operations.drive import acceptance
 from lbr.operations.drive.capability import Drive
+from lbr.operations.leasing import acceptance
 
 
 class ForgetfulDrive(Drive):
     def open(self) -> None:
-        acceptance.insists = lambda _state, _source, _now: ""
+        acceptance.insists = lambda _holding, _source, _now: ""
         super().open()
 
 

@@ -11,9 +11,10 @@ from lbr.operations.drive.capability import Drive
 
 class TimelessDrive(Drive):
     def step(self) -> None:
-        hold = self._state.hold
-        if hold is not None:
-            self._state = replace(self._state, hold=replace(hold, expires=inf))
+        holding = self._state.holding
+        if holding.hold is not None:
+            holding = replace(holding, hold=replace(holding.hold, expires=inf))
+            self._state = replace(self._state, holding=holding)
         super().step()
 
 

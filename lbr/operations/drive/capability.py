@@ -17,20 +17,17 @@ from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
     AttitudeSeen,
     Command,
-    EstopChanged,
     Event,
-    Happened,
     MotorsLost,
     MotorsSeen,
     OdometrySeen,
     RangesSeen,
-    Reply,
     Result,
     Setpoint,
-    Stop,
     Tick,
 )
 from lbr.operations.drive.statistics import Beat, LoopMeter
+from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
 
 STATE_PERIOD_S = 0.1
 MOST_WAITING = 16
@@ -107,7 +104,7 @@ class Drive(Capability[DriveSettings]):
 
     def _listen(self) -> None:
         estop = self.ctx.estop
-        if estop.engaged != self._state.estop:
+        if estop.engaged != self._state.holding.estop:
             self._decide(EstopChanged(engaged=estop.engaged, reason=estop.reason))
         if estop.engaged and self._at_rest():
             estop.acknowledge(stopped=True)
@@ -188,7 +185,7 @@ class Drive(Capability[DriveSettings]):
             self.ctx.publish("state", state)
 
     def _at_rest(self) -> bool:
-        return self._state.estop and self._state.left == 0.0 and self._state.right == 0.0
+        return self._state.holding.estop and self._state.left == 0.0 and self._state.right == 0.0
 
 
 def _event(call: Call, answers: dict[str, Any] | None = None) -> Command:

@@ -6,34 +6,41 @@ from msgspec.structs import replace
 
 from lbr.messages.drive import DriveState, LoopStatistics
 from lbr.operations.drive import bearing, goals, holding, memory, mileage, rules, travelling, turning
-from lbr.operations.drive.ending import Decision, end_all, end_what_is_over
-from lbr.operations.drive.freshness import INSISTING_S
+from lbr.operations.drive.ending import Decision, end_what_is_over, still
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
     AttitudeSeen,
     Command,
-    EstopChanged,
     Event,
     Goal,
-    Happened,
-    Insisting,
     MotorsLost,
     MotorsSeen,
     OdometrySeen,
     Outputs,
     RangesSeen,
     State,
-    Stop,
     Tick,
     motors_trouble,
 )
+from lbr.operations.leasing import ending
+from lbr.operations.leasing import holding as leases
+from lbr.operations.leasing.state import EstopChanged, Happened, Stop, Words, first
 
 BACK = "the clock went back"
+WORDS = Words(
+    noun="the base",
+    verb="drive",
+    rest="send power 0, or pause, before driving again",
+    idle="nobody drives",
+)
+LAPSE_AHEAD_ROUNDS = 1.5
+"""A lapse is noticed by the loop, up to a round late, and takes a moment to reach the motors."""
 
 
 def first_state(settings: DriveSettings) -> State:
     """Return the state of a base that nobody has moved yet."""
-    return State(settings=settings)
+    ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
+    return State(settings=settings, holding=first(WORDS, settings.ttl_s, ahead_s))
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
@@ -46,17 +53,18 @@ def decide(state: State, event: Event, now: float) -> Decision:
 def drive_state(state: State, now: float, loop: LoopStatistics | None = None) -> DriveState:
     """Return what the world may know."""
     hold = state.hold
+    goal = _goal(state)
     return DriveState(
         moving=state.left != 0.0 or state.right != 0.0,
-        power=hold.power if hold else 0.0,
-        angle_deg=hold.angle_deg if hold else 0.0,
+        power=hold.motion.power if hold else 0.0,
+        angle_deg=hold.motion.angle_deg if hold else 0.0,
         left=state.left,
         right=state.right,
         holder=hold.source if hold else None,
-        goal=hold.goal.goal if hold and hold.goal else None,
+        goal=goal.goal if goal else None,
         limited_by=state.limited.text,
         reason=_why_at_rest(state, now),
-        estop=state.estop,
+        estop=state.holding.estop,
         loop=loop,
     )
 
@@ -68,7 +76,7 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case Stop():
             decision = holding.stop(state, event, now)
         case EstopChanged():
-            decision = _estop(state, event, now)
+            decision = still(state, leases.latch(state.holding, event, now), now)
         case MotorsSeen():
             decision = _motors(state, event, now)
         case MotorsLost(reason=reason):
@@ -84,13 +92,6 @@ def _handle(state: State, event: Event, now: float) -> Decision:
     return decision
 
 
-def _estop(state: State, event: EstopChanged, now: float) -> Decision:
-    """Latch or release; what was sent before either begins nothing any more."""
-    state = replace(state, estop=event.engaged, estop_reason=event.reason, stopped=max(state.stopped, now))
-    why = f"emergency stop: {event.reason or 'no reason given'}" if event.engaged else "the emergency stop was reset"
-    return end_all(state, "fault", why, now)
-
-
 def _motors(state: State, event: MotorsSeen, now: float) -> Decision:
     if event.arrived < state.motors_lost:
         return state, ()
@@ -101,10 +102,10 @@ def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
     arrived = _no_later(event.arrived, now)
     views = rules.see(state.views, event.ranges, arrived, state.odometer)
     state = replace(state, views=views, memory=memory.see(state.memory, views, arrived, state.settings))
-    if state.hold is None or state.hold.goal is None:
+    goal = _goal(state)
+    if goal is None:
         return state, ()
-    goal = goals.watch(state.hold.goal, event.ranges, arrived)
-    return end_what_is_over(replace(state, hold=replace(state.hold, goal=goal)), now)
+    return end_what_is_over(_with_goal(state, goals.watch(goal, event.ranges, arrived)), now)
 
 
 def _attitude(state: State, event: AttitudeSeen, now: float) -> Decision:
@@ -140,11 +141,13 @@ def _slips(source: str) -> Outputs:
 
 
 def _goal(state: State) -> Goal | None:
-    return state.hold.goal if state.hold is not None else None
+    return state.hold.motion.goal if state.hold is not None else None
 
 
 def _with_goal(state: State, goal: Goal) -> State:
-    return state if state.hold is None else replace(state, hold=replace(state.hold, goal=goal))
+    if state.hold is None:
+        return state
+    return replace(state, holding=leases.with_motion(state.holding, replace(state.hold.motion, goal=goal)))
 
 
 def _no_later(arrived: float, now: float) -> float:
@@ -153,8 +156,6 @@ def _no_later(arrived: float, now: float) -> float:
 
 def _lose_time(state: State, now: float) -> Decision:
     """Stop and forget whatever has a date: none of it means anything on a clock that went back."""
-    recent = {name: found for name, found in state.insisting.items() if not state.clock >= found.until}
-    insisting = {name: Insisting(until=now + INSISTING_S, how=found.how) for name, found in recent.items()}
     forgotten = replace(
         state,
         motors=None,
@@ -164,19 +165,17 @@ def _lose_time(state: State, now: float) -> Decision:
         memory=memory.redated(state.memory, now),
         bearing=bearing.UNHEARD,
         mileage=mileage.UNHEARD,
-        stopped=now,
-        begun=now,
-        insisting=insisting,
         told_at=nan,
         ticked=nan,
     )
-    return end_all(forgotten, "fault", BACK, now)
+    return still(forgotten, ending.lose_time(state.holding, BACK, state.clock, now), now)
 
 
 def _why_at_rest(state: State, now: float) -> str:
-    if state.estop:
-        return f"emergency stop: {state.estop_reason or 'no reason given'}"
+    held = state.holding
+    if held.estop:
+        return f"emergency stop: {held.estop_reason or 'no reason given'}"
     if state.hold is None:
-        waiting = ", ".join(offer.source for offer in state.offers)
-        return motors_trouble(state, now) or (f"waiting for {waiting} to confirm" if waiting else state.reason)
+        waiting = ", ".join(offer.source for offer in held.offers)
+        return motors_trouble(state, now) or (f"waiting for {waiting} to confirm" if waiting else held.reason)
     return "" if state.limited.scale > 0.0 else f"stopped by {state.limited.detail}"

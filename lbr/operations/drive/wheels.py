@@ -7,7 +7,9 @@ from msgspec.structs import replace
 from lbr.operations.drive import goals, memory
 from lbr.operations.drive.limits import limit
 from lbr.operations.drive.rules import FREE, Limit
-from lbr.operations.drive.state import Happened, Outputs, State
+from lbr.operations.drive.state import Outputs, State
+from lbr.operations.leasing.holding import with_motion
+from lbr.operations.leasing.state import Happened
 
 LONGEST_STEP_S = 0.1
 """Setpoints older than this move nothing, so no longer step counts."""
@@ -26,16 +28,17 @@ def next_wheels(state: State, now: float) -> State:
     hold = state.hold
     if hold is None:
         return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="")
-    goal = goals.driven(hold.goal, state.left, elapsed_s, settings)
-    asked = goals.wheels(goal, hold.power, hold.angle_deg, settings, now)
+    course = hold.motion
+    goal = goals.driven(course.goal, state.left, elapsed_s, settings)
+    asked = goals.wheels(goal, course.power, course.angle_deg, settings, now)
     limited = limit(state, asked, now, state.limited.blocked)
     step = settings.accel_per_s * elapsed_s
     target = _scaled(asked, limited)
     wheels = slew((state.left, state.right), target, step)
     between = FREE if wheels == target else limit(state, wheels, now, limited.blocked)
     left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))
-    state = replace(state, hold=replace(hold, goal=goal))
-    blocked = hold.power > 0.0 and not limited.scale > 0.0
+    state = replace(state, holding=with_motion(state.holding, replace(course, goal=goal)))
+    blocked = course.power > 0.0 and not limited.scale > 0.0
     since = (now if isnan(state.blocked_since) else state.blocked_since) if blocked else nan
     return replace(state, left=left, right=right, limited=limited, blocked_since=since)
 

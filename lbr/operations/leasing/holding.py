@@ -7,7 +7,20 @@ from msgspec.structs import replace
 from lbr.messages.leases import CommandReply
 from lbr.operations.leasing.ending import Decision, Said, drop_offers, end, end_all, tell_holder
 from lbr.operations.leasing.freshness import dated, forget_insisting, insists, note_insisting, offset_s
-from lbr.operations.leasing.state import Ask, Ended, Hold, Holding, M, Reply, confirmed, offered, quoted, streams
+from lbr.operations.leasing.state import (
+    Ask,
+    Ended,
+    EstopChanged,
+    Hold,
+    Holding,
+    M,
+    Reply,
+    Stop,
+    confirmed,
+    offered,
+    quoted,
+    streams,
+)
 
 MOST_OFFERS = 8
 ANOTHER = "another command came"
@@ -75,17 +88,18 @@ def offer(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
     return replace(holding, offers=(*holding.offers, made)), dropped
 
 
-def stop(holding: Holding[M], source: str, received: float, now: float, reason: str = "") -> Decision[M]:
+def stop(holding: Holding[M], event: Stop, now: float) -> Decision[M]:
     """Stand still, whoever says so; what was sent before it begins nothing any more."""
-    sent = min(now, received)  # this way round, NaN means now
-    holding = forget_insisting(replace(holding, stopped=max(holding.stopped, sent)), source)
-    return end_all(holding, "stopped", f"stopped by {source}" + (f": {reason}" if reason else ""), now)
+    sent = min(now, event.received)  # this way round, NaN means now
+    holding = forget_insisting(replace(holding, stopped=max(holding.stopped, sent)), event.source)
+    why = f"stopped by {event.source}" + (f": {event.reason}" if event.reason else "")
+    return end_all(holding, "stopped", why, now)
 
 
-def latch(holding: Holding[M], reason: str, now: float, *, engaged: bool) -> Decision[M]:
-    """Take in that the emergency stop was latched or reset; what was sent before either begins nothing any more."""
-    holding = replace(holding, estop=engaged, estop_reason=reason, stopped=max(holding.stopped, now))
-    why = f"emergency stop: {reason or 'no reason given'}" if engaged else "the emergency stop was reset"
+def latch(holding: Holding[M], event: EstopChanged, now: float) -> Decision[M]:
+    """Latch or release the emergency stop; what was sent before either begins nothing any more."""
+    holding = replace(holding, estop=event.engaged, estop_reason=event.reason, stopped=max(holding.stopped, now))
+    why = f"emergency stop: {event.reason or 'no reason given'}" if event.engaged else "the emergency stop was reset"
     return end_all(holding, "fault", why, now)
 
 

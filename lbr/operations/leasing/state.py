@@ -50,6 +50,21 @@ class Ask(Struct, frozen=True, kw_only=True):
     patience_s: float = LATE_S
 
 
+class Stop(Struct, frozen=True, kw_only=True):
+    """Somebody wants it to stand still."""
+
+    source: str
+    received: float
+    reason: str = ""
+
+
+class EstopChanged(Struct, frozen=True, kw_only=True):
+    """The emergency stop was latched or reset."""
+
+    engaged: bool
+    reason: str = ""
+
+
 class Hold(Struct, Generic[M], frozen=True, kw_only=True):
     """A live lease, what its holder asked for, and the motion that the kernel made of it.
 

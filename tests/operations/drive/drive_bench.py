@@ -13,18 +13,15 @@ from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
     AttitudeSeen,
     Command,
-    EstopChanged,
-    Happened,
     MotorsLost,
     MotorsSeen,
     OdometrySeen,
     RangesSeen,
-    Reply,
     Result,
     Setpoint,
-    Stop,
     Tick,
 )
+from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
 
 SENSORS = ("forward", "back", "left", "right", "bottom")
 

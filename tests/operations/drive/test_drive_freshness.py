@@ -6,7 +6,8 @@ import pytest
 from drive_bench import Bench, motors
 
 from lbr.operations.drive.kernel import drive_state
-from lbr.operations.drive.state import MotorsSeen, RangesSeen, Stop
+from lbr.operations.drive.state import MotorsSeen, RangesSeen
+from lbr.operations.leasing.state import Stop
 
 STILL = (0.0, 0.0)
 
@@ -82,7 +83,7 @@ def test_an_older_speed_does_not_come_back_after_a_newer_one(bench):
     bench.now += 0.05
     assert bench.drive(0.2, lease=reply.lease).accepted
     assert not bench.drive(0.8, lease=reply.lease, sent=sent).accepted
-    assert bench.state.hold.command.power == 0.2
+    assert bench.state.hold.motion.command.power == 0.2
 
 
 def test_standing_still_is_never_too_late(bench):
@@ -133,7 +134,7 @@ def test_a_flood_of_senders_through_the_emergency_stop_lets_none_of_them_through
         bench.drive(0.5, source=f"stuck {count}")
     bench.estop(False)
     bench.now += 0.1
-    assert len(bench.state.insisting) <= 65
+    assert len(bench.state.holding.insisting) <= 65
     assert not any(bench.drive(0.5, source=f"stuck {count}").accepted for count in range(200))
 
 
@@ -169,7 +170,7 @@ def test_a_confirmation_may_be_a_put_and_may_change_the_motion(bench):
     offer = bench.drive_from_afar(0.5)
     bench.now += 0.05
     assert bench.drive_from_afar(0.2, 90.0, lease=offer.lease, answerable=False).accepted
-    assert bench.state.hold.command.angle_deg == 90.0
+    assert bench.state.hold.motion.command.angle_deg == 90.0
 
 
 def test_a_bounded_move_starts_its_clock_at_the_confirmation(bench):
@@ -231,7 +232,7 @@ def test_an_offer_ends_with_whatever_ends_a_motion(bench, end, why):
 
 def test_offers_are_few(bench):
     leases = [bench.drive_from_afar(0.5, source=f"page {count}").lease for count in range(20)]
-    assert len(bench.state.offers) == 8
+    assert len(bench.state.holding.offers) == 8
     bench.now += 0.01
     assert not bench.drive_from_afar(0.5, source="page 0", lease=leases[0]).accepted
     assert bench.drive_from_afar(0.5, source="page 19", lease=leases[19]).accepted
