@@ -30,6 +30,7 @@ KIND = Kind(
         "riox": RioxRow,
         "infrared": InfraredRow,
         "camera": CameraRow,
+        "pico": PicoRow,
     },
     replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},
 )

@@ -10,6 +10,7 @@ from lbr.errors import InputError
 Probability = Annotated[float, Meta(ge=0.0, le=1.0, description="how often it happens, 0 never, 1 always")]
 Side = Literal["forward", "left", "right", "back"]
 PinnedM = Annotated[float, Meta(ge=0.0, le=7.65, description="metres a sensor is made to see; null sees the world")]
+SupplyV = Annotated[float, Meta(ge=0.0, le=99.99, description="volts")]
 FaultValue = bool | float | str | tuple[str, ...] | None
 
 F = TypeVar("F", bound="Faults")
@@ -124,25 +125,49 @@ class PhidgetSpatialFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fie
     no_compass: bool = False
 
 
-class Mpu9150Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of an MPU-9150 on its bus; `unplug`: the bus is gone.
+class I2cFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a device on an i2c bus; `unplug`: the bus is gone.
 
     `silent`: the bus hangs, nothing is answered. `nak`: a transaction is not acknowledged. `half`: an answer ends early.
-    `all_ones`: whatever is read is 0xFF. `frozen`: the same sample for ever, though ready. `jump`: a sample's turn rate
-    is off by 4 rad/s. `noise`: times the usual noise, added. `no_compass`, `overflow`: the compass does not answer, or
-    says that its field is too strong. `brown_out`: without supply, and asleep with nothing set when that ends.
+    `all_ones`: whatever is read is 0xFF. `brown_out`: it is without supply.
     """
 
     silent: bool = False
     nak: Probability = 0.0
     half: Probability = 0.0
     all_ones: bool = False
+    brown_out: bool = False
+
+
+class Mpu9150Faults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of an MPU-9150: those of its bus, and more.
+
+    `frozen`: the same sample for ever, though ready. `jump`: a sample's turn rate is off by 4 rad/s. `noise`: times the
+    usual noise, added. `no_compass`, `overflow`: the compass does not answer, or says that its field is too strong.
+    After a `brown_out` it is asleep with nothing set.
+    """
+
     frozen: bool = False
     jump: Probability = 0.0
     noise: Annotated[float, Meta(ge=0.0, le=1000.0)] = 0.0
     no_compass: bool = False
     overflow: bool = False
-    brown_out: bool = False
+
+
+class PicoFaults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a UPS PIco: those of its bus, what feeds it, and more.
+
+    `hung`: its processor stands still, and with it the running counter. `bad_bcd`: the external voltage is no number.
+    `mode_bit_7`: the highest bit of the mode is set, which means nothing. `external_v`, `battery_v`, `source`: so it is,
+    whatever the world says; null follows the world.
+    """
+
+    hung: bool = False
+    bad_bcd: bool = False
+    mode_bit_7: bool = False
+    external_v: SupplyV | None = None
+    battery_v: SupplyV | None = None
+    source: Literal["external", "battery"] | None = None
 
 
 def changed(faults: F, name: str, value: FaultValue) -> F:

@@ -9,6 +9,7 @@ from lbr.simulation.faults import (
     InfraredFaults,
     Mpu9150Faults,
     PhidgetSpatialFaults,
+    PicoFaults,
     RioxFaults,
     RoboteqFaults,
     UltrasonicFaults,
@@ -99,3 +100,12 @@ class CameraRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     faults: CameraFaults = CameraFaults()
     mount: str = ""
+
+
+class PicoRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where a `pico` device row's supply answers, and the state of its own battery."""
+
+    faults: PicoFaults = PicoFaults()
+    i2c_address: Literal[0x69, 0x59] = 0x69
+    battery_v: Annotated[float, Meta(ge=0.0, le=5.0)] = 4.1
+    temperature_c: Annotated[int, Meta(ge=0, le=99)] = 33

@@ -7,6 +7,7 @@ from lbr.simulation.twins.camera import CameraTwin
 from lbr.simulation.twins.infrared import InfraredTwin
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
 from lbr.simulation.twins.phidget_spatial import PhidgetSpatialTwin
+from lbr.simulation.twins.pico import PicoTwin
 from lbr.simulation.twins.riox import RioxTwin
 from lbr.simulation.twins.roboteq import RoboteqTwin
 from lbr.simulation.twins.ultrasonic import UltrasonicTwin
@@ -19,6 +20,7 @@ TWINS: Mapping[str, Factory] = {
     "mpu9150": Mpu9150Twin,
     "phidget_spatial": PhidgetSpatialTwin,
     "riox": RioxTwin,
+    "pico": PicoTwin,
     "infrared": InfraredTwin,
     "camera": CameraTwin,
 }

@@ -1,0 +1,75 @@
+"""What emulated devices on an i2c bus of their own have in common: a socket, transactions, and a bus that fails."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from random import Random
+from typing import TypeVar
+
+from lbr.simulation.faults import I2cFaults
+from lbr.simulation.i2c import FramingError, I2cDevice, Message, RequestReader, refusal, transfer
+from lbr.simulation.measured import Sensed
+from lbr.simulation.socket_port import SocketPort
+from lbr.simulation.twins.base import PortTwin, plug
+
+F = TypeVar("F", bound=I2cFaults)
+
+
+class I2cTwin(PortTwin[SocketPort, F], ABC):
+    """Serves one transaction after another, for several clients as a bus does; takes no time for them."""
+
+    def __init__(self, name: str, address: str, faults: F, seed: int) -> None:
+        super().__init__(name, SocketPort(address), faults)
+        self._random = Random(seed)
+        self._requests: dict[int, RequestReader] = {}
+
+    @abstractmethod
+    def take_over(self) -> None:
+        """Give the device the faults that are set now."""
+
+    @abstractmethod
+    def devices(self) -> Mapping[int, I2cDevice]:
+        """Return what answers on the bus, for one transaction."""
+
+    def service(self, now: float) -> None:
+        """Do all that is due: the cable, and every transaction that came."""
+        self.take_over()
+        if plug(self.port, present=not self._faults.unplug):
+            self._requests.clear()
+        if self.port.plugged:
+            for client, data in self.port.receive():
+                self._serve(client, data, now)
+
+    def next_due(self) -> float | None:
+        """Return when it next has something to do by itself: never."""
+
+    def sense(self, sensed: Sensed) -> None:
+        """Take in what the world lets it measure: nothing, unless it says otherwise."""
+
+    def _serve(self, client: int, data: bytes, now: float) -> None:
+        if not data or self._faults.silent:
+            self._requests.pop(client, None)
+            return
+        try:
+            transactions = self._requests.setdefault(client, RequestReader()).feed(data)
+        except FramingError:
+            self.port.drop(client)
+            self._requests.pop(client, None)
+            return
+        for messages in transactions:
+            answer = self._answer(messages, now)
+            if self.port.send(client, answer) < len(answer):
+                self.port.drop(client)  # it reads nothing: the answers could not be told apart any more
+
+    def _answer(self, messages: tuple[Message, ...], now: float) -> bytes:
+        faults = self._faults
+        if self._hit(faults.nak):
+            return refusal()
+        answer = transfer(self.devices(), messages, now)
+        if faults.all_ones:
+            answer = answer[:1] + b"\xff" * (len(answer) - 1)
+        if self._hit(faults.half):
+            answer = answer[: self._random.randrange(len(answer))]
+        return answer
+
+    def _hit(self, probability: float) -> bool:
+        return probability > 0 and self._random.random() < probability
