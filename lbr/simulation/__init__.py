@@ -11,7 +11,7 @@ from lbr.simulation.requests import (
     RemoveRequest,
     ThingsReply,
 )
-from lbr.simulation.rows import CameraRow, InfraredRow, Mpu9150Row, RioxRow, RoboteqRow, UltrasonicRow
+from lbr.simulation.rows import CameraRow, InfraredRow, Mpu9150Row, PicoRow, RioxRow, RoboteqRow, UltrasonicRow
 from lbr.simulation.settings import WorldSettings
 
 KIND = Kind(
