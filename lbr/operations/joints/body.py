@@ -1,0 +1,80 @@
+"""The joints of the rows: their servos' angles, their limits, and which of them mirror one another."""
+
+from collections.abc import Mapping
+from math import degrees, isfinite
+
+from msgspec import Struct
+
+from lbr.capability.near import near
+from lbr.messages.joints import Joint
+
+TURNING_OVER = ("_yaw", "_roll")
+"""What turns about x or z turns the other way in a mirror, also in the middle of the body."""
+LONGEST_NAME = 40
+
+
+class Body(Struct, frozen=True):
+    """All joints, by name."""
+
+    joints: Mapping[str, Joint]
+
+    def servo_rad(self, name: str, joint_rad: float) -> float:
+        """Return the angle of the servo at an angle of its joint."""
+        joint = self.joints[name]
+        return joint.zero_rad + joint.sign * joint_rad
+
+    def joint_rad(self, name: str, servo_rad: float) -> float:
+        """Return the angle of a joint at an angle of its servo."""
+        joint = self.joints[name]
+        return (servo_rad - joint.zero_rad) * joint.sign
+
+    def within(self, name: str, joint_rad: float) -> float:
+        """Return the angle, or the limit that it is beyond."""
+        joint = self.joints[name]
+        return min(max(joint_rad, joint.lower_rad), joint.upper_rad)
+
+    def beyond_rad(self, name: str, joint_rad: float) -> float:
+        """Return how far an angle is beyond the limits of its joint; 0 within them."""
+        return abs(joint_rad - self.within(name, joint_rad))
+
+    def refusal(self, name: str, joint_rad: float) -> str:
+        """Return why a joint cannot be given an angle, or nothing."""
+        if why := self.unknown(name):
+            return why
+        if not isfinite(joint_rad):
+            return f"{name} is to go to {joint_rad}, which is no angle"
+        joint = self.joints[name]
+        if joint.lower_rad <= joint_rad <= joint.upper_rad:
+            return ""
+        limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad, {degrees(joint.lower_rad):.0f} to {degrees(joint.upper_rad):.0f} degrees"
+        return f"{name} {joint_rad:g} rad ({degrees(joint_rad):.0f} degrees) is outside its limits ({limits})"
+
+    def unknown(self, name: str) -> str:
+        """Return that there is no such joint, and which may be meant; or nothing."""
+        if name in self.joints:
+            return ""
+        shown = name[:LONGEST_NAME]
+        return f"there is no joint {shown!r}; {near(shown, self.joints)}"
+
+    def partner(self, name: str) -> str:
+        """Return which joint a mirror shows this one as; nothing if it has none."""
+        side = self.joints[name].side
+        if side == "centre":
+            return name
+        other = "right" if side == "left" else "left"
+        partner = name.replace(side, other, 1)
+        found = self.joints.get(partner)
+        return partner if found is not None and found.side == other else ""
+
+    def mirrored(self, positions: Mapping[str, float]) -> dict[str, float]:
+        """Return a pose as a mirror shows it; every joint of it must be known and have a partner."""
+        return {self.partner(name): self._turned_over(name, angle) for name, angle in positions.items()}
+
+    def _turned_over(self, name: str, joint_rad: float) -> float:
+        centre = self.joints[name].side == "centre"
+        return -joint_rad if centre and name.endswith(TURNING_OVER) else joint_rad
+
+
+def body(joints: tuple[Joint, ...]) -> Body:
+    """Return the joints of the rows."""
+    return Body({joint.name: joint for joint in joints})

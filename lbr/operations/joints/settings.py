@@ -1,0 +1,27 @@
+"""What a row of kind `joints` may set."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.messages.units import TtlS
+
+
+class JointsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the joints of a humanoid are moved.
+
+    A motion has reached its end when every joint of it was measured within `tolerance_rad`, or `settle_s` later.
+    """
+
+    rate_hz: Annotated[float, Meta(ge=10.0, le=200.0, description="setpoints per second")] = 100.0
+    ttl_s: TtlS = 0.3
+    tolerance_rad: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.05
+    settle_s: Annotated[
+        float, Meta(gt=0.0, le=10.0, description="how long joints may take to arrive after the end of a motion")
+    ] = 0.5
+    servos_max_age_s: Annotated[
+        float, Meta(gt=0.0, le=1.0, description="a servo driver that is silent for so long ends every motion")
+    ] = 0.3
+    joint_max_age_s: Annotated[
+        float, Meta(gt=0.0, le=10.0, description="a joint that was not measured for so long ends its motion")
+    ] = 0.5

@@ -1,0 +1,200 @@
+"""What the joints kernel knows, what can happen to it, and what it says in return."""
+
+from collections.abc import Mapping
+from math import inf, nan
+
+from msgspec import Struct
+
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import JointsCommand, TorqueCommand
+from lbr.messages.servos import ServoSetpoint, ServosState, ServoState
+from lbr.messages.system import Role
+from lbr.operations.joints.body import Body
+from lbr.operations.joints.settings import JointsSettings
+from lbr.operations.joints.trajectory import Trajectory
+from lbr.operations.leasing.state import Happened, Holding, Reply, Words, first
+
+LAPSE_AHEAD_ROUNDS = 1.5
+"""A lapse is noticed by the loop, up to a round late."""
+
+
+class Command(Struct, frozen=True, kw_only=True):
+    """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
+
+    `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
+    the reply.
+    """
+
+    command: JointsCommand
+    source: str
+    role: Role
+    new_lease: str
+    new_goal: str
+    received: float
+    remote: bool = False
+    sender_s: float = nan
+    answerable: bool = True
+
+
+class Torque(Struct, frozen=True, kw_only=True):
+    """Somebody wants the torque of joints switched."""
+
+    command: TorqueCommand
+    source: str
+    role: Role
+    received: float
+    remote: bool = False
+    answerable: bool = True
+
+
+class Stop(Struct, frozen=True, kw_only=True):
+    """Somebody wants it to stand still."""
+
+    source: str
+    received: float
+    reason: str = ""
+
+
+class HolderGone(Struct, frozen=True, kw_only=True):
+    """The process that holds the joints is gone."""
+
+    source: str
+
+
+class EstopChanged(Struct, frozen=True, kw_only=True):
+    """The emergency stop was latched or reset."""
+
+    engaged: bool
+    reason: str = ""
+
+
+class ServosSeen(Struct, frozen=True, kw_only=True):
+    """The servo driver said how every servo is."""
+
+    servos: ServosState
+    arrived: float
+
+
+class ServosLost(Struct, frozen=True, kw_only=True):
+    """The servo driver is gone."""
+
+    reason: str
+
+
+class Tick(Struct, frozen=True, kw_only=True):
+    """Time for the next setpoint."""
+
+
+Event = Command | Torque | Stop | HolderGone | EstopChanged | ServosSeen | ServosLost | Tick
+
+
+class Setpoint(Struct, frozen=True, kw_only=True):
+    """What the servos are to do now."""
+
+    message: ServoSetpoint
+
+
+class Result(Struct, frozen=True, kw_only=True):
+    """How a motion ended."""
+
+    message: GoalResult
+
+
+Output = Reply | Setpoint | Happened | Result
+Outputs = tuple[Output, ...]
+
+
+class Move(Struct, frozen=True, kw_only=True):
+    """A motion under way, `elapsed_s` after the start of its trajectory; what was only offered has none yet.
+
+    `passed` key frames lay behind when the trajectory began. `arrived` is when its end was commanded (NaN: not yet).
+    """
+
+    goal: str
+    begun: float
+    trajectory: Trajectory | None = None
+    elapsed_s: float = 0.0
+    passed: int = 0
+    arrived: float = nan
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints that it moves."""
+        return () if self.trajectory is None else tuple(self.trajectory.knots)
+
+
+class State(Struct, frozen=True, kw_only=True):
+    """Everything the kernel remembers.
+
+    `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is).
+    Nothing is known of either until the driver was heard (`adopted`); until then nothing is said to it.
+    `lost`: whoever moved them is gone, and the driver decides. `halt` counts the stops.
+    """
+
+    settings: JointsSettings
+    body: Body
+    holding: Holding[Move]
+    clock: float = -inf
+    adopted: bool = False
+    on: frozenset[str] = frozenset()
+    goals: Mapping[str, float | None] = {}
+    lost: bool = False
+    halt: int = 0
+    ticked: float = nan
+    servos: ServosState | None = None
+    seen: Mapping[str, ServoState] = {}
+    servos_at: float = nan
+    servos_lost: float = -inf
+    servos_gone: str = "the servo driver was not heard yet"
+
+    @property
+    def move(self) -> Move | None:
+        """The motion under way."""
+        return self.holding.hold.motion if self.holding.hold is not None else None
+
+
+WORDS = Words(
+    noun="the joints",
+    verb="move",
+    rest="stop, or pause, before moving again",
+    idle="nobody moves the joints",
+)
+
+
+def first_state(settings: JointsSettings, body: Body) -> State:
+    """Return the state of joints that nobody has moved yet."""
+    ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
+    return State(settings=settings, body=body, holding=first(WORDS, settings.ttl_s, ahead_s))
+
+
+def position_rad(state: State, name: str) -> float | None:
+    """Return where a joint was measured, in its own radians."""
+    servo = state.seen.get(name)
+    if servo is None or servo.position_rad is None:
+        return None
+    return state.body.joint_rad(name, servo.position_rad)
+
+
+def servos_trouble(state: State, now: float) -> str:
+    """Return why no servo would follow, or nothing."""
+    if state.servos is None:
+        return state.servos_gone
+    longest_s = state.settings.servos_max_age_s
+    if not now - state.servos_at <= longest_s:
+        return f"the servo driver has been silent for more than {longest_s:g} s"
+    if not (state.servos.armed or state.lost):
+        return f"the servos are not armed: {state.servos.reason or 'no reason given'}"
+    return ""
+
+
+def joint_trouble(state: State, name: str, now: float) -> str:
+    """Return why one joint would not follow, or nothing."""
+    servo = state.seen.get(name)
+    if servo is None:
+        return f"{name}: the servo driver does not know servo {state.body.joints[name].device_id}"
+    if servo.latched:
+        return f"{name} has latched {', '.join(servo.latched)}: remove the cause, then recover it"
+    age_s = inf if servo.age_s is None else servo.age_s + max(0.0, now - state.servos_at)
+    if servo.position_rad is None or not age_s <= state.settings.joint_max_age_s:
+        return f"{name} is not measured: {servo.reason or f'servo {servo.id} does not answer'}"
+    return ""

@@ -1,0 +1,168 @@
+"""Ways of joints through key frames: smooth or straight, never beyond what they connect, never faster than allowed."""
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from math import copysign
+
+from msgspec import Struct
+
+from lbr.messages.joints import Interpolation, KeyFrame
+
+SHORTEST_S = 0.01
+"""No way takes less, not even one to where a joint is already."""
+SLACK = 1e-9
+STEEPEST = 3.0
+"""A cubic stays between its ends while its slopes are no steeper than so many times the straight line's (Fritsch, Carlson)."""
+
+Slopes = tuple[float, ...]
+
+
+class Trajectory(Struct, frozen=True, kw_only=True):
+    """Where joints are to be, and when, in seconds from the start; radians and radians a second.
+
+    `slopes` are the speeds at the knots; a joint that has none goes straight. `stretch` is how many times longer it takes
+    than it was asked to, because of `slowest`.
+    """
+
+    times_s: tuple[float, ...]
+    knots: Mapping[str, tuple[float, ...]]
+    slopes: Mapping[str, Slopes] = {}
+    stretch: float = 1.0
+    slowest: str = ""
+
+    @property
+    def duration_s(self) -> float:
+        """How long all of it takes."""
+        return self.times_s[-1]
+
+    @property
+    def targets(self) -> dict[str, float]:
+        """Where it ends."""
+        return {name: values[-1] for name, values in self.knots.items()}
+
+
+def plan(
+    start: Mapping[str, float],
+    frames: Sequence[KeyFrame],
+    limits_rps: Mapping[str, float],
+    interpolation: Interpolation = "smooth",
+    speeds_rps: Mapping[str, float] | None = None,
+) -> Trajectory:
+    """Return the way from `start` through every frame; a joint that a frame leaves out stays.
+
+    All of it is stretched alike, so that no joint is faster than its limit. A smooth way begins as fast as the joint goes
+    already (`speeds_rps`, unless it is stretched) and ends at rest; in between it stops only where it turns back.
+    """
+    names = [name for name in start if any(name in frame.positions for frame in frames)]
+    knots = {name: _knots(start[name], name, frames) for name in names}
+    steps_s = [max(SHORTEST_S, frame.duration_s) for frame in frames]
+    slopes: dict[str, Slopes] = {}
+    if interpolation == "smooth":
+        begun = speeds_rps or {}
+        slopes = {name: _slopes(values, steps_s, begun.get(name, 0.0)) for name, values in knots.items()}
+    ratio, name = _too_fast(knots, slopes, steps_s, limits_rps)
+    stretch = max(1.0, ratio)
+    return Trajectory(
+        times_s=_times([step_s * stretch for step_s in steps_s]),
+        knots=knots,
+        slopes={joint: tuple(slope / stretch for slope in values) for joint, values in slopes.items()},
+        stretch=stretch,
+        slowest=name if stretch > 1.0 + SLACK else "",
+    )
+
+
+def positions(trajectory: Trajectory, elapsed_s: float) -> dict[str, float]:
+    """Return where its joints are to be then; before its start and after its end they stand."""
+    return {name: position for name, (position, _) in _states(trajectory, elapsed_s).items()}
+
+
+def speeds(trajectory: Trajectory, elapsed_s: float) -> dict[str, float]:
+    """Return how fast its joints are to go then; 0 before its start and after its end."""
+    if not 0.0 <= elapsed_s < trajectory.duration_s:
+        return dict.fromkeys(trajectory.knots, 0.0)
+    return {name: speed for name, (_, speed) in _states(trajectory, elapsed_s).items()}
+
+
+def _states(trajectory: Trajectory, elapsed_s: float) -> dict[str, tuple[float, float]]:
+    times_s = trajectory.times_s
+    if not elapsed_s < times_s[-1]:  # this way round, NaN is the end
+        return {name: (values[-1], 0.0) for name, values in trajectory.knots.items()}
+    at = max(0, bisect_right(times_s, elapsed_s) - 1)
+    step_s = times_s[at + 1] - times_s[at]
+    share = min(1.0, max(0.0, (elapsed_s - times_s[at]) / step_s))
+    return {name: _within(trajectory, name, at, share, step_s) for name in trajectory.knots}
+
+
+def _within(trajectory: Trajectory, name: str, at: int, share: float, step_s: float) -> tuple[float, float]:
+    """Return position and speed at a share of a step; a cubic is bounded against what rounding adds to it."""
+    values = trajectory.knots[name]
+    begin, end = values[at], values[at + 1]
+    way, slopes = end - begin, trajectory.slopes.get(name)
+    if slopes is None or way == 0.0:
+        position, speed = begin + way * share, way / step_s
+    else:
+        first, last = slopes[at] * step_s, slopes[at + 1] * step_s
+        square, cube = 3.0 * way - 2.0 * first - last, first + last - 2.0 * way
+        position = begin + share * (first + share * (square + share * cube))
+        speed = (first + share * (2.0 * square + 3.0 * share * cube)) / step_s
+    return min(max(position, min(begin, end)), max(begin, end)), speed
+
+
+def _knots(start: float, name: str, frames: Sequence[KeyFrame]) -> tuple[float, ...]:
+    values = [start]
+    for frame in frames:
+        values.append(frame.positions.get(name, values[-1]))
+    return tuple(values)
+
+
+def _times(steps_s: Sequence[float]) -> tuple[float, ...]:
+    times_s = [0.0]
+    for step_s in steps_s:
+        times_s.append(times_s[-1] + step_s)
+    return tuple(times_s)
+
+
+def _slopes(values: Sequence[float], steps_s: Sequence[float], begun_rps: float) -> Slopes:
+    """Return the speed at each knot: the weighted harmonic mean of both sides, 0 where the way turns (PCHIP)."""
+    lines = [(end - begin) / step_s for (begin, end), step_s in zip(pairwise(values), steps_s, strict=True)]
+    inner = [
+        (before_s + after_s) * 3.0 / ((2.0 * after_s + before_s) / before + (after_s + 2.0 * before_s) / after)
+        if before * after > 0.0
+        else 0.0
+        for (before, after), (before_s, after_s) in zip(pairwise(lines), pairwise(steps_s), strict=True)
+    ]
+    forward = begun_rps * lines[0] > 0.0
+    first = copysign(min(abs(begun_rps), STEEPEST * abs(lines[0])), begun_rps) if forward else 0.0
+    return (first, *inner, 0.0)
+
+
+def _too_fast(
+    knots: Mapping[str, Sequence[float]],
+    slopes: Mapping[str, Slopes],
+    steps_s: Sequence[float],
+    limits_rps: Mapping[str, float],
+) -> tuple[float, str]:
+    """Return by how many times the worst joint is too fast, and its name."""
+    ratios = ((_fastest(values, slopes.get(name), steps_s) / limits_rps[name], name) for name, values in knots.items())
+    return max(ratios, default=(0.0, ""))
+
+
+def _fastest(values: Sequence[float], slopes: Slopes | None, steps_s: Sequence[float]) -> float:
+    """Return the greatest speed on the way: at a knot, or where a cubic is steepest."""
+    fastest = 0.0
+    for at, step_s in enumerate(steps_s):
+        line = (values[at + 1] - values[at]) / step_s
+        if slopes is None:
+            fastest = max(fastest, abs(line))
+        elif line != 0.0:
+            first, last = slopes[at], slopes[at + 1]
+            fastest = max(fastest, abs(first), abs(last), _steepest(line, first, last))
+    return fastest
+
+
+def _steepest(line: float, first: float, last: float) -> float:
+    """Return the speed at the vertex of a cubic's derivative, if that lies between its ends."""
+    bend = 3.0 * (first + last - 2.0 * line)
+    share = (2.0 * first + last - 3.0 * line) / bend if bend else -1.0
+    return abs(first - bend * share * share) if 0.0 < share < 1.0 else 0.0
