@@ -12,6 +12,7 @@ Side = Literal["forward", "left", "right", "back"]
 PinnedM = Annotated[float, Meta(ge=0.0, le=7.65, description="metres a sensor is made to see; null sees the world")]
 SupplyV = Annotated[float, Meta(ge=0.0, le=99.99, description="volts")]
 FaultValue = bool | float | str | tuple[str, ...] | None
+ServoIds = tuple[Annotated[int, Meta(ge=0, le=253, description="a servo's number on its bus")], ...]
 
 F = TypeVar("F", bound="Faults")
 
@@ -170,11 +171,41 @@ class PicoFaults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     source: Literal["external", "battery"] | None = None
 
 
+class DynamixelFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a servo bus; lists are of servos' ids. `unplug`: the adapter is out, the servos go on.
+
+    `silent`: they obey but say nothing. `other_baud`: they hear nothing. `unpowered`: without supply, and as after
+    switching on when that ends; `brown_out`: all of them. `overload`, `hot`: what they report, and switch off for.
+    `wrong_model`: they are no AX-12A. `duplicate`: another servo answers to the same id. `babbling`: something on the
+    line talks all the time. `echo`: the adapter hands back what it is given.
+    Of answers, `drop`: none comes; `bit_flip`: a bit is wrong; `garbage`, `stray`: noise, or a packet nobody asked for,
+    comes before; `half`: it ends early; `pieces`: with a pause in it; `late`: 12 ms later.
+    """
+
+    silent: ServoIds = ()
+    other_baud: ServoIds = ()
+    unpowered: ServoIds = ()
+    overload: ServoIds = ()
+    hot: ServoIds = ()
+    wrong_model: ServoIds = ()
+    duplicate: ServoIds = ()
+    brown_out: bool = False
+    babbling: bool = False
+    echo: bool = False
+    drop: Probability = 0.0
+    bit_flip: Probability = 0.0
+    garbage: Probability = 0.0
+    stray: Probability = 0.0
+    half: Probability = 0.0
+    pieces: Probability = 0.0
+    late: Probability = 0.0
+
+
 def changed(faults: F, name: str, value: FaultValue) -> F:
     """Return the faults with one of them set; `replug` undoes `unplug`; raise InputError saying what is allowed.
 
-    A list of sensors may be one string with commas, a number may be one too, true is 1 where a number is meant, and null
-    puts a fault back to its default.
+    A list may be one string with commas or a single number, a number may be a string too, true is 1 where a number is
+    meant, and null puts a fault back to its default.
     """
     if name == "replug":
         name, value = "unplug", not (True if value is None else value)
@@ -186,11 +217,13 @@ def changed(faults: F, name: str, value: FaultValue) -> F:
         del fields[name]
     elif isinstance(fields[name], tuple) and isinstance(value, str):
         fields[name] = [part.strip() for part in value.split(",") if part.strip()]
+    elif isinstance(fields[name], tuple) and isinstance(value, float) and value.is_integer():
+        fields[name] = [int(value)]
     elif isinstance(fields[name], float) and isinstance(value, bool):
         fields[name] = float(value)
     else:
         fields[name] = value
     try:
-        return msgspec.convert(fields, type(faults), strict=not isinstance(value, str))
+        return msgspec.convert(fields, type(faults), strict=not isinstance(value, str | tuple | list))
     except msgspec.ValidationError as err:
         raise InputError(f"fault '{name}': {err}") from err

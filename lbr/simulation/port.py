@@ -1,7 +1,9 @@
 """A pseudo-terminal in place of a device's tty, under a name that stays the same when it is plugged in again."""
 
 import errno
+import fcntl
 import os
+import struct
 import tty
 from pathlib import Path
 from typing import Self
@@ -9,6 +11,9 @@ from typing import Self
 from lbr.errors import DeviceError
 
 _READ_BYTES = 4096
+_TCGETS2 = 0x802C542A
+_TERMIOS2 = struct.Struct("=4I20s2I")
+"""The kernel's `struct termios2`: flags, line discipline and control characters, rates of input and output."""
 
 
 class PtyPort:
@@ -63,6 +68,12 @@ class PtyPort:
                 os.close(descriptor)
         self._master = self._keeper = None
         self._target = ""
+
+    def baud(self) -> int:
+        """Return the rate that the client set; 0 while unplugged."""
+        if self._master is None:
+            return 0
+        return int(_TERMIOS2.unpack(fcntl.ioctl(self._master, _TCGETS2, bytes(_TERMIOS2.size)))[-1])
 
     def read(self) -> bytes:
         """Return what clients wrote, empty if nothing."""

@@ -4,8 +4,10 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.simulation.dynamixel.timing import BusTiming
 from lbr.simulation.faults import (
     CameraFaults,
+    DynamixelFaults,
     InfraredFaults,
     Mpu9150Faults,
     PhidgetSpatialFaults,
@@ -109,3 +111,18 @@ class PicoRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     i2c_address: Literal[0x69, 0x59] = 0x69
     battery_v: Annotated[float, Meta(ge=0.0, le=5.0)] = 4.1
     temperature_c: Annotated[int, Meta(ge=0, le=99)] = 33
+
+
+class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What hangs on a `dynamixel` device row's bus, and how fast it is; `usb2ax` is a dongle's firmware, null: none.
+
+    `return_delay` is what the servos' registers hold at first, in 2 us; 250 as they leave the factory.
+    """
+
+    faults: DynamixelFaults = DynamixelFaults()
+    ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=252)], ...], Meta(min_length=1, max_length=100)] = tuple(
+        range(1, 19)
+    )
+    usb2ax: Literal[4, 5] | None = 5
+    return_delay: Annotated[int, Meta(ge=0, le=254)] = 250
+    timing: BusTiming = BusTiming()

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from lbr.simulation.twins.base import Factory, Feeling, ServoBus, Surroundings, Twin
 from lbr.simulation.twins.camera import CameraTwin
+from lbr.simulation.twins.dynamixel import DynamixelTwin
 from lbr.simulation.twins.infrared import InfraredTwin
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
 from lbr.simulation.twins.phidget_spatial import PhidgetSpatialTwin
@@ -23,6 +24,7 @@ TWINS: Mapping[str, Factory] = {
     "pico": PicoTwin,
     "infrared": InfraredTwin,
     "camera": CameraTwin,
+    "dynamixel": DynamixelTwin,
 }
 """The twin of each type of device."""
 
