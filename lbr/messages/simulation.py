@@ -66,3 +66,24 @@ class WorldPose(Struct, frozen=True, kw_only=True):
     battery_v: float
     time_s: float
     charging: bool = False
+
+
+class HumanoidPose(Struct, frozen=True, kw_only=True):
+    """The truth about a humanoid (REP 103): where its trunk is and how it lies, where its joints are, what it stands on.
+
+    `upright`: its trunk leans less than 45 degrees. `held`: a helper's hand has it, or a stand. `on_floor` are the
+    parts that touch the floor.
+    """
+
+    x_m: float
+    y_m: float
+    z_m: float
+    roll_rad: float
+    pitch_rad: float
+    yaw_rad: float
+    upright: bool
+    held: bool
+    on_floor: tuple[str, ...]
+    joints: dict[str, float]
+    supply_v: float
+    time_s: float

@@ -1,6 +1,5 @@
 """The capability `world`: a room, a robot in it, and an emulated twin for each device row that has one."""
 
-import json
 import sys
 from collections import deque
 from pathlib import Path
@@ -16,10 +15,10 @@ from lbr.messages.simulation import WorldBox, WorldScene
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.cameras.orders import Drawing
 from lbr.simulation.engine import Engine
-from lbr.simulation.loop import WorldLoop
+from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
+from lbr.simulation.plugged import Plugged
 from lbr.simulation.requests import (
-    FaultReply,
     FaultRequest,
     PictureRequest,
     PlaceRequest,
@@ -29,13 +28,10 @@ from lbr.simulation.requests import (
 from lbr.simulation.settings import WorldSettings
 from lbr.simulation.topdown import image
 from lbr.simulation.trace import OutputTrace
-from lbr.simulation.twins import TWINS, WITHOUT_TWIN, Surroundings, Twin
-
-_SWITCH_S = 0.0005
-"""How soon the world's thread gets its turn; the usual 5 ms would show in the devices' answers."""
+from lbr.simulation.twins import Surroundings
+from lbr.simulation.wheeled import WheeledPhysics
 
 _TRAIL_EVERY_M = 0.03
-_LOCAL = ("/", "unix:/")
 
 
 class World(Capability[WorldSettings]):
@@ -48,7 +44,8 @@ class World(Capability[WorldSettings]):
         self._loop: WorldLoop | None = None
         self._trace: OutputTrace | None = None
         self._cameras: CameraHost | None = None
-        self._twins: dict[str, Twin] = {}
+        self._physics: WheeledPhysics | None = None
+        self._plugged: Plugged | None = None
         self._painter = Painter()
         self._scene: WorldScene | None = None
         self._scene_at = self._pose_at = 0.0
@@ -57,23 +54,25 @@ class World(Capability[WorldSettings]):
 
     def open(self) -> None:
         """Build the world, plug the twins in and let time run."""
-        sys.setswitchinterval(_SWITCH_S)
+        sys.setswitchinterval(SWITCH_S)
         now = self.ctx.clock()
         self._painter = Painter()
         engine = self._engine = Engine(self.ctx.settings)
         self._trace = OutputTrace(self.ctx.settings.trace)
         cameras = self._cameras = CameraHost(self.ctx.settings, len(engine.view()))
         mounts = tuple(self.ctx.settings.cameras)
-        self._twins = self._plugged_in(Surroundings(self.ctx.settings.seed, now, self._trace, cameras, mounts))
+        around = Surroundings(self.ctx.settings.seed, now, self._trace, cameras, mounts)
+        plugged = self._plugged = Plugged(self.ctx, around)
         self._scene = engine.scene()
         self._scene_at = self._pose_at = now
-        self._loop = WorldLoop(engine, tuple(self._twins.values()), self.ctx.clock, cameras)
+        physics = self._physics = WheeledPhysics(engine, plugged.twins, cameras)
+        self._loop = WorldLoop(physics, plugged.twins, self.ctx.clock)
         self._loop.open()
-        self._warn_of_devices_without_twin()
+        plugged.warn_of_missing()
 
     def step(self) -> None:
         """Publish what is due; raise what ended the world's thread."""
-        _, loop, scene = self._running()
+        loop, physics, _, scene = self._running()
         if loop.failure is not None:
             raise loop.failure
         self._painter.finish()
@@ -82,8 +81,8 @@ class World(Capability[WorldSettings]):
         now, period_s = self.ctx.clock(), 1 / self.ctx.settings.pose_hz
         if now >= self._pose_at - period_s / 4:
             self._pose_at = max(self._pose_at + period_s, now)
-            self.ctx.publish("pose", loop.pose)
-            self._remember((loop.pose.x_m, loop.pose.y_m))
+            self.ctx.publish("pose", physics.pose)
+            self._remember((physics.pose.x_m, physics.pose.y_m))
         if now >= self._scene_at:
             self._scene_at = now + self.ctx.settings.scene_every_s
             self.ctx.publish("scene", scene)
@@ -93,8 +92,8 @@ class World(Capability[WorldSettings]):
         drawn = isinstance(call.message, PictureRequest)
         if call.role == "view" and not (drawn and not call.message.path):
             call.refuse(f"{call.name} needs the role operate{', unless no path is named' if drawn else ''}")
-        elif isinstance(call.message, FaultRequest):
-            self._fault(call, call.message)
+        elif isinstance(call.message, FaultRequest) and self._plugged is not None:
+            self._plugged.fault(call, call.message)
         elif isinstance(call.message, PlaceRequest | RemoveRequest):
             self._change(call, call.message)
         elif isinstance(call.message, PictureRequest):
@@ -116,22 +115,10 @@ class World(Capability[WorldSettings]):
             self._trace = None
         sys.setswitchinterval(self._switch_s)
 
-    def _running(self) -> tuple[Engine, WorldLoop, WorldScene]:
-        if self._engine is None or self._loop is None or self._scene is None:
+    def _running(self) -> tuple[WorldLoop, WheeledPhysics, Engine, WorldScene]:
+        if self._engine is None or self._loop is None or self._physics is None or self._scene is None:
             raise RuntimeError("the world is not open")
-        return self._engine, self._loop, self._scene
-
-    def _plugged_in(self, around: Surroundings) -> dict[str, Twin]:
-        here = [device for device in self.ctx.devices if device.address.startswith(_LOCAL)]
-        return {device.name: TWINS[device.type](device, around) for device in here if device.type in TWINS}
-
-    def _warn_of_devices_without_twin(self) -> None:
-        wanted = (device for device in self.ctx.devices if device.type not in WITHOUT_TWIN)
-        devices = (device for device in wanted if device.name not in self._twins)
-        without = [f"{device.name} ({device.type} at {device.address or 'no address'})" for device in devices]
-        if without:
-            allowed = f"devices of type {', '.join(TWINS)} whose address is a path"
-            self.ctx.warn(f"no emulated twin for {', '.join(without)}; there are twins for {allowed}")
+        return self._loop, self._physics, self._engine, self._scene
 
     def _tell(self, said: list[Drawing]) -> None:
         for drawing in said:
@@ -145,23 +132,8 @@ class World(Capability[WorldSettings]):
         if not self._trail or sum(abs(a - b) for a, b in zip(place, self._trail[-1], strict=True)) > _TRAIL_EVERY_M:
             self._trail.append(place)
 
-    def _fault(self, call: Call, request: FaultRequest) -> None:
-        twin = self._twins.get(request.device)
-        if twin is None:
-            call.refuse(f"no emulated device '{request.device}'; there are: {', '.join(self._twins) or 'none'}")
-            return
-        try:
-            faults = twin.fault(request.name, request.value)
-        except InputError as err:
-            call.refuse(str(err))
-            return
-        now = "as it was" if request.value is None else json.dumps(request.value)
-        said = f"{request.device}: {request.name} is now {now}"
-        self.ctx.event("fault_injected", said, level="warning")
-        call.reply(FaultReply(accepted=True, reason=said, faults=faults))
-
     def _change(self, call: Call, request: PlaceRequest | RemoveRequest) -> None:
-        engine, _, _ = self._running()
+        _, _, engine, _ = self._running()
         try:
             if isinstance(request, PlaceRequest):
                 engine.place(WorldBox(**msgspec.structs.asdict(request)))
@@ -178,9 +150,9 @@ class World(Capability[WorldSettings]):
         call.reply(ThingsReply(accepted=True, reason=said, things=things))
 
     def _picture(self, call: Call, request: PictureRequest) -> None:
-        _, loop, scene = self._running()
+        _, physics, _, scene = self._running()
         path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
-        pose, ranges, trail = loop.pose, _as_ranges(loop.ranges_m), tuple(self._trail)
+        pose, ranges, trail = physics.pose, _as_ranges(physics.ranges_m), tuple(self._trail)
         size = {"width": request.width_px, "height": request.height_px}
         self._painter.ask(call, path, lambda: image(scene, pose, ranges, trail=trail, **size))
 

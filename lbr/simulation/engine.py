@@ -1,13 +1,9 @@
 """The physics of the simulated world: a differential-drive robot among furniture, and what its devices measure there."""
 
-import importlib
-import os
 from math import atan2, cos, hypot, isfinite, pi, sin
-from typing import Any
 
 import msgspec
 
-from lbr.errors import LbrError
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
@@ -15,16 +11,11 @@ from lbr.simulation.docking import DockSense, world_dock
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import Beam, ImuReading, Sensed
 from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml
+from lbr.simulation.physics import mujoco
 from lbr.simulation.placing import Placed
 from lbr.simulation.ranging import Ring
 from lbr.simulation.room import BoxSettings
 from lbr.simulation.settings import WorldSettings
-
-os.environ.pop("MUJOCO_GL", None)  # the choice of a renderer that is not installed would fail the import
-try:
-    mujoco: Any = importlib.import_module("mujoco")  # its bindings carry no types
-except ImportError as err:
-    raise LbrError(f"the simulated world needs MuJoCo ({err}); install lbr with its extra 'sim'") from err
 
 _SENSE_EVERY = 10
 _SETTLING_STEPS = 100

@@ -3,12 +3,13 @@
 import selectors
 import threading
 from collections.abc import Callable, Sequence
+from typing import Protocol
 
-from lbr.messages.simulation import WorldPose
-from lbr.simulation.cameras.host import CameraHost
-from lbr.simulation.engine import Engine
-from lbr.simulation.model import TIMESTEP_S
-from lbr.simulation.twins import Feeling, RoboteqTwin, Twin
+from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.twins import Feeling, Twin
+
+SWITCH_S = 0.0005
+"""How soon a world's thread is to get its turn; the usual 5 ms would show in the devices' answers."""
 
 _LATEST_S = 0.1
 """The world never makes up for more than this: a machine that slept does not find its robot elsewhere."""
@@ -19,20 +20,32 @@ _RESTING_S = 0.3
 _RESTING_LOOK_S = 0.005
 
 
-class WorldLoop:
-    """Runs engine and twins until closed; `pose` and `ranges_m` are the newest, `failure` is why it ended early."""
+class Physics(Protocol):
+    """What a loop keeps on time: an engine together with those of its twins that move it."""
 
-    def __init__(
-        self, engine: Engine, twins: Sequence[Twin], clock: Callable[[], float], cameras: CameraHost | None = None
-    ) -> None:
-        self.pose: WorldPose = engine.pose()
-        self.ranges_m = engine.sensed().ranges_m
+    timestep_s: float
+
+    def advance(self, now: float, dt_s: float) -> None:
+        """Run for a while, moved as its twins do now."""
+
+    def imu(self) -> ImuReading:
+        """Return what an inertial unit measures at the newest step."""
+
+    def look(self, now: float) -> Sensed:
+        """Look around: return what devices can measure now, and keep what others ask for."""
+
+    def at_rest(self, now: float) -> bool:
+        """Say whether nothing moves by power any more."""
+
+
+class WorldLoop:
+    """Runs physics and twins until closed; `failure` is why it ended early."""
+
+    def __init__(self, physics: Physics, twins: Sequence[Twin], clock: Callable[[], float]) -> None:
         self.failure: BaseException | None = None
-        self._engine = engine
+        self._physics = physics
         self._twins = twins
-        self._motors = next((twin for twin in twins if isinstance(twin, RoboteqTwin)), None)
         self._feeling: list[Feeling] = [twin for twin in twins if isinstance(twin, Feeling)]
-        self._cameras = cameras
         self._clock = clock
         self._watched: dict[str, int] = {}
         self._closing = threading.Event()
@@ -49,7 +62,7 @@ class WorldLoop:
     def close(self) -> None:
         """End the thread, then pull every device out; a controller whose motors turn outlives its host for a while."""
         for _ in range(round(_RESTING_S / _RESTING_LOOK_S)):
-            if not self._thread.is_alive() or not self._turning():
+            if not self._thread.is_alive() or self._physics.at_rest(self._clock()):
                 break
             self._closing.wait(_RESTING_LOOK_S)
         self._closing.set()
@@ -57,9 +70,6 @@ class WorldLoop:
             self._thread.join(timeout=2.0)
         for twin in self._twins:
             twin.close()
-
-    def _turning(self) -> bool:
-        return self._motors is not None and self._motors.wheels(self._clock()) != (0.0, 0.0)
 
     def _run(self) -> None:
         try:
@@ -70,7 +80,7 @@ class WorldLoop:
 
     def _live(self, selector: selectors.BaseSelector) -> None:
         last = self._clock()
-        due = last + TIMESTEP_S
+        due = last + self._physics.timestep_s
         while not self._closing.is_set():
             self._watch(selector)
             selector.select(max(0.0, self._next_due(due) - self._clock()))
@@ -79,7 +89,7 @@ class WorldLoop:
                 twin.service(now)
             if now >= due:
                 self._advance(now, min(now - last, _LATEST_S))
-                last, due = now, max(due + TIMESTEP_S, now)
+                last, due = now, max(due + self._physics.timestep_s, now)
 
     def _watch(self, selector: selectors.BaseSelector) -> None:
         """Wait for bytes only where they will be read; a full port would wake the loop for ever."""
@@ -98,10 +108,9 @@ class WorldLoop:
         return min([physics, *(at for twin in self._twins if (at := twin.next_due()) is not None)])
 
     def _advance(self, now: float, dt_s: float) -> None:
-        left, right = self._motors.wheels(now) if self._motors else (0.0, 0.0)
-        self._engine.step(left, right, dt_s)
+        self._physics.advance(now, dt_s)
         if self._feeling:
-            reading = self._engine.imu()
+            reading = self._physics.imu()
             for twin in self._feeling:
                 twin.feel(reading, now)
         self._rounds += 1
@@ -109,9 +118,6 @@ class WorldLoop:
             self._share()
 
     def _share(self) -> None:
-        sensed = self._engine.sensed()
-        self.pose, self.ranges_m = self._engine.pose(), sensed.ranges_m
+        sensed = self._physics.look(self._clock())
         for twin in self._twins:
             twin.sense(sensed)
-        if self._cameras is not None and self._cameras.running:
-            self._cameras.show(self._engine.view(), self._clock())

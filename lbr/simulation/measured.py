@@ -46,8 +46,8 @@ class ServoDrive(Struct, frozen=True, kw_only=True):
     """What a servo's registers make of its motor, in the servo's own radians from the middle of its range.
 
     `torque` is a fraction of its most; 0: none, it is limp. It goes to its goal at `speed_rps` at most (null: as fast as
-    it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` to `torque` over
-    `slopes_rad`. Both are for a goal that is further clockwise (negative) and further anticlockwise.
+    it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` by 1 over
+    `slopes_rad`, up to `torque`. Both are for a goal that is further clockwise (negative) and further anticlockwise.
     """
 
     goal_rad: float = 0.0

@@ -54,7 +54,10 @@ class ThingsReply(Struct, frozen=True, kw_only=True):
 
 
 class PictureRequest(Struct, frozen=True, kw_only=True):
-    """Draw the world from above into a PNG file: at `path`, or below `$LBR_HOME/pictures`."""
+    """Draw the world into a PNG file: at `path`, or below `$LBR_HOME/pictures`.
+
+    A room is seen from above, a humanoid from its front and its left.
+    """
 
     path: str = ""
     width_px: Pixels = 900
@@ -67,3 +70,14 @@ class PictureReply(Struct, frozen=True, kw_only=True):
     accepted: bool
     reason: str = ""
     path: str = ""
+
+
+class PickUpRequest(Struct, frozen=True, kw_only=True):
+    """Put the humanoid back on its feet, in a helper's hand that holds it until its servos have torque."""
+
+
+class PickUpReply(Struct, frozen=True, kw_only=True):
+    """Say that it is held."""
+
+    accepted: bool
+    reason: str = ""

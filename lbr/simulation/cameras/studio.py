@@ -10,9 +10,9 @@ import numpy as np
 from lbr.errors import LbrError
 from lbr.simulation.cameras.renderers import GlRenderer, Image, RayRenderer, Renderer
 from lbr.simulation.cameras.view import SharedView, show
-from lbr.simulation.engine import mujoco
 from lbr.simulation.faults import CameraFaults
 from lbr.simulation.model import model_xml
+from lbr.simulation.physics import mujoco
 from lbr.simulation.settings import WorldSettings
 
 _QUALITY = 75

@@ -90,7 +90,7 @@ class Feeling(Protocol):
 class ServoBus(Protocol):
     """A twin whose servos move the joints of a body; asked and told at every step of the world, by the servos' ids.
 
-    What it answers is the same object until a register has changed.
+    What a servo answers is the same object until one of its registers has changed.
     """
 
     def drives(self, now: float) -> Mapping[int, ServoDrive]:

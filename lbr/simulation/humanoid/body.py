@@ -1,0 +1,114 @@
+"""A humanoid's body: a MuJoCo description, shipped or the user's own, with floor, helper's hand and sensors added."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lbr.errors import InputError
+from lbr.messages.joints import Joint
+from lbr.messages.units import Vector
+from lbr.simulation.humanoid.settings import Motor
+from lbr.simulation.physics import mujoco
+
+TIMESTEP_S = 0.002
+"""500 steps a second: the stiffest servo swings at 30 Hz."""
+
+HAND, FLOOR, IMU = "hand", "floor", "imu"
+_SHIPPED = Path(__file__).parent.parent / "models"
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A model that is ready to move; `positions` and `speeds` are where its joints are, in the order of the rows."""
+
+    model: Any
+    trunk: int
+    feet: dict[str, int]
+    positions: list[int]
+    speeds: list[int]
+
+
+def model_file(name: str, home: str) -> Path:
+    """Return the file of a body; raise InputError naming those that there are."""
+    folders = (Path(home) / "models", _SHIPPED)
+    for folder in folders:
+        if (folder / f"{name}.xml").is_file():
+            return folder / f"{name}.xml"
+    known = sorted({path.stem for folder in folders for path in folder.glob("*.xml")})
+    raise InputError(
+        f"world setting `model`: there is no body '{name}': neither {folders[0] / name}.xml nor among those shipped; "
+        f"there are: {', '.join(known) or 'none'}"
+    )
+
+
+def load(path: Path, joints: Iterable[Joint], motor: Motor, field_ut: Vector) -> Body:
+    """Return the body in a file; raise InputError saying what is wrong with it."""
+    rows = tuple(joints)
+    spec = _parsed(path)
+    trunk = _checked(path, spec, rows)
+    _surround(spec, trunk, field_ut)
+    for joint in spec.joints[1:]:
+        joint.armature, joint.frictionloss = motor.armature_kgm2, motor.friction_nm
+    try:
+        model = spec.compile()
+    except (ValueError, mujoco.FatalError) as err:
+        raise InputError(f"body {path}: {' '.join(str(err).split())}") from err
+    feet = {model.body(at).name: at for at in range(model.nbody) if model.body(at).name.endswith("foot")}
+    found = [model.joint(row.name) for row in rows]
+    return Body(
+        model=model,
+        trunk=model.body(trunk.name).id,
+        feet=feet,
+        positions=[int(joint.qposadr[0]) for joint in found],
+        speeds=[int(joint.dofadr[0]) for joint in found],
+    )
+
+
+def _parsed(path: Path) -> Any:
+    try:
+        return mujoco.MjSpec.from_file(str(path))
+    except (ValueError, mujoco.FatalError) as err:
+        raise InputError(f"body {path}: {' '.join(str(err).split())}") from err
+
+
+def _checked(path: Path, spec: Any, rows: tuple[Joint, ...]) -> Any:
+    """Return the body that the others hang on."""
+    tops = list(spec.worldbody.bodies)
+    free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    if len(tops) != 1 or len(free) != 1 or free[0].parent.name != tops[0].name or not tops[0].name:
+        raise InputError(f"body {path}: it needs one body at the top, named and with the only <freejoint/>")
+    if not any(site.name == IMU for site in spec.sites):
+        raise InputError(f'body {path}: it needs a <site name="{IMU}"/> where the inertial unit sits')
+    hinges = {joint.name: joint for joint in spec.joints if joint is not free[0]}
+    wanted = {row.name for row in rows}
+    problems = [f"no joint '{name}', which the joint rows name" for name in sorted(wanted - set(hinges))]
+    problems += [f"a joint '{name}' that no joint row names" for name in sorted(set(hinges) - wanted)]
+    problems += [
+        f"the joint '{name}' is no hinge"
+        for name, joint in sorted(hinges.items())
+        if name in wanted and joint.type != mujoco.mjtJoint.mjJNT_HINGE
+    ]
+    if problems:
+        raise InputError(f"body {path}: {'; '.join(problems)}")
+    return tops[0]
+
+
+def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
+    """Add what every body gets: a floor, a hand that can hold it by its trunk, and its inertial unit's sensors."""
+    spec.option.timestep = TIMESTEP_S
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.magnetic = field_ut
+    world = spec.worldbody
+    world.add_geom(name=FLOOR, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[20, 20, 0.1], friction=[0.9, 0.005, 0.0001])
+    world.add_body(name=HAND, mocap=True, pos=trunk.pos)
+    spec.add_equality(
+        type=mujoco.mjtEq.mjEQ_WELD,
+        objtype=mujoco.mjtObj.mjOBJ_BODY,
+        name1=HAND,
+        name2=trunk.name,
+        data=[0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0],
+    )
+    kinds = mujoco.mjtSensor
+    for kind in (kinds.mjSENS_GYRO, kinds.mjSENS_ACCELEROMETER, kinds.mjSENS_MAGNETOMETER):
+        spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=IMU)

@@ -1,0 +1,142 @@
+"""The physics of a humanoid: its joints moved by servos, on a floor, and what its devices measure."""
+
+from collections.abc import Mapping, Sequence
+from math import asin, atan2, cos, radians, sin
+from typing import Any
+
+import numpy as np
+
+from lbr.messages.joints import Joint
+from lbr.messages.simulation import HumanoidPose
+from lbr.messages.units import Vector
+from lbr.simulation.battery import BatteryState
+from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, load, model_file
+from lbr.simulation.humanoid.servos import Floats, Servos
+from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+from lbr.simulation.inertial import InertialUnit
+from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
+from lbr.simulation.physics import mujoco
+from lbr.simulation.settings import Compass
+
+_UPRIGHT = cos(radians(45.0))
+_STAND_M = 0.05
+"""How far above the floor a stand has its feet."""
+
+
+class HumanoidEngine:
+    """The world of one humanoid; the same steps with the same seed give the same run."""
+
+    def __init__(self, settings: HumanoidWorldSettings, joints: Sequence[Joint], home: str) -> None:
+        self.settings = settings
+        self.body: Body = load(model_file(settings.model, home), joints, settings.motor, _field(settings.compass))
+        self.battery = BatteryState(settings.battery)
+        self._names = [joint.name for joint in joints]
+        self._model, self._data = self.body.model, mujoco.MjData(self.body.model)
+        self._servos = Servos(joints, settings.motor)
+        self._imu = InertialUnit(settings.imu, settings.seed)
+        self._owed_s = self._driven_s = 0.0
+        self._steps = 0
+        self._floor = self._model.geom(FLOOR).id
+        self.pick_up()
+
+    @property
+    def time_s(self) -> float:
+        """Seconds the world has run."""
+        return float(self._data.time)
+
+    @property
+    def held(self) -> bool:
+        """Say whether a hand or a stand holds it."""
+        return bool(self._data.eq_active[0])
+
+    def pick_up(self) -> None:
+        """Put it upright where it is, its joints as they are, in a helper's hand that holds it until it has torque."""
+        data = self._data
+        x, y, _ = data.qpos[:3]
+        data.qpos[:7] = (x, y, 0.0, 1.0, 0.0, 0.0, 0.0)
+        data.qvel[:] = 0.0
+        mujoco.mj_kinematics(self._model, data)
+        data.qpos[2] = (_STAND_M if self.settings.stand else 0.0) - self._lowest_m()
+        data.mocap_pos[0], data.mocap_quat[0] = data.qpos[:3], data.qpos[3:7]
+        data.eq_active[0] = True
+        self._driven_s = 0.0
+        mujoco.mj_forward(self._model, data)
+        self._imu.follow(data)
+
+    def step(self, drives: Mapping[int, ServoDrive], dt_s: float) -> None:
+        """Run the world for `dt_s` with the servos driven like this, by their ids."""
+        if self._servos.follow(drives):
+            self._model.dof_damping[self.body.speeds] = self._servos.damping_nms
+        self._owed_s += dt_s
+        while self._owed_s >= TIMESTEP_S - 1e-9:
+            self._owed_s -= TIMESTEP_S
+            self._step_once()
+
+    def felt(self) -> dict[int, ServoFelt]:
+        """Return what the servos measure now, by their ids."""
+        return self._servos.felt(*self._joints())
+
+    def imu(self) -> ImuReading:
+        """Return what the inertial unit measures at the newest step."""
+        return self._imu.read(self._steps)
+
+    def sensed(self) -> Sensed:
+        """Return what devices other than the servos can measure now."""
+        return Sensed(battery_v=self.battery.voltage_v, imu=self.imu())
+
+    def pose(self) -> HumanoidPose:
+        """Return the truth about the robot."""
+        x, y, z, qw, qx, qy, qz = self._data.qpos[:7].tolist()
+        return HumanoidPose(
+            x_m=x,
+            y_m=y,
+            z_m=z,
+            roll_rad=atan2(2 * (qw * qx + qy * qz), 1 - 2 * (qx * qx + qy * qy)),
+            pitch_rad=asin(max(-1.0, min(1.0, 2 * (qw * qy - qz * qx)))),
+            yaw_rad=atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)),
+            upright=1 - 2 * (qx * qx + qy * qy) > _UPRIGHT,
+            held=self.held,
+            on_floor=self._on_floor(),
+            joints=dict(zip(self._names, self._joints()[0].tolist(), strict=True)),
+            supply_v=self.battery.voltage_v,
+            time_s=self.time_s,
+        )
+
+    def view(self) -> bytes:
+        """Return what a picture needs of this instant."""
+        return bytes(self._data.qpos.tobytes())
+
+    def _joints(self) -> tuple[Floats, Floats]:
+        return self._data.qpos[self.body.positions], self._data.qvel[self.body.speeds]
+
+    def _step_once(self) -> None:
+        position, speed = self._joints()
+        torque = self._servos.torques(position, speed, self.battery.voltage_v, TIMESTEP_S)
+        self._data.qfrc_applied[self.body.speeds] = torque
+        mujoco.mj_step(self._model, self._data)
+        self._imu.follow(self._data)
+        self.battery.draw(self._servos.amps(), TIMESTEP_S)
+        self._steps += 1
+        self._driven_s = self._driven_s + TIMESTEP_S if self._servos.driven else 0.0
+        if self._driven_s >= self.settings.hand_s and not self.settings.stand:
+            self._data.eq_active[0] = False
+
+    def _on_floor(self) -> tuple[str, ...]:
+        pairs = self._data.contact.geom[: self._data.ncon].tolist()
+        geoms = {a if b == self._floor else b for a, b in pairs if self._floor in (a, b)}
+        return tuple(sorted({self._model.body(self._model.geom_bodyid[geom]).name for geom in geoms}))
+
+    def _lowest_m(self) -> float:
+        """Return how far the lowest part reaches down, from where everything is now."""
+        solid = np.flatnonzero((self._model.geom_contype != 0) & (self._model.geom_bodyid != 0))
+        turned = self._data.geom_xmat[solid].reshape(-1, 3, 3)[:, 2]
+        middle = self._data.geom_xpos[solid, 2] + (turned * self._model.geom_aabb[solid, :3]).sum(axis=1)
+        lowest: Any = (middle - (np.abs(turned) * self._model.geom_aabb[solid, 3:]).sum(axis=1)).min()
+        return float(lowest)
+
+
+def _field(compass: Compass) -> Vector:
+    """Return the earth's field in the world's axes; z is up."""
+    down, north = radians(compass.inclination_deg), radians(compass.north_deg)
+    level = compass.field_ut * cos(down)
+    return level * cos(north), level * sin(north), -compass.field_ut * sin(down)

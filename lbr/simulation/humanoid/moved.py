@@ -1,0 +1,48 @@
+"""The physics of a humanoid, moved by the twins of its servo buses."""
+
+from collections.abc import Sequence
+
+from lbr.messages.simulation import HumanoidPose
+from lbr.simulation.humanoid.body import TIMESTEP_S
+from lbr.simulation.humanoid.engine import HumanoidEngine
+from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.twins import ServoBus, Twin
+
+_AT_ONCE_S = 2 * TIMESTEP_S
+"""As long as this is made up for in one go, so that a round of the loop costs one look at the servos."""
+
+
+class HumanoidPhysics:
+    """`pose` and `view` are the newest; `pick_up` may be set by any thread, and is done at the next step."""
+
+    timestep_s = _AT_ONCE_S
+
+    def __init__(self, engine: HumanoidEngine, twins: Sequence[Twin]) -> None:
+        self.pose: HumanoidPose = engine.pose()
+        self.view = engine.view()
+        self.pick_up = False
+        self._engine = engine
+        self._buses = [twin for twin in twins if isinstance(twin, ServoBus)]
+
+    def advance(self, now: float, dt_s: float) -> None:
+        """Run for a while with the servos driven as their registers say, and tell them where that brought them."""
+        if self.pick_up:
+            self.pick_up = False
+            self._engine.pick_up()
+        self._engine.step({number: drive for bus in self._buses for number, drive in bus.drives(now).items()}, dt_s)
+        felt = self._engine.felt()
+        for bus in self._buses:
+            bus.feel_servos(felt, self._engine.battery.voltage_v, now)
+
+    def imu(self) -> ImuReading:
+        """Return what the inertial unit measures at the newest step."""
+        return self._engine.imu()
+
+    def look(self, now: float) -> Sensed:  # noqa: ARG002
+        """Look around."""
+        self.pose, self.view = self._engine.pose(), self._engine.view()
+        return self._engine.sensed()
+
+    def at_rest(self, now: float) -> bool:  # noqa: ARG002
+        """Say so: a servo's motion ends with its bus."""
+        return True

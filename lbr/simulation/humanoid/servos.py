@@ -1,0 +1,88 @@
+"""Servo motors as their registers make them work, all of a body's at once."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lbr.messages.joints import Joint
+from lbr.simulation.humanoid.settings import Motor
+from lbr.simulation.measured import ServoDrive, ServoFelt
+
+Floats = NDArray[np.float64]
+
+_LIMP_NMS = 0.01
+"""Damping of a motor without supply; one that is driven brakes by what it generates."""
+
+_ANY_SPEED_RPS = 1e6
+
+
+class Servos:
+    """The motors of the joints, in the joints' radians and in the order of the rows; limp until driven."""
+
+    def __init__(self, joints: Sequence[Joint], motor: Motor) -> None:
+        count = len(joints)
+        self._ids = [joint.device_id for joint in joints]
+        self._sign = np.array([float(joint.sign) for joint in joints])
+        self._zero = np.array([joint.zero_rad for joint in joints])
+        self._motor = motor
+        self._drives: Mapping[int, ServoDrive] = {}
+        self._goal, self._torque, self._target = np.zeros(count), np.zeros(count), np.zeros(count)
+        self._speed, self._punch = np.full(count, _ANY_SPEED_RPS), np.zeros(count)
+        self._margins, self._slopes = np.zeros((2, count)), np.ones((2, count))
+        self._off = np.full(count, True)
+        self.damping_nms = np.full(count, _LIMP_NMS)
+        self.load = np.zeros(count)
+
+    @property
+    def driven(self) -> bool:
+        """Say whether every motor has torque."""
+        return not self._off.any()
+
+    def follow(self, drives: Mapping[int, ServoDrive]) -> bool:
+        """Take over what the registers say; say whether that is anything new."""
+        if drives == self._drives:
+            return False
+        self._drives = drives
+        limp = ServoDrive()
+        given = [drives.get(number, limp) for number in self._ids]
+        self._goal = self._sign * (np.array([drive.goal_rad for drive in given]) - self._zero)
+        speeds = (drive.speed_rps for drive in given)
+        self._speed = np.array([_ANY_SPEED_RPS if speed is None else speed for speed in speeds])
+        self._torque = np.array([drive.torque for drive in given])
+        self._punch = np.array([drive.punch for drive in given])
+        self._margins = self._sided([drive.margins_rad for drive in given])
+        self._slopes = np.maximum(self._sided([drive.slopes_rad for drive in given]), 1e-3)
+        self._off = self._torque <= 0.0
+        self.damping_nms = np.where(self._off, _LIMP_NMS, self._motor.stall_nm / self._motor.no_load_rps)
+        return True
+
+    def torques(self, position: Floats, speed: Floats, supply_v: float, dt_s: float) -> Floats:
+        """Return what the motors do to their joints, without the braking of `damping_nms`, and keep their `load`."""
+        most = self._speed * dt_s
+        self._target = np.where(self._off, position, self._target + np.clip(self._goal - self._target, -most, most))
+        error = self._target - position
+        up, size = error > 0, np.abs(error)
+        margin = np.where(up, self._margins[1], self._margins[0])
+        slope = np.where(up, self._slopes[1], self._slopes[0])
+        drive = np.minimum(self._torque, self._punch + (size - margin) / slope)
+        drive = np.where((size <= margin) | self._off, 0.0, np.copysign(drive, error))
+        torque: Floats = drive * (self._motor.stall_nm * supply_v / self._motor.rated_v)
+        self.load = np.where(self._off, 0.0, (torque - self.damping_nms * speed) / self._motor.stall_nm)
+        return torque
+
+    def felt(self, position: Floats, speed: Floats) -> dict[int, ServoFelt]:
+        """Return what the servos measure, by id, in their own radians."""
+        positions = (self._zero + self._sign * position).tolist()
+        speeds, loads = (self._sign * speed).tolist(), (self._sign * self.load).tolist()
+        each = zip(self._ids, positions, speeds, loads, strict=True)
+        return {number: ServoFelt(position_rad=at, speed_rps=going, load=load) for number, at, going, load in each}
+
+    def amps(self) -> float:
+        """Return what all motors draw."""
+        return float(np.abs(self.load).sum() * self._motor.stall_a)
+
+    def _sided(self, pairs: list[tuple[float, float]]) -> Floats:
+        """Return clockwise and anticlockwise values as those below and above, for a joint that may count the other way."""
+        below, above = np.array(pairs).T
+        return np.array([np.where(self._sign > 0, below, above), np.where(self._sign > 0, above, below)])

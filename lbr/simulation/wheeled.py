@@ -1,0 +1,42 @@
+"""The physics of a robot on wheels, moved by the twin of its motor controller."""
+
+from collections.abc import Sequence
+
+from lbr.simulation.cameras.host import CameraHost
+from lbr.simulation.engine import Engine
+from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.model import TIMESTEP_S
+from lbr.simulation.twins import RoboteqTwin, Twin
+
+
+class WheeledPhysics:
+    """`pose` and `ranges_m` are the newest."""
+
+    timestep_s = TIMESTEP_S
+
+    def __init__(self, engine: Engine, twins: Sequence[Twin], cameras: CameraHost) -> None:
+        self.pose, self.ranges_m = engine.pose(), engine.ranges_m
+        self._engine = engine
+        self._motors = next((twin for twin in twins if isinstance(twin, RoboteqTwin)), None)
+        self._cameras = cameras
+
+    def advance(self, now: float, dt_s: float) -> None:
+        """Run for a while with the wheels as the motor controller has them."""
+        left, right = self._motors.wheels(now) if self._motors else (0.0, 0.0)
+        self._engine.step(left, right, dt_s)
+
+    def imu(self) -> ImuReading:
+        """Return what an inertial unit measures at the newest step."""
+        return self._engine.imu()
+
+    def look(self, now: float) -> Sensed:
+        """Look around, also through the cameras."""
+        sensed = self._engine.sensed()
+        self.pose, self.ranges_m = self._engine.pose(), sensed.ranges_m
+        if self._cameras.running:
+            self._cameras.show(self._engine.view(), now)
+        return sensed
+
+    def at_rest(self, now: float) -> bool:
+        """Say whether no wheel has power."""
+        return self._motors is None or self._motors.wheels(now) == (0.0, 0.0)
