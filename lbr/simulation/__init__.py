@@ -11,7 +11,7 @@ from lbr.simulation.requests import (
     RemoveRequest,
     ThingsReply,
 )
-from lbr.simulation.rows import CameraRow, InfraredRow, Mpu9150Row, PicoRow, RioxRow, RoboteqRow, UltrasonicRow
+from lbr.simulation.rows import DEVICE_ROWS
 from lbr.simulation.settings import WorldSettings
 
 KIND = Kind(
@@ -23,14 +23,6 @@ KIND = Kind(
     outputs={"pose": WorldPose, "scene": WorldScene},
     commands={"picture": PictureRequest, "fault": FaultRequest, "place": PlaceRequest, "remove": RemoveRequest},
     roles={"picture": "admin", "fault": "admin", "place": "admin", "remove": "admin"},
-    device_settings={
-        "roboteq": RoboteqRow,
-        "ultrasonic_ring": UltrasonicRow,
-        "mpu9150": Mpu9150Row,
-        "riox": RioxRow,
-        "infrared": InfraredRow,
-        "camera": CameraRow,
-        "pico": PicoRow,
-    },
+    device_settings=DEVICE_ROWS,
     replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},
 )

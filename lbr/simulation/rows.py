@@ -1,5 +1,6 @@
 """What device rows may set for their emulated twins."""
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
@@ -126,3 +127,17 @@ class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     usb2ax: Literal[4, 5] | None = 5
     return_delay: Annotated[int, Meta(ge=0, le=254)] = 250
     timing: BusTiming = BusTiming()
+
+
+DEVICE_ROWS: Mapping[str, type[Struct]] = {
+    "roboteq": RoboteqRow,
+    "ultrasonic_ring": UltrasonicRow,
+    "mpu9150": Mpu9150Row,
+    "phidget_spatial": PhidgetSpatialRow,
+    "riox": RioxRow,
+    "pico": PicoRow,
+    "infrared": InfraredRow,
+    "camera": CameraRow,
+    "dynamixel": DynamixelRow,
+}
+"""What a device row of each type that has a twin may set, in whichever world."""

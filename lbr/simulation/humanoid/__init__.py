@@ -11,6 +11,7 @@ from lbr.simulation.requests import (
     PictureReply,
     PictureRequest,
 )
+from lbr.simulation.rows import DEVICE_ROWS
 
 KIND = Kind(
     name="humanoid_world",
@@ -21,6 +22,7 @@ KIND = Kind(
     outputs={"pose": HumanoidPose},
     commands={"picture": PictureRequest, "fault": FaultRequest, "pick_up": PickUpRequest},
     roles={"picture": "admin", "fault": "admin"},
+    device_settings=DEVICE_ROWS,
     replies={"picture": PictureReply, "fault": FaultReply, "pick_up": PickUpReply},
     rows=("joint",),
 )
