@@ -1,0 +1,204 @@
+"""Motions as a capability: every decision is the kernel's, every message passes here."""
+
+import secrets
+from math import inf
+
+from msgspec.structs import replace
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.errors import InputError
+from lbr.messages.joints import (
+    MAX_FRAMES,
+    CaptureCommand,
+    CapturedFrame,
+    JointsCommand,
+    JointsState,
+    MotionsState,
+    PlayCommand,
+)
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.operations.leasing.state import Ask, EstopChanged, Happened, Reply, Stop
+from lbr.operations.motions import MotionsSettings
+from lbr.operations.motions.follower import Follower
+from lbr.operations.motions.kernel import decide, motions_state
+from lbr.operations.motions.pose import key_frame, reach_s
+from lbr.operations.motions.programme import Programme, programme
+from lbr.operations.motions.state import Answer, Event, Halt, LetGo, Play, Result, Send, Tick, first_state
+
+STATE_PERIOD_S = 0.5
+OLDEST_S = 0.5
+
+
+class Motions(Capability[MotionsSettings]):
+    """Plays the motions of the rows through the joints, for whoever holds them, and writes down poses made by hand."""
+
+    rate_hz = 50.0
+
+    def __init__(self, ctx: Context[MotionsSettings]) -> None:
+        super().__init__(ctx)
+        self._begin()
+
+    def open(self) -> None:
+        """Begin with nothing played."""
+        self._begin()
+        self._listen()
+
+    def step(self) -> None:
+        """Take in what arrived, and go on playing."""
+        self._listen()
+        self._decide(Tick())
+        self._report()
+
+    def command(self, call: Call) -> None:
+        """Answer `play`, `capture` and `stop`."""
+        self._listen()
+        if isinstance(call.message, PlayCommand):
+            self._play(call, call.message)
+        elif isinstance(call.message, StopCommand):
+            self._decide(Stop(source=call.source, received=call.arrived, reason=call.message.reason), call)
+        elif isinstance(call.message, CaptureCommand):
+            try:
+                call.reply(CommandReply(accepted=True, reason=self._capture(call.message, call.source)))
+            except InputError as err:
+                call.refuse(str(err))
+        else:
+            super().command(call)
+        self._report()
+
+    def close(self) -> None:
+        """Have the joints hold."""
+        now = self.ctx.clock()
+        self._decide(Stop(source=self.ctx.name, received=now, reason="motions are shutting down"))
+        self._follower.halt("motions are shutting down")
+        self._report()
+
+    def _begin(self) -> None:
+        self._state = first_state(self.ctx.settings.ttl_s)
+        self._follower = Follower(self.ctx, self._decide)
+        self._waiting: Call | None = None
+        self._alive_holder = ""
+        self._reported: MotionsState | None = None
+        self._reported_at = -inf
+
+    def _listen(self) -> None:
+        estop = self.ctx.estop
+        if estop.engaged != self._state.holding.estop:
+            self._decide(EstopChanged(engaged=estop.engaged, reason=estop.reason))
+        if estop.engaged:
+            estop.acknowledge(stopped=True)
+        self._watch_holder()
+        self._follower.step()
+
+    def _watch_holder(self) -> None:
+        """End what a capability plays whose process is gone; of others only the lease tells."""
+        holder = self._state.hold.source if self._state.hold is not None else ""
+        alive = bool(holder) and self.ctx.alive(holder)
+        if holder and holder == self._alive_holder and not alive:
+            self._decide(Stop(source=holder, received=self.ctx.clock(), reason="its process is gone"))
+        self._alive_holder = holder if alive else ""
+
+    def _play(self, call: Call, command: PlayCommand) -> None:
+        wanted: Programme | None = None
+        why = ""
+        try:
+            wanted = self._from_here(programme(self.ctx.motions, command))
+        except InputError as err:
+            why = str(err)
+        event = Play(
+            ask=_ask(call, command),
+            programme=wanted,
+            new_goal=f"goal-{secrets.token_hex(4)}",
+            reason=why,
+            trouble=self._follower.trouble,
+        )
+        self._decide(event, call)
+
+    def _from_here(self, wanted: Programme) -> Programme:
+        """Return what is wanted, with a way to its first key frame that no joint is too slow for."""
+        newest = self.ctx.latest("joints")
+        if newest is None:
+            return wanted
+        way_s = reach_s(self.ctx.joints, newest.message, wanted.at(0), mirror=wanted.mirror)
+        return replace(wanted, reach_s=way_s)
+
+    def _capture(self, command: CaptureCommand, source: str) -> str:
+        """Write the pose of now down; raise InputError if it is not known."""
+        if self._state.hold is not None:
+            raise InputError(f"'{self._state.hold.motion.programme.motion.name}' is being played; stop it first")
+        newest = self.ctx.latest("joints")
+        if newest is None or not newest.age_s(self.ctx.clock()) <= OLDEST_S:
+            raise InputError("joints operation has not told for a while where the joints are; see /report/joints")
+        state: JointsState = newest.message
+        known = next((motion.frames for motion in self.ctx.motions if motion.name == command.motion), ())
+        if len(known) >= MAX_FRAMES:
+            raise InputError(f"motion '{command.motion}' has {MAX_FRAMES} key frames, the most there can be")
+        frame = key_frame(self.ctx.joints, state, command.duration_s)
+        self.ctx.keep_frame(CapturedFrame(motion=command.motion, frame=frame, help=command.help))
+        text = f"key frame {len(known) + 1} of '{command.motion}' is the pose of now"
+        self.ctx.event("captured", f"{source}: {text}")
+        return text
+
+    def _decide(self, event: Event, call: Call | None = None) -> None:
+        self._state, outputs = decide(self._state, event, self.ctx.clock())
+        for output in outputs:
+            match output:
+                case Reply(message=reply, late=late):
+                    if call is not None:
+                        call.reply(reply, quiet=late)
+                case Answer(message=reply):
+                    self._answer(reply)
+                case Result(message=result):
+                    self.ctx.publish("result", result)
+                case Happened():
+                    self.ctx.event(output.kind, output.text, level=output.level, data=dict(output.data))
+                case _:
+                    self._move(output, call)
+
+    def _answer(self, reply: CommandReply) -> None:
+        waiting, self._waiting = self._waiting, None
+        if waiting is not None:
+            waiting.reply(reply)
+
+    def _move(self, output: Send | Halt | LetGo, call: Call | None) -> None:
+        match output:
+            case Send():
+                self._send(output, call)
+            case Halt(why=why):
+                self._follower.halt(why)
+            case LetGo():
+                self._follower.let_go()
+
+    def _send(self, output: Send, call: Call | None) -> None:
+        command = JointsCommand(
+            frames=output.frames, mirror=output.mirror, append=output.append, take_over=output.take_over
+        )
+        if output.append:
+            self._follower.append(command)
+        else:
+            self._waiting = call
+            self._follower.follow(command)
+
+    def _report(self) -> None:
+        now = self.ctx.clock()
+        state = motions_state(self._state)
+        if state != self._reported or not now - self._reported_at < STATE_PERIOD_S:
+            self._reported, self._reported_at = state, now
+            self.ctx.publish("state", state)
+
+
+def _ask(call: Call, command: PlayCommand) -> Ask:
+    return Ask(
+        source=call.source,
+        role=call.role,
+        lease=command.lease,
+        what=(command.motion, command.times, command.speed, command.mirror),
+        moves=True,
+        received=call.arrived,
+        new_lease=secrets.token_hex(8),
+        take_over=command.take_over,
+        ttl_s=command.ttl_s,
+        remote=call.remote,
+        sender_s=call.sender_s,
+        answerable=call.answerable,
+    )

@@ -1,0 +1,113 @@
+"""Joints operation as motions sees it: borrowed for one motion after another, and what became of it."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from lbr.capability.context import Asked, Received
+from lbr.capability.loan import Asking, Lender, Loan
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import JointsCommand, JointsState
+from lbr.messages.leases import CommandReply
+from lbr.operations.motions.state import Event, Granted, JointsEnded, Lost, Passed
+
+JOINTS = Lender("move", "halt", "joints operation", "joints operation does not answer; the joints hold by themselves")
+RENEWAL = JointsCommand()
+
+
+class Context(Asking, Protocol):
+    """What is needed of a context."""
+
+    def latest(self, port: str) -> Received | None:
+        """Return the newest message of an input."""
+
+    def take(self, port: str) -> list[Received]:
+        """Return what arrived on an input."""
+
+    def alive(self, capability: str) -> bool:
+        """Say whether a capability's process is on the bus."""
+
+    def targets(self, request: str) -> tuple[str, ...]:
+        """Return the names of the capabilities wired to a request."""
+
+
+class Follower:
+    """The joints. `happened` is told what the kernel needs to know, from within `step`."""
+
+    def __init__(self, ctx: Context, happened: Callable[[Event], None]) -> None:
+        self._ctx = ctx
+        self._happened = happened
+        self._loan: Loan | None = None
+        self._asked: Asked | None = None
+        self._first = False
+        self._passed = ("", 0)
+
+    @property
+    def trouble(self) -> str:
+        """Why the joints would not follow, or nothing."""
+        names = self._ctx.targets("move")
+        gone = names and not any(self._ctx.alive(name) for name in names)
+        return f"joints operation ({', '.join(names)}) is not running" if gone else ""
+
+    def follow(self, command: JointsCommand) -> None:
+        """Go this way from now on; `Granted` or `Lost` follows."""
+        if self._loan is not None and self._loan.holds:
+            self._asked = self._loan.send(command)
+            if self._asked is not None:
+                return
+        self.halt("another motion begins")
+        self._loan = Loan(self._ctx, JOINTS, command)
+        self._first = True
+
+    def append(self, command: JointsCommand) -> None:
+        """Go on so afterwards."""
+        if self._loan is not None:
+            self._loan.send(command)
+
+    def halt(self, why: str) -> None:
+        """Hold where the joints are."""
+        if self._loan is not None:
+            self._loan.release(why)
+        self.let_go()
+
+    def let_go(self) -> None:
+        """Leave the joints to themselves, or to others."""
+        self._loan = self._asked = None
+        self._first = False
+
+    def step(self) -> None:
+        """Read what the joints say, and renew."""
+        if self._loan is not None:
+            self._listen(self._loan)
+        for received in self._ctx.take("ended"):
+            if isinstance(received.message, GoalResult):
+                self._happened(JointsEnded(result=received.message))
+        self._look()
+        if self._loan is not None and self._loan.due:
+            self._loan.send(RENEWAL)
+
+    def _listen(self, loan: Loan) -> None:
+        loan.step()
+        if loan.ended or self.trouble:
+            self.let_go()
+            self._happened(Lost(why=loan.ended or f"{self.trouble}; the joints hold by themselves"))
+        elif self._first and loan.granted is not None:
+            self._first = False
+            self._grant(loan.granted)
+        elif self._asked is not None and (answers := self._asked.answers()) is not None:
+            self._asked = None
+            reply = next(iter(answers.values()), None)
+            self._grant(reply if isinstance(reply, CommandReply) else CommandReply(accepted=False))
+
+    def _grant(self, reply: CommandReply) -> None:
+        if reply.accepted:
+            self._happened(Granted(goal=reply.goal, reason=reply.reason))
+        else:
+            self.halt("another motion began, and the joints did not answer")
+            self._happened(Lost(why="joints operation does not answer"))
+
+    def _look(self) -> None:
+        newest = self._ctx.latest("joints")
+        state = newest.message if newest is not None else None
+        if isinstance(state, JointsState) and state.goal is not None and (state.goal, state.passed) != self._passed:
+            self._passed = (state.goal, state.passed)
+            self._happened(Passed(goal=state.goal, frames=state.passed))

@@ -1,0 +1,256 @@
+"""The decisions of motions, as a pure function of what is known, what happened and when."""
+
+from msgspec.structs import replace
+
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import MotionsState
+from lbr.messages.leases import CommandReply
+from lbr.operations.leasing import acceptance, ending, holding
+from lbr.operations.leasing.state import Ended, Ending, EstopChanged, Happened, Hold, Stop, confirmed
+from lbr.operations.motions.programme import Programme
+from lbr.operations.motions.state import (
+    Answer,
+    Event,
+    Granted,
+    Halt,
+    JointsEnded,
+    LetGo,
+    Lost,
+    Outputs,
+    Passed,
+    Play,
+    Playing,
+    Result,
+    Send,
+    State,
+    Tick,
+)
+
+Decision = tuple[State, Outputs]
+ANSWER_S = 1.5
+"""So long a motion waits for joints operation to answer; its own lease counts from then on."""
+AHEAD_S = 4.0
+"""How much of a motion is to lie ahead of the joints: enough for any pause of this process, little enough to compute."""
+GRACE_S = 0.2
+"""How a goal of the joints ended may be heard a little later than that its lease is dead."""
+BACK = "the clock went back"
+ENDINGS: dict[str, Ending] = {"stopped": "stopped", "superseded": "superseded"}
+
+
+def decide(state: State, event: Event, now: float) -> Decision:
+    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event counts."""
+    if now >= state.clock:
+        held, said = ending.lapse(state.holding, now)
+    else:
+        held, said = ending.lose_time(state.holding, BACK, state.clock, now)
+    state, outputs = _told(replace(state, holding=held, clock=now), said, now)
+    state, more = _handle(state, event, now)
+    state, fed = _feed(state, now)
+    return state, outputs + more + fed
+
+
+def motions_state(state: State) -> MotionsState:
+    """Return what the world may know."""
+    hold = state.hold
+    if hold is None or hold.motion.asked:
+        return MotionsState(playing=False, reason=state.holding.reason)
+    playing = hold.motion
+    place = playing.programme.place(playing.passed)
+    return MotionsState(
+        playing=True,
+        motion=place.motion,
+        frame=place.frame,
+        frames=place.frames,
+        round=place.round,
+        times=playing.programme.times,
+        holder=hold.source,
+    )
+
+
+def _handle(state: State, event: Event, now: float) -> Decision:
+    match event:
+        case Play():
+            decision = _play(state, event, now)
+        case Stop():
+            held, said = holding.stop(state.holding, event, now)
+            state, outputs = _told(replace(state, holding=held), said, now)
+            decision = state, (*outputs, holding.STOPPED)
+        case EstopChanged():
+            held, said = holding.latch(state.holding, event, now)
+            decision = _told(replace(state, holding=held), said, now)
+        case Granted():
+            decision = _granted(state, event, now)
+        case Lost():
+            decision = _lost(state, event, now)
+        case JointsEnded(result=result):
+            decision = _joints_ended(state, result, now)
+        case Passed():
+            decision = _passed(state, event), ()
+        case Tick():
+            decision = _late(state, now)
+    return decision
+
+
+def _play(state: State, event: Play, now: float) -> Decision:
+    wanted = acceptance.intent(state.holding, event.ask)
+    why = _refusal(state, event, now, renewal=wanted == "renewal")
+    if why or event.programme is None:
+        held, reply = holding.refuse(state.holding, event.ask, why, now)
+        return replace(state, holding=held), (reply,)
+    if wanted == "renewal":
+        held = holding.renew(state.holding, event.ask, now)
+        goal = held.hold.motion.goal if held.hold else ""
+        return replace(state, holding=held), (holding.accepted(held.hold, goal=goal),)
+    playing = Playing(goal=event.new_goal, programme=event.programme, started=now)
+    if wanted == "new" and event.ask.remote:
+        held, said = holding.offer(state.holding, event.ask, playing, now)
+        state, outputs = _told(replace(state, holding=held), said, now)
+        return state, (*outputs, holding.accepted(held.offers[-1], goal=playing.goal))
+    return _begin(state, event, playing, now, change=wanted == "change")
+
+
+def _refusal(state: State, event: Play, now: float, *, renewal: bool) -> str:
+    """Return why a command is refused, or nothing."""
+    ask, held = event.ask, state.holding
+    return (
+        acceptance.form(held, ask, now)
+        or acceptance.rights(held, ask)
+        or _busy(held.hold, ask.lease, take_over=ask.take_over)
+        or acceptance.holder(held, ask, now)
+        or acceptance.at_rest(held, ask, now, event.trouble)
+        or ("" if renewal else event.reason)
+    )
+
+
+def _busy(hold: Hold[Playing] | None, lease: str, *, take_over: bool) -> str:
+    """One motion at a time."""
+    if hold is None or lease or take_over:
+        return ""
+    return f"busy: '{hold.motion.programme.motion.name}' is played by {hold.source}; stop it, or take over"
+
+
+def _begin(state: State, event: Play, playing: Playing, now: float, *, change: bool) -> Decision:
+    """Ask the joints for the first key frames; the answer to whoever plays waits for theirs."""
+    offer = confirmed(state.holding, event.ask)
+    if offer is not None:
+        playing = replace(playing, goal=offer.motion.goal)
+    before = state.hold
+    step = holding.change if change else holding.begin
+    held, said = step(state.holding, event.ask, playing, now)
+    state, outputs = _told(replace(state, holding=held), said, now, goes_on=True)
+    assert state.hold is not None
+    if change and before is not None and before.motion.asked:
+        outputs = (*outputs, Answer(message=CommandReply(accepted=False, reason=holding.ANOTHER)))
+    frames = playing.programme.portion(0)
+    state = _with(state, replace(playing, sent=len(frames)), expires=now + ANSWER_S)
+    mirror, take_over = playing.programme.mirror, event.ask.take_over
+    return state, (*outputs, Send(frames=frames, append=False, mirror=mirror, take_over=take_over))
+
+
+def _granted(state: State, event: Granted, now: float) -> Decision:
+    hold = state.hold
+    if hold is None or not hold.motion.asked:
+        return state, ()
+    playing = replace(hold.motion, asked=False, joints_goal=event.goal, started=now)
+    state = _with(state, playing, expires=now + hold.ttl_s)
+    return state, (Answer(message=holding.accepted(hold, event.reason, playing.goal).message),)
+
+
+def _lost(state: State, event: Lost, now: float) -> Decision:
+    hold = state.hold
+    if hold is None:
+        return state, ()
+    state = _with(state, replace(hold.motion, lost=event.why, lost_at=now))
+    return _end(state, "fault", event.why, now) if hold.motion.asked else (state, ())
+
+
+def _late(state: State, now: float) -> Decision:
+    """End what lost the joints, if they have not said themselves how."""
+    hold = state.hold
+    if hold is None or not now - hold.motion.lost_at >= GRACE_S:
+        return state, ()
+    return _end(state, "stopped" if hold.motion.lost.startswith("stopped by") else "fault", hold.motion.lost, now)
+
+
+def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
+    hold = state.hold
+    if hold is None or hold.motion.asked or result.goal != hold.motion.joints_goal:
+        return state, ()
+    playing = hold.motion
+    if result.result != "reached":
+        state = _with(state, replace(playing, lost=result.reason or result.result))
+        return _end(state, ENDINGS.get(result.result, "fault"), result.reason, now)
+    if playing.sent < playing.programme.length:
+        return _end(state, "fault", "the joints came to the end of what was sent before more of it was", now)
+    state = _with(state, replace(playing, passed=playing.sent))
+    return _end(state, "reached", _played(playing.programme, result.reason), now)
+
+
+def _played(programme: Programme, reason: str) -> str:
+    times = f", {programme.times} times" if programme.times > 1 else ""
+    said = f" ({reason})" if reason else ""
+    return f"'{programme.motion.name}' was played to its end{times}{said}"
+
+
+def _passed(state: State, event: Passed) -> State:
+    hold = state.hold
+    if hold is None or hold.motion.asked or event.goal != hold.motion.joints_goal:
+        return state
+    passed = min(max(hold.motion.passed, event.frames), hold.motion.sent)
+    return state if passed == hold.motion.passed else _with(state, replace(hold.motion, passed=passed))
+
+
+def _feed(state: State, now: float) -> Decision:
+    """Send more key frames while there are any and too few lie ahead."""
+    hold = state.hold
+    if hold is None or hold.motion.asked or hold.motion.lost or not now < hold.expires:
+        return state, ()
+    playing = hold.motion
+    if playing.sent >= playing.programme.length or _ahead_s(playing) >= AHEAD_S:
+        return state, ()
+    frames = playing.programme.portion(playing.sent)
+    more = Send(frames=frames, append=True, mirror=playing.programme.mirror)
+    return _with(state, replace(playing, sent=playing.sent + len(frames))), (more,)
+
+
+def _ahead_s(playing: Playing) -> float:
+    return sum(playing.programme.at(index).duration_s for index in range(playing.passed, playing.sent))
+
+
+def _end(state: State, how: Ending, why: str, now: float) -> Decision:
+    held, said = ending.end(state.holding, how, why, now)
+    return _told(replace(state, holding=held), said, now)
+
+
+def _told(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool = False) -> Decision:
+    """Return what follows from the end of holds; `goes_on`: another motion begins at once with the same joints."""
+    outputs: Outputs = ()
+    for one in said:
+        outputs += (one,) if isinstance(one, Happened) else _ended(one, now, goes_on=goes_on)
+    return state, outputs
+
+
+def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
+    playing = ended.hold.motion
+    if not ended.held:
+        return (_result(ended, now),)
+    joints: Outputs = (LetGo(),) if ended.how == "reached" or playing.lost else (Halt(why=ended.why),)
+    joints = () if goes_on else joints
+    if playing.asked:
+        return (*joints, Answer(message=CommandReply(accepted=False, reason=ended.why)))
+    kind = "played" if ended.how == "reached" else ended.how
+    return (*joints, _result(ended, now), ending.happened(ended, kind))
+
+
+def _result(ended: Ended[Playing], now: float) -> Result:
+    playing = ended.hold.motion
+    elapsed_s = max(0.0, now - playing.started)
+    message = GoalResult(goal=playing.goal, result=ended.how, reason=ended.why, elapsed_s=round(elapsed_s, 3))
+    return Result(message=message)
+
+
+def _with(state: State, playing: Playing, *, expires: float | None = None) -> State:
+    held = holding.with_motion(state.holding, playing)
+    if expires is not None and held.hold is not None:
+        held = replace(held, hold=replace(held.hold, expires=expires))
+    return replace(state, holding=held)

@@ -1,0 +1,71 @@
+"""The pose that the joints have: as a key frame, and how long the way from it takes. Pure."""
+
+from collections.abc import Mapping, Sequence
+from math import degrees, isfinite, radians
+
+from lbr.errors import InputError
+from lbr.messages.joints import Joint, JointsState, JointState, KeyFrame
+
+OLDEST_S = 0.3
+BEYOND_RAD = radians(1.0)
+"""So far outside its limits a joint may be and is taken as standing at the limit: servos are no more exact than that."""
+STEEPEST = 1.5
+"""How much faster a smooth way from rest to rest is in its middle than a straight one."""
+LONGEST_S = 30.0
+DIGITS = 4
+MOST_TOLD = 4
+
+
+def key_frame(joints: Sequence[Joint], state: JointsState, duration_s: float) -> KeyFrame:
+    """Return the pose of all joints; raise InputError naming those that were not measured or are out of their limits."""
+    if not joints:
+        raise InputError("there are no joints among the rows, so there is no pose")
+    missing = [_missing(joint, state.joints.get(joint.name)) for joint in joints]
+    if told := [text for text in missing if text]:
+        more = f", and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
+        raise InputError(f"not all joints were measured: {'; '.join(told[:MOST_TOLD])}{more}")
+    positions = {joint.name: _within(joint, state.joints[joint.name].position_rad or 0.0) for joint in joints}
+    return KeyFrame(positions=positions, duration_s=duration_s)
+
+
+def reach_s(joints: Sequence[Joint], state: JointsState, frame: KeyFrame, *, mirror: bool) -> float:
+    """Return how long the joints need to a key frame from where they are, or are to be, if none is too fast."""
+    known = {joint.name: joint for joint in joints}
+    longest_s = 0.0
+    for name, angle_rad in frame.positions.items():
+        joint = known.get(_partner(name, known) if mirror else name)
+        present = _present(state.joints.get(joint.name)) if joint is not None else None
+        if joint is not None and present is not None:
+            longest_s = max(longest_s, STEEPEST * abs(angle_rad - present) / joint.speed_rps)
+    return min(longest_s, LONGEST_S)
+
+
+def _partner(name: str, known: Mapping[str, Joint]) -> str:
+    side = known[name].side if name in known else "centre"
+    return name if side == "centre" else name.replace(side, "right" if side == "left" else "left", 1)
+
+
+def _present(state: JointState | None) -> float | None:
+    if state is None:
+        return None
+    found = state.position_rad if state.goal_rad is None else state.goal_rad
+    return found if found is not None and isfinite(found) else None
+
+
+def _missing(joint: Joint, state: JointState | None) -> str:
+    """Return why a joint's angle is not known, or nothing."""
+    if state is None:
+        return f"{joint.name} (servo {joint.device_id}) is not among the states"
+    if state.position_rad is None or not isfinite(state.position_rad):
+        return f"{joint.name} (servo {joint.device_id}): {state.reason or 'no reason given'}"
+    if state.age_s is not None and not state.age_s <= OLDEST_S:
+        return f"{joint.name} (servo {joint.device_id}) was measured {state.age_s:.1f} s ago"
+    return ""
+
+
+def _within(joint: Joint, angle_rad: float) -> float:
+    if not joint.lower_rad - BEYOND_RAD <= angle_rad <= joint.upper_rad + BEYOND_RAD:
+        limits = f"{degrees(joint.lower_rad):.1f} to {degrees(joint.upper_rad):.1f}"
+        why = f"{joint.name} is at {degrees(angle_rad):.1f} degrees, its limits are {limits}"
+        raise InputError(f"{why}; move it, or change its row")
+    return min(max(round(angle_rad, DIGITS), joint.lower_rad), joint.upper_rad)

@@ -1,0 +1,131 @@
+"""What the kernel of motions knows, what can happen to it, and what it says in return."""
+
+from math import inf
+
+from msgspec import Struct
+
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import KeyFrame
+from lbr.messages.leases import CommandReply
+from lbr.operations.leasing.state import Ask, EstopChanged, Happened, Hold, Holding, Reply, Stop, Words, first
+from lbr.operations.motions.programme import Programme
+
+WORDS = Words(
+    noun="the motions", verb="move", rest="stop, or pause, before playing again", idle="nothing was played yet"
+)
+
+
+class Play(Struct, frozen=True, kw_only=True):
+    """Somebody wants a motion to be played, or goes on wanting it; without a programme it cannot be, for this reason.
+
+    `trouble` is why joints operation would not follow, or nothing.
+    """
+
+    ask: Ask
+    programme: Programme | None
+    new_goal: str
+    reason: str = ""
+    trouble: str = ""
+
+
+class Granted(Struct, frozen=True, kw_only=True):
+    """Joints operation follows: its own goal, and what it has to say."""
+
+    goal: str
+    reason: str = ""
+
+
+class Lost(Struct, frozen=True, kw_only=True):
+    """Joints operation does not follow, or not any more."""
+
+    why: str
+
+
+class JointsEnded(Struct, frozen=True, kw_only=True):
+    """A goal of joints operation ended."""
+
+    result: GoalResult
+
+
+class Passed(Struct, frozen=True, kw_only=True):
+    """So many key frames of a goal of joints operation lie behind."""
+
+    goal: str
+    frames: int
+
+
+class Tick(Struct, frozen=True, kw_only=True):
+    """Time goes by."""
+
+
+Event = Play | Stop | EstopChanged | Granted | Lost | JointsEnded | Passed | Tick
+
+
+class Answer(Struct, frozen=True, kw_only=True):
+    """The answer to whoever waits for a motion to begin."""
+
+    message: CommandReply
+
+
+class Send(Struct, frozen=True, kw_only=True):
+    """Key frames for the joints: instead of what they do, or after it. Whoever asked waits for their answer."""
+
+    frames: tuple[KeyFrame, ...]
+    append: bool
+    mirror: bool
+    take_over: bool = False
+
+
+class Halt(Struct, frozen=True, kw_only=True):
+    """The joints are to hold where they are."""
+
+    why: str
+
+
+class LetGo(Struct, frozen=True):
+    """The joints hold by themselves: they came to the end, or somebody else has them."""
+
+
+class Result(Struct, frozen=True, kw_only=True):
+    """How a motion ended."""
+
+    message: GoalResult
+
+
+Output = Reply | Answer | Send | Halt | LetGo | Result | Happened
+Outputs = tuple[Output, ...]
+
+
+class Playing(Struct, frozen=True, kw_only=True):
+    """A motion under way: `sent` of its key frames were sent, `passed` lie behind.
+
+    `asked`: joints operation has not answered yet; `joints_goal` is its name for it. `lost` is why its lease is no more,
+    since `lost_at`.
+    """
+
+    goal: str
+    programme: Programme
+    started: float
+    asked: bool = True
+    joints_goal: str = ""
+    sent: int = 0
+    passed: int = 0
+    lost: str = ""
+    lost_at: float = inf
+
+
+class State(Struct, frozen=True, kw_only=True):
+    """Everything the kernel remembers; `clock` is the time of the last event."""
+
+    holding: Holding[Playing]
+    clock: float = -inf
+
+    @property
+    def hold(self) -> Hold[Playing] | None:
+        """Who plays what."""
+        return self.holding.hold
+
+
+def first_state(ttl_s: float) -> State:
+    """Return that nothing is played."""
+    return State(holding=first(WORDS, ttl_s))

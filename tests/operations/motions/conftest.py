@@ -1,0 +1,12 @@
+import pytest
+from motions_bench import Stage, World
+
+
+@pytest.fixture
+def world():
+    return World()
+
+
+@pytest.fixture
+def stage(world):
+    return Stage(world)

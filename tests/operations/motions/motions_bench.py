@@ -1,0 +1,266 @@
+"""Motions with joints operation on the other side of the wire, scripted, and time that is set by hand."""
+
+from dataclasses import dataclass, field
+from itertools import count
+from math import nan
+from types import SimpleNamespace
+from typing import Any
+
+from lbr.capability.context import Received
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import (
+    CaptureCommand,
+    Joint,
+    JointsState,
+    JointState,
+    KeyFrame,
+    Motion,
+    PlayCommand,
+    with_frame,
+)
+from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
+from lbr.operations.motions import KIND
+
+STEP_S = 0.02
+JOINTS = (
+    Joint(name="right_elbow", device_id=5, side="right", lower_rad=-2.0, upper_rad=0.1, speed_rps=3.0),
+    Joint(name="left_elbow", device_id=6, side="left", sign=-1, lower_rad=-2.0, upper_rad=0.1, speed_rps=3.0),
+    Joint(name="neck", device_id=19, lower_rad=-1.0, upper_rad=1.0, speed_rps=3.0),
+)
+
+
+def frame(duration_s: float = 0.5, **positions: float) -> KeyFrame:
+    return KeyFrame(positions=positions, duration_s=duration_s)
+
+
+MOTIONS = (
+    Motion(name="ready", frames=(frame(right_elbow=-0.1, left_elbow=-0.1),)),
+    Motion(name="wave", frames=(frame(right_elbow=-0.2), frame(right_elbow=-0.4), frame(right_elbow=-0.3))),
+    Motion(
+        name="walk",
+        frames=(frame(neck=0.1), frame(neck=-0.1)),
+        lead_in="ready",
+        lead_out="ready",
+    ),
+    Motion(name="empty", frames=()),
+)
+
+
+@dataclass
+class FakeEstop:
+    engaged: bool = False
+    reason: str = ""
+    acknowledged: list[bool] = field(default_factory=list)
+
+    def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
+        self.acknowledged.append(stopped)
+
+
+@dataclass
+class FakeCall:
+    name: str
+    message: Any
+    arrived: float
+    source: str = "console"
+    role: str = "operate"
+    remote: bool = False
+    sender_s: float = nan
+    answerable: bool = True
+    answer: Any = None
+
+    def reply(self, answer, *, quiet=False):
+        assert self.answer is None, "answered twice"
+        self.answer = answer
+
+    def refuse(self, reason):
+        self.reply(CommandReply(accepted=False, reason=reason))
+
+
+class FakeJoints:
+    """What joints operation does with key frames, without joints."""
+
+    def __init__(self) -> None:
+        self.refusal = ""
+        self.silent = False
+        self.lease = self.goal = self.holder = ""
+        self.why_dead = ""
+        self.ends: list[float] = []
+        self.renewed = 0.0
+        self.frames: list[KeyFrame] = []
+        self.commands: list[Any] = []
+        self.halts: list[str] = []
+        self.results: list[GoalResult] = []
+        self._numbers = count(1)
+
+    def move(self, message, now):
+        self.commands.append(message)
+        if message.lease:
+            if message.lease != self.lease:
+                return CommandReply(accepted=False, reason=f"{DEAD_LEASE}{self.why_dead}")
+        elif self.holder and not message.take_over:
+            return CommandReply(accepted=False, reason=f"held by {self.holder}")
+        if self.refusal:
+            return CommandReply(accepted=False, reason=self.refusal)
+        if not message.lease or (message.frames and not message.append):
+            number = next(self._numbers)
+            self.lease, self.goal = message.lease or f"lease-{number}", f"joints-{number}"
+            self.holder, self.ends, self.frames = "motions", [], []
+        self.renewed = now
+        for one in message.frames:
+            self.ends.append(max(now, self.ends[-1] if self.ends else now) + one.duration_s)
+            self.frames.append(one)
+        return CommandReply(accepted=True, lease=self.lease, ttl_s=0.3, goal=self.goal)
+
+    def halt(self, message):
+        self.halts.append(message.reason)
+        if self.holder:
+            self.end("stopped", f"stopped by motions: {message.reason}")
+        return CommandReply(accepted=True, reason="stopped")
+
+    def end(self, how, why):
+        self.results.append(GoalResult(goal=self.goal, result=how, reason=why, elapsed_s=1.0))
+        self.lease = self.holder = self.goal = ""
+        self.why_dead = why
+
+    def run(self, now):
+        if self.holder != "motions":
+            return
+        if now - self.renewed > 0.3:
+            self.end("lapsed", "it lapsed, not renewed within 0.3 s")
+        elif now >= self.ends[-1]:
+            self.end("reached", "")
+
+    def passed(self, now):
+        return sum(end <= now for end in self.ends)
+
+
+class World:
+    """What the runtime gives a capability, without a bus."""
+
+    robot, name = "bioloid", "motions"
+
+    def __init__(self):
+        self.settings = KIND.settings()
+        self.joints = JOINTS
+        self.motions = MOTIONS
+        self.estop = FakeEstop()
+        self.body = FakeJoints()
+        self.pose = {"right_elbow": -0.1, "left_elbow": -0.1, "neck": 0.0}
+        self.unmeasured: dict[str, str] = {}
+        self.now = 50.0
+        self.living = {"joints"}
+        self.wired = ("joints",)
+        self.published: list[tuple[str, Any]] = []
+        self.events: list[tuple[str, str]] = []
+        self.kept: list[Any] = []
+        self.told = True
+
+    def clock(self):
+        return self.now
+
+    def ask(self, request, message, timeout_s):
+        if self.body.silent:
+            asked_at = self.now
+            return SimpleNamespace(answers=lambda: {"joints": None} if self.now > asked_at + timeout_s else None)
+        reply = self.body.move(message, self.now) if request == "move" else self.body.halt(message)
+        return SimpleNamespace(answers=lambda: dict.fromkeys(self.wired, reply))
+
+    def targets(self, request):
+        return self.wired
+
+    def alive(self, capability):
+        return capability in self.living
+
+    def latest(self, port):
+        if not self.told:
+            return None
+        joints = {
+            one.name: JointState(id=one.device_id, position_rad=self.pose[one.name], age_s=0.01) for one in self.joints
+        }
+        missing = {name: JointState(id=0, reason=why) for name, why in self.unmeasured.items()}
+        state = JointsState(
+            sequence=1,
+            measured_s=self.now,
+            moving=bool(self.body.holder),
+            phase="following",
+            joints=joints | missing,
+            goal=self.body.goal or None,
+            passed=self.body.passed(self.now),
+        )
+        return Received(state, None, self.now, "joints")
+
+    def take(self, port):
+        if self.body.silent:
+            return []
+        results, self.body.results = self.body.results, []
+        return [Received(result, None, self.now, "joints") for result in results]
+
+    def publish(self, output, message):
+        self.published.append((output, message))
+
+    def event(self, kind, text, *, level="info", data=None):
+        self.events.append((kind, text))
+
+    def keep_frame(self, captured):
+        self.motions = with_frame(self.motions, captured)
+        self.kept.append(captured)
+
+    def said(self, output):
+        return [message for name, message in self.published if name == output]
+
+    @property
+    def state(self):
+        return self.said("state")[-1]
+
+
+class Stage:
+    """A running capability, and people who play on it."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.motions = KIND.load()(world)
+        self.motions.open()
+
+    def play(self, motion="wave", *, source="console", lease="", remote=False, sender_s=nan, **more):
+        command = PlayCommand(motion=motion, lease=lease, **more)
+        return self._call("play", command, source, remote=remote, sender_s=sender_s)
+
+    def stop(self, source="phone", reason=""):
+        return self._call("stop", StopCommand(reason=reason), source)
+
+    def capture(self, motion="bow", **more):
+        return self._call("capture", CaptureCommand(motion=motion, **more), "console")
+
+    def run(self, seconds, renewing=None, *, source="console"):
+        """Let time go by; `renewing`, a call that was accepted, is repeated at 10 Hz as its player would."""
+        renew_at = self.world.now
+        for _ in range(round(seconds / STEP_S)):
+            if renewing is not None and self.world.now >= renew_at:
+                renew_at += 0.1
+                command, lease = renewing.message, renewing.answer.lease
+                again = self.play(
+                    command.motion,
+                    source=source,
+                    lease=lease,
+                    times=command.times,
+                    speed=command.speed,
+                    mirror=command.mirror,
+                )
+                if again.answer is not None and not again.answer.accepted:
+                    renewing = None
+            self.world.body.run(self.world.now)
+            self.motions.step()
+            self.world.now += STEP_S
+
+    def begun(self, motion="wave", **more):
+        """Play, and return the call once it was answered."""
+        call = self.play(motion, **more)
+        self.run(2 * STEP_S)
+        assert call.answer is not None
+        return call
+
+    def _call(self, name, message, source, **more):
+        self.world.now += 0.001
+        call = FakeCall(name, message, self.world.now, source, **more)
+        self.motions.command(call)
+        return call
