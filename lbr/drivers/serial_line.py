@@ -56,6 +56,11 @@ class SerialLine:
             except BlockingIOError:
                 return 0
 
+    def low_latency(self) -> None:
+        """Have the kernel hand over what comes in at once, where the line can: some adapters wait for 16 ms."""
+        with suppress(OSError, ValueError, termios.error):
+            self._port.set_low_latency_mode(True)
+
     def drop_output(self) -> None:
         """Throw away what was written and has not left yet."""
         with self._telling("cannot be flushed"):

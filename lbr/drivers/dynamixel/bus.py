@@ -1,0 +1,315 @@
+"""Transactions on a servo bus, one at a time: asked, answered or given up, counted. For one thread.
+
+with open_bus("/dev/ttyACM0") as bus:
+    print(bus.scan())                                     # [1, 2, 3]
+    for servo, motion in zip((1, 2), bus.read_motions((1, 2))):
+        print(servo, motion and motion.position_rad)
+    bus.put(1, table.GOAL_POSITION, 512)
+    bus.write_all(table.MOVING_SPEED.address, {1: b"\x1e\x00", 2: b"\x1e\x00"})
+"""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from struct import Struct
+from types import TracebackType
+from typing import Self
+
+from lbr.capability.context import Device
+from lbr.drivers.dynamixel import packet
+from lbr.drivers.dynamixel.line import ServoLine, open_servo_line
+from lbr.drivers.dynamixel.packet import Status, StatusParser
+from lbr.drivers.dynamixel.table import MODEL_NUMBER, MOTION_ADDRESS, MOTION_BYTES, POSITION_STEPS, Motion, Register
+
+MARGIN_S = 0.01
+QUIET_S = 0.002
+"""A line that says nothing for so long has ended its answer, if that is long enough to be one."""
+LISTEN_SLICE_S = 0.001
+WARY_S = 1.0
+"""For so long after an answer was lost the line is emptied before each request: a late one must not pass for the next."""
+ADAPTER_MODEL = 0x4201
+ADAPTER_SERVOS = 30
+ADAPTER_SILENCE_S = 0.0012
+"""What a USB2AX waits for each servo that does not answer."""
+MOST_BYTES = 4096
+_GOOD_SUM = 0xFD
+_MOTION = Struct("<4xB3Hx")
+_MOTION_DATA = Struct("<3H")
+_PADDING = b"\xff" * MOTION_BYTES
+
+
+@dataclass(slots=True)
+class Counts:
+    """What went wrong on the line since it was opened. `babble` counts bytes that belong to no packet."""
+
+    timeouts: int = 0
+    corrupt: int = 0
+    retries: int = 0
+    strays: int = 0
+    babble: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """A request made ready: its bytes, how its answer begins, how long that is and how long it may take."""
+
+    servo: int
+    request: bytes
+    head: bytes
+    size: int
+    within_s: float
+
+
+class Bus:
+    """One servo bus. Lost answers are None, `trouble` then says why; a line that is gone is a DeviceError.
+
+    `urgent` is asked while the bus waits for nothing but silence, and between tries: the rest is left undone then, and
+    `cut_short` tells.
+    """
+
+    def __init__(
+        self,
+        line: ServoLine,
+        *,
+        retries: int = 1,
+        clock: Callable[[], float] = time.monotonic,
+        urgent: Callable[[], object] = lambda: False,
+    ) -> None:
+        self.counts = Counts()
+        self.strays: Counter[int] = Counter()
+        self.trouble = ""
+        self.refused = 0
+        self.cut_short = False
+        self.echo = False
+        self.adapter: int | None = None
+        self._line = line
+        self._tries = retries + 1
+        self._clock = clock
+        self._urgent = urgent
+        self._wary_until = 0.0
+        self._listen_until = 0.0
+        self._motions: dict[int, Question] = {}
+        self._together: dict[tuple[int, ...], Question] = {}
+
+    def ping(self, servo: int, *, tries: int | None = None) -> Status | None:
+        """Ask a servo whether it is there; its error bits are in the answer."""
+        question = self._question(servo, packet.ping(servo), 0)
+        answer = self.ask(question, tries)
+        if answer == question.request:  # the echo, or a servo that complains of its voltage: both look like this
+            return self.read(servo, 0, 1)
+        return _status(answer)
+
+    def read(self, servo: int, address: int, count: int, *, tries: int | None = None) -> Status | None:
+        """Return `count` bytes of a servo's control table."""
+        return _status(self.ask(self._question(servo, packet.read(servo, address, count), count), tries))
+
+    def get(self, servo: int, register: Register) -> int | None:
+        """Return the value of a register."""
+        status = self.read(servo, register.address, register.size)
+        return None if status is None else register.decode(status.params, register.address)
+
+    def put(self, servo: int, register: Register, value: int) -> bool:
+        """Write a register and say whether the servo acknowledged it; a ValueError for what it would refuse."""
+        return self.write(servo, register.address, register.encode(value))
+
+    def write(self, servo: int, address: int, data: bytes, *, tries: int | None = None) -> bool:
+        """Write bytes and say whether the servo acknowledged them, without complaining of their range."""
+        status = _status(self.ask(self._question(servo, packet.write(servo, address, data), 0), tries))
+        return status is not None and not status.error & packet.error_mask("range", "instruction", "checksum")
+
+    def write_all(self, address: int, blocks: Mapping[int, bytes]) -> None:
+        """Give each servo its block at the same time; nobody answers that."""
+        if blocks:
+            for request in packet.sync_write(address, blocks):
+                self._settle()
+                self._line.send(request)
+
+    def read_motion(self, servo: int) -> Motion | None:
+        """Return position, speed and load of one servo."""
+        question = self._motions.get(servo)
+        if question is None:
+            question = self._question(servo, packet.read(servo, MOTION_ADDRESS, MOTION_BYTES), MOTION_BYTES)
+            self._motions[servo] = question
+        answer = self.ask(question)
+        if answer is None:
+            return None
+        motion = Motion(*_MOTION.unpack(answer))
+        return motion if motion.position <= POSITION_STEPS else None
+
+    def read_motions(self, servos: Sequence[int]) -> list[Motion | None]:
+        """Return position, speed and load of each; by one request where the adapter can do that."""
+        if self.adapter is None:
+            return [self.read_motion(servo) for servo in servos]
+        found: list[Motion | None] = []
+        for first in range(0, len(servos), ADAPTER_SERVOS):
+            together = tuple(servos[first : first + ADAPTER_SERVOS])
+            found += self.read_together(together) or [None] * len(together)
+        return found
+
+    def read_together(self, servos: tuple[int, ...]) -> list[Motion | None] | None:
+        """Return the same by the adapter's sync read, without error bits; None if the adapter did not answer."""
+        question = self._together.get(servos)
+        if question is None:
+            request = packet.adapter_sync_read(MOTION_ADDRESS, MOTION_BYTES, servos)
+            plain = self._question(packet.ADAPTER, request, MOTION_BYTES * len(servos))
+            asked_bytes = 8 * len(servos) + len(request)
+            within_s = self._line.reply_s(asked_bytes, 2 * plain.size, len(servos)) + ADAPTER_SILENCE_S * len(servos)
+            question = Question(plain.servo, request, plain.head, plain.size, within_s)
+            self._together = {servos: question}
+        answer = self.ask(question)
+        if answer is None:
+            return None
+        blocks = (answer[first : first + MOTION_BYTES] for first in range(5, len(answer) - 1, MOTION_BYTES))
+        return [_motion_of(block) for block in blocks]
+
+    def find_adapter(self) -> int | None:
+        """Ask whether the adapter is a USB2AX, and return its firmware's version; its own sync read is used then."""
+        answer = self.read(packet.ADAPTER, 0, 4)
+        known = answer is not None and MODEL_NUMBER.decode(answer.params) == ADAPTER_MODEL
+        self.adapter = answer.params[2] if answer is not None and known else None
+        return self.adapter
+
+    def scan(self, servos: Iterable[int] = range(packet.HIGHEST_ID + 1)) -> list[int]:
+        """Return who answers a PING; takes some ten milliseconds for each who does not."""
+        return [servo for servo in servos if self.ping(servo) is not None]
+
+    def leftover(self) -> list[Status]:
+        """Return what somebody says unasked within a moment, such as a second servo with the same id."""
+        data = self._line.receive(QUIET_S)
+        return StatusParser().feed(data) if data else []
+
+    def ask(self, question: Question, tries: int | None = None) -> bytes | None:
+        """Send a request and return the whole packet that answers it, tried again as often as agreed."""
+        line = self._line
+        self.cut_short = False
+        for attempt in range(tries or self._tries):
+            if attempt:
+                if self._urgent():
+                    self.cut_short = True
+                    return None
+                self.counts.retries += 1
+            if self._wary_until:
+                self._settle()
+            line.send(question.request)
+            data = line.receive(question.within_s)
+            if (
+                len(data) == question.size
+                and data.startswith(question.head)
+                and sum(data) & 0xFF == _GOOD_SUM
+                and data[4] < 0x80
+                and data != question.request
+            ):
+                return data
+            found = self._sift(data, question)
+            if found is not None:
+                return found
+        return None
+
+    def close(self) -> None:
+        """Let go of the line."""
+        self._line.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, err: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _question(self, servo: int, request: bytes, count: int) -> Question:
+        size = packet.OVERHEAD_BYTES + count
+        head = packet.HEADER + bytes((servo, count + 2))
+        return Question(servo, request, head, size, self._line.reply_s(len(request), size))
+
+    def _sift(self, data: bytes, question: Question) -> bytes | None:
+        """Find the answer in what comes until its time is over; judge what else there was."""
+        until = self._clock() + question.within_s
+        while True:
+            rest = self._without_echo(data, question)
+            found = _packet_in(rest, question)
+            if found is not None:
+                if len(rest) > question.size:
+                    self._judge(rest.replace(found, b"", 1), question)
+                return found
+            left_s = until - self._clock() if data else 0.0
+            if len(rest) >= question.size:
+                left_s = min(left_s, QUIET_S)
+            more = self._line.receive(left_s) if left_s > 0.0 and len(data) < MOST_BYTES else b""
+            if not more:
+                break
+            data += more
+        self._lose(rest, question)
+        return None
+
+    def _without_echo(self, data: bytes, question: Question) -> bytes:
+        """Some adapters hear themselves: what was sent comes first then, and must not pass for an answer."""
+        request = question.request
+        if not data.startswith(request):
+            return data
+        if not self.echo and len(data) == len(request) == question.size and request[4] == packet.PING:
+            return data  # may be an answer as well
+        self.echo = self.echo or request[4] != packet.PING
+        return data[len(request) :]
+
+    def _lose(self, data: bytes, question: Question) -> None:
+        now = self._clock()
+        if not data:
+            self.counts.timeouts += 1
+            self.trouble = "does not answer"
+        elif not self._judge(data, question):
+            self.counts.corrupt += 1
+            self.trouble = "answers garbled"
+        self._listen_until = now + self._line.margin_s
+        self._wary_until = now + WARY_S
+
+    def _judge(self, data: bytes, question: Question) -> bool:
+        """Count what is not the answer; True if it explains why there is none."""
+        parser = StatusParser()
+        explained = False
+        for status in parser.feed(data):
+            if status.id == question.servo and len(status.params) + packet.OVERHEAD_BYTES != question.size:
+                self.refused = status.error
+                self.trouble = f"refuses: {', '.join(packet.error_names(status.error)) or 'answers too short'}"
+                explained = True
+            else:
+                self.counts.strays += 1
+                self.strays[status.id] += 1
+        self.counts.babble += parser.noise + parser.held_bytes
+        return explained
+
+    def _settle(self) -> None:
+        """After a lost answer: listen until it cannot come any more, and throw away what comes."""
+        while (now := self._clock()) < self._listen_until and not self._urgent():
+            self.counts.babble += len(self._line.receive(min(LISTEN_SLICE_S, self._listen_until - now)))
+        if now >= self._wary_until:
+            self._wary_until = 0.0
+        elif late := self._line.receive(0.0):
+            self.counts.babble += len(late)
+
+
+def open_bus(path: str, *, baud: int = 1_000_000, margin_s: float = MARGIN_S, retries: int = 1) -> Bus:
+    """Open a servo bus for this process alone, by the path of its tty, `usb:VID:PID` or `by-id:GLOB`."""
+    return Bus(open_servo_line(Device("servos", "dynamixel", path, {}), baud, margin_s), retries=retries)
+
+
+def _status(answer: bytes | None) -> Status | None:
+    return None if answer is None else Status(answer[2], answer[4], answer[5:-1])
+
+
+def _packet_in(data: bytes, question: Question) -> bytes | None:
+    at = data.find(question.head)
+    while at >= 0 and len(data) >= at + question.size:
+        found = data[at : at + question.size]
+        if sum(found) & 0xFF == _GOOD_SUM and found[4] < 0x80:
+            return found
+        at = data.find(question.head, at + 1)
+    return None
+
+
+def _motion_of(block: bytes) -> Motion | None:
+    if block == _PADDING:
+        return None
+    motion = Motion(0, *_MOTION_DATA.unpack(block))
+    return motion if motion.position <= POSITION_STEPS else None

@@ -1,0 +1,107 @@
+"""The one thread that owns a servo bus: whatever has to be said waits in line, stops first, then writes, then reads.
+
+    owner = Owner(bus, background)        # background: one transaction of a sweep; returns the seconds until the next
+    owner.start()
+    owner.submit(lambda bus: bus.put(1, table.LED, 1), WRITE).result()
+
+A job is one transaction or a few; a stop is on the wire as soon as the job under way has ended.
+"""
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import TypeVar
+
+from lbr.drivers.dynamixel.bus import Bus
+
+STOP, WRITE, READ = 0, 1, 2
+T = TypeVar("T")
+_Jobs = dict[object, tuple[Callable[[Bus], object], "Future[object]"]]
+
+
+class Owner:
+    """Runs jobs in their order and the background between them. What breaks the line ends the thread: see `failure`."""
+
+    def __init__(self, bus: Bus, background: Callable[[Bus], float] = lambda _bus: 60.0) -> None:
+        self.failure: Exception | None = None
+        self._bus = bus
+        self._background = background
+        self._jobs: tuple[_Jobs, _Jobs, _Jobs] = ({}, {}, {})
+        self._changed = threading.Condition()
+        self._ending = False
+        self._thread = threading.Thread(target=self._run, name="servo bus", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def submit(self, job: Callable[[Bus], T], priority: int, key: object = None) -> "Future[T]":
+        """Have a job done; from any thread. One with a key takes the place of one that still waits under it."""
+        future: Future[T] = Future()
+        with self._changed:
+            if self._ending or self.failure is not None:
+                future.cancel()
+                return future
+            jobs = self._jobs[priority]
+            if key in jobs:
+                jobs[key][1].cancel()
+            jobs[future if key is None else key] = (job, future)  # type: ignore[assignment]
+            self._changed.notify()
+        return future
+
+    def urgent(self) -> bool:
+        """Whether a stop waits; the bus asks that while it listens."""
+        return bool(self._jobs[STOP]) or self._ending
+
+    def join(self, within_s: float) -> bool:
+        """Do what still waits, then end; say whether that was possible."""
+        with self._changed:
+            self._ending = True
+            self._changed.notify()
+        if self._thread.is_alive():
+            self._thread.join(within_s)
+        return not self._thread.is_alive()
+
+    def _run(self) -> None:
+        try:
+            wait_s = 0.0
+            while True:
+                taken = self._next(wait_s)
+                if taken is None:
+                    if self._ending:
+                        return
+                    wait_s = self._background(self._bus)
+                else:
+                    self._do(*taken)
+        except Exception as err:  # noqa: BLE001  whoever owns this thread raises it in its own
+            self._fail(err)
+
+    def _next(self, wait_s: float) -> tuple[Callable[[Bus], object], "Future[object]"] | None:
+        """Return the next job, or None when it is the background's turn."""
+        if not any(self._jobs) and not wait_s > 0.0 and not self._ending:
+            return None
+        with self._changed:
+            if not any(self._jobs) and not self._ending:
+                self._changed.wait(wait_s)
+            for jobs in self._jobs:
+                if jobs:
+                    return jobs.pop(next(iter(jobs)))
+        return None
+
+    def _do(self, job: Callable[[Bus], object], future: "Future[object]") -> None:
+        if not future.set_running_or_notify_cancel():
+            return
+        try:
+            future.set_result(job(self._bus))
+        except Exception as err:
+            future.set_exception(err)
+            if isinstance(err, OSError):
+                raise
+
+    def _fail(self, err: Exception) -> None:
+        with self._changed:
+            self.failure = err
+            for jobs in self._jobs:
+                for _, future in jobs.values():
+                    future.cancel()
+                jobs.clear()

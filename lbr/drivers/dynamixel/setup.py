@@ -1,0 +1,140 @@
+"""Getting to know a servo before it is used, without moving it: who it is, and what it keeps without power."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from lbr.drivers.dynamixel import table
+from lbr.drivers.dynamixel.bus import Bus, open_bus
+from lbr.drivers.dynamixel.table import Register
+from lbr.errors import DeviceError
+
+EEPROM_BYTES = table.RAM
+WRITING_S = 0.01
+"""For so long a servo is deaf after each byte that it is to keep without power (datasheet: 9 ms at worst)."""
+GARBLED = 3
+BAUDS = (1_000_000, 500_000, 400_000, 250_000, 200_000, 115_200, 57_600, 19_200, 9_600)
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What of a servo's EEPROM the driver goes by."""
+
+    firmware: int
+    max_torque: int
+    temperature_limit: int
+    lowest_voltage: int
+    highest_voltage: int
+    shutdown: int
+
+
+class Setup:
+    """Checks a servo and gives its EEPROM the wanted values: only where they differ, without torque, and read back."""
+
+    def __init__(
+        self,
+        wanted: Sequence[tuple[Register, int]],
+        told: Callable[[str, str], None] = lambda _kind, _text: None,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.kept: dict[int, Kept] = {}
+        self._wanted = tuple(wanted)
+        self._told = told
+        self._sleep = sleep
+        self._garbled: dict[int, int] = {}
+        self._warned: dict[int, str] = {}
+
+    def prepare(self, bus: Bus, servo: int) -> str:
+        """Say what keeps a servo from being used, or nothing; a servo that is silent may be prepared again later."""
+        block = self._eeprom(bus, servo)
+        if block is None:
+            return self._why_not(bus, servo)
+        self._garbled[servo] = 0
+        wrong = self._wrong(bus, servo, block)
+        if wrong:
+            self._warn(servo, wrong)
+            return wrong
+        block = self._write(bus, servo, block)
+        self.kept[servo] = _kept(block)
+        return ""
+
+    def _eeprom(self, bus: Bus, servo: int) -> bytes | None:
+        status = bus.read(servo, 0, EEPROM_BYTES, tries=1)
+        if status is not None or bus.trouble != "does not answer" or bus.cut_short:
+            return None if status is None else status.params
+        if servo in self.kept or bus.ping(servo, tries=1) is None:
+            return None
+        bus.write(servo, table.RETURN_LEVEL.address, table.RETURN_LEVEL.encode(2), tries=1)  # it answers nothing else
+        self._sleep(WRITING_S)
+        status = bus.read(servo, 0, EEPROM_BYTES)
+        return None if status is None else status.params
+
+    def _why_not(self, bus: Bus, servo: int) -> str:
+        if bus.trouble != "answers garbled":
+            return bus.trouble
+        self._garbled[servo] = self._garbled.get(servo, 0) + 1
+        if self._garbled[servo] < GARBLED:
+            return bus.trouble
+        wrong = f"answers garbled: there are two servos with id {servo}, or its cable is bad"
+        self._warn(servo, wrong)
+        return wrong
+
+    def _wrong(self, bus: Bus, servo: int, block: bytes) -> str:
+        model = table.MODEL_NUMBER.decode(block)
+        if model != table.MODEL:
+            return f"is a model {model}, not an AX-12A ({table.MODEL})"
+        if any(status.id == servo for status in bus.leftover()):
+            return f"answers twice: there are two servos with id {servo}; give one of them another"
+        if table.CW_LIMIT.decode(block) == table.CCW_LIMIT.decode(block) == 0:
+            return "is set to turn endlessly; give it angle limits"
+        return ""
+
+    def _write(self, bus: Bus, servo: int, block: bytes) -> bytes:
+        """Return the EEPROM as it is afterwards."""
+        other = [(register, value) for register, value in self._wanted if register.decode(block) != value]
+        if not other:
+            return block
+        names = ", ".join(f"{register.name} ({register.decode(block)}, not {value})" for register, value in other)
+        if bus.get(servo, table.TORQUE_ENABLE) != 0:
+            self._warn(servo, f"keeps its {names}: it has torque; restart the driver without")
+            return block
+        for register, value in other:
+            bus.put(servo, register, value)
+            self._sleep(WRITING_S * register.size)
+        status = bus.read(servo, 0, EEPROM_BYTES)
+        block = block if status is None else status.params
+        if any(register.decode(block) != value for register, value in other):
+            self._warn(servo, f"does not take {names}")
+        else:
+            self._told("servo_set_up", f"servo {servo}: set {names}")
+        return block
+
+    def _warn(self, servo: int, wrong: str) -> None:
+        """Tell it once, not at each look."""
+        if self._warned.get(servo) != wrong:
+            self._warned[servo] = wrong
+            self._told("servo_wrong", f"servo {servo} {wrong}")
+
+
+def find_servos(
+    path: str, bauds: Sequence[int] = BAUDS, servos: Sequence[int] = range(253)
+) -> Iterator[tuple[int, int]]:
+    """Look for servos at every usual speed; yields baud and id. Takes some seconds a baud: only on request."""
+    for baud in bauds:
+        try:
+            with open_bus(path, baud=baud, margin_s=0.005, retries=0) as bus:
+                yield from ((baud, servo) for servo in bus.scan(servos))
+        except DeviceError:
+            if baud == bauds[0]:
+                raise  # not a matter of its speed
+
+
+def _kept(block: bytes) -> Kept:
+    return Kept(
+        firmware=table.FIRMWARE.decode(block),
+        max_torque=table.MAX_TORQUE.decode(block),
+        temperature_limit=table.TEMPERATURE_LIMIT.decode(block),
+        lowest_voltage=table.MIN_VOLTAGE.decode(block),
+        highest_voltage=table.MAX_VOLTAGE.decode(block),
+        shutdown=table.SHUTDOWN.decode(block),
+    )

@@ -1,0 +1,264 @@
+"""Going round the servos of a bus: position, speed and load of each in every sweep, all else of one servo a sweep.
+
+A servo that is silent is left out and looked for again, now and then, so that it slows nobody. Runs in the bus's thread.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf
+
+from lbr.drivers.dynamixel import table
+from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.dynamixel.table import Motion
+
+SLOW_ADDRESS, SLOW_BYTES = table.TORQUE_ENABLE.address, 20
+MISSES = 2
+"""So many sweeps in a row without an answer make a servo silent."""
+AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
+SYNC_READ_FAILURES = 3
+STATISTICS_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Slow:
+    """What a servo says of itself apart from its motion, raw; `at` is when."""
+
+    at: float
+    enabled: bool
+    goal: int
+    speed: int
+    limit: int
+    voltage: int
+    temperature: int
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """One servo as it was seen last; `at` is when its motion was, and `reason` why it is not seen now."""
+
+    motion: Motion | None = None
+    at: float = -inf
+    slow: Slow | None = None
+    error: int = 0
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """All servos after a sweep; `sweep` counts from 1."""
+
+    sweep: int
+    ended: float
+    servos: Mapping[int, Seen]
+    sweeps_hz: float = 0.0
+    states_hz: float = 0.0
+    sweep_s: float = 0.0
+
+
+@dataclass(slots=True)
+class _Servo:
+    id: int
+    seen: Seen = field(default_factory=lambda: Seen(reason="was not looked for yet"))
+    misses: int = MISSES
+    again: float = -inf
+    pause_s: float = AGAIN_FIRST_S
+
+    @property
+    def silent(self) -> bool:
+        return self.misses >= MISSES
+
+
+class Sweeper:
+    """One transaction at a `turn`; after the last of a sweep there is a new `snapshot`.
+
+    `prepare` sees each servo before it is swept, also one that comes back, and says what is wrong with it, or nothing.
+    """
+
+    def __init__(
+        self,
+        servos: Sequence[int],
+        clock: Callable[[], float],
+        period_s: float = 0.0,
+        prepare: Callable[[Bus, int], str] = lambda _bus, _servo: "",
+        told: Callable[[str, str], None] = lambda _kind, _text: None,
+    ) -> None:
+        self.snapshot = Snapshot(0, -inf, {servo: Seen() for servo in servos})
+        self.heard = -inf
+        """When any servo was heard last."""
+        self._servos = {servo: _Servo(servo) for servo in servos}
+        self._clock = clock
+        self._period_s = period_s
+        self._prepare = prepare
+        self._told = told
+        self._looks: deque[int] = deque()
+        self._turns: Iterator[None] = iter(())
+        self._slow_turn = 0
+        self._due = -inf
+        self._began = 0.0
+        self._sync_failures = 0
+        self._counted_at = -inf
+        self._counted = (0, 0)
+        self._states = 0
+        self._rates = (0.0, 0.0)
+
+    def look(self, servos: Sequence[int]) -> None:
+        """Read all of these servos next, before the sweep goes on; call it in the bus's thread."""
+        self._looks += [servo for servo in servos if servo not in self._looks]
+
+    def turn(self, bus: Bus) -> float:
+        """Do one transaction; return the seconds until the next sweep is due, 0 while there is more to do."""
+        if self._looks:
+            self._read_slow(bus, self._servos[self._looks.popleft()])
+            self._looks_seen()
+            return 0.0
+        for _ in self._turns:
+            return 0.0
+        now = self._clock()
+        if now < self._due:
+            return self._due - now
+        self._due = max(self._due + self._period_s, now)
+        self._began = now
+        self._turns = self._sweep(bus)
+        next(self._turns, None)
+        return 0.0
+
+    def _sweep(self, bus: Bus) -> Iterator[None]:
+        """One transaction between two `yield`s."""
+        present = [servo for servo in self._servos.values() if not servo.silent]
+        slow = self._next_slow(present)
+        if bus.adapter is not None:
+            self._read_together(bus, present)
+            yield
+        for servo in present:
+            if servo is slow:
+                self._read_slow(bus, servo)
+            elif bus.adapter is None:
+                self._read_motion(bus, servo)
+            else:
+                continue
+            yield
+        for servo in self._overdue():
+            self._seek(bus, servo)
+            yield
+        self._finish()
+
+    def _read_together(self, bus: Bus, present: list[_Servo]) -> None:
+        motions = bus.read_together(tuple(servo.id for servo in present)) if present else []
+        if bus.cut_short:
+            return
+        if motions is not None:
+            self._sync_failures = 0
+            for servo, motion in zip(present, motions, strict=True):
+                kept = motion and Motion(servo.seen.error, motion.position, motion.speed, motion.load)
+                self._note(servo, kept, "does not answer")
+            return
+        self._sync_failures += 1
+        if self._sync_failures >= SYNC_READ_FAILURES:
+            bus.adapter = None
+            self._told("sync_read", "the adapter's sync read gets no answers; the servos are read one by one")
+
+    def _read_motion(self, bus: Bus, servo: _Servo) -> None:
+        motion = bus.read_motion(servo.id)
+        if not bus.cut_short:
+            self._note(servo, motion, bus.trouble)
+
+    def _read_slow(self, bus: Bus, servo: _Servo) -> None:
+        status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES)
+        if bus.cut_short:
+            return
+        if status is None:
+            self._note(servo, None, bus.trouble)
+            return
+        value = {register: register.decode(status.params, SLOW_ADDRESS) for register in _SLOW_REGISTERS}
+        slow = Slow(
+            at=self._clock(),
+            enabled=bool(value[table.TORQUE_ENABLE]),
+            goal=value[table.GOAL_POSITION],
+            speed=value[table.MOVING_SPEED],
+            limit=value[table.TORQUE_LIMIT],
+            voltage=value[table.PRESENT_VOLTAGE],
+            temperature=value[table.PRESENT_TEMPERATURE],
+        )
+        motion = Motion(
+            status.error,
+            value[table.PRESENT_POSITION],
+            value[table.PRESENT_SPEED],
+            value[table.PRESENT_LOAD],
+        )
+        self._note(servo, motion if motion.position <= table.POSITION_STEPS else None, "says nonsense", slow)
+
+    def _seek(self, bus: Bus, servo: _Servo) -> None:
+        """Look for a silent servo: the longer it has been away, the more rarely."""
+        wrong = self._prepare(bus, servo.id)
+        if not bus.cut_short:
+            servo.again = self._clock() + servo.pause_s
+            servo.pause_s = min(servo.pause_s * 2.0, AGAIN_MOST_S)
+            self._see(servo, wrong)
+            if not wrong:
+                self._read_slow(bus, servo)
+
+    def _note(self, servo: _Servo, motion: Motion | None, trouble: str, slow: Slow | None = None) -> None:
+        now = self._clock()
+        if motion is None:
+            servo.misses += 1
+            if servo.misses == MISSES:
+                servo.again = now + servo.pause_s
+                self._told("servo_silent", f"servo {servo.id} {trouble}; check its cable and power")
+            if servo.silent:
+                self._see(servo, reason=trouble)
+            return
+        if servo.silent and servo.seen.at > -inf:
+            self._told("servo_back", f"servo {servo.id} answers again")
+        servo.misses, servo.pause_s = 0, AGAIN_FIRST_S
+        self.heard = now
+        self._states += 1
+        if slow is None and motion.error != servo.seen.error:
+            self.look((servo.id,))
+        servo.seen = Seen(motion, now, slow or servo.seen.slow, motion.error)
+
+    def _see(self, servo: _Servo, reason: str) -> None:
+        seen = servo.seen
+        servo.seen = Seen(seen.motion, seen.at, seen.slow, seen.error, reason)
+
+    def _next_slow(self, present: list[_Servo]) -> _Servo | None:
+        if not present:
+            return None
+        self._slow_turn += 1
+        return present[self._slow_turn % len(present)]
+
+    def _overdue(self) -> list[_Servo]:
+        """The one silent servo, if any, that is to be looked for in this sweep."""
+        now = self._clock()
+        silent = [servo for servo in self._servos.values() if servo.silent and servo.again <= now]
+        return sorted(silent, key=lambda servo: servo.again)[:1]
+
+    def _finish(self) -> None:
+        now = self._clock()
+        if now - self._counted_at >= STATISTICS_S:
+            sweeps, states = self._counted
+            passed_s = now - self._counted_at
+            self._rates = ((self.snapshot.sweep + 1 - sweeps) / passed_s, (self._states - states) / passed_s)
+            self._counted_at, self._counted = now, (self.snapshot.sweep + 1, self._states)
+        servos = {servo.id: servo.seen for servo in self._servos.values()}
+        self.snapshot = Snapshot(self.snapshot.sweep + 1, now, servos, *self._rates, sweep_s=now - self._began)
+
+    def _looks_seen(self) -> None:
+        """Show at once what was looked at."""
+        if not self._looks:
+            old = self.snapshot
+            servos = {servo.id: servo.seen for servo in self._servos.values()}
+            self.snapshot = Snapshot(old.sweep, old.ended, servos, old.sweeps_hz, old.states_hz, old.sweep_s)
+
+
+_SLOW_REGISTERS = (
+    table.TORQUE_ENABLE,
+    table.GOAL_POSITION,
+    table.MOVING_SPEED,
+    table.TORQUE_LIMIT,
+    table.PRESENT_POSITION,
+    table.PRESENT_SPEED,
+    table.PRESENT_LOAD,
+    table.PRESENT_VOLTAGE,
+    table.PRESENT_TEMPERATURE,
+)
