@@ -25,6 +25,7 @@ _UNITS = {
     "cm": "cm",
     "m": "m",
     "s": "seconds",
+    "dps": "degrees a second",
     "ms": "ms",
     "v": "volts",
     "hz": "Hz",
@@ -56,10 +57,17 @@ class Field(Struct, frozen=True):
         return tuple(str(value) for value in self.schema.get("enum", ()))
 
     @property
+    def items(self) -> "Field | None":
+        """What each of a list is; None if it is no list."""
+        return Field(self.name, self.schema.get("items", {})) if self.schema.get("type") == "array" else None
+
+    @property
     def allowed(self) -> str:
         """What it may be, in words: `0 to 1`, `-360 to 360 degrees`, `forward, back or left`."""
         if self.choices:
             return listed(list(self.choices))
+        if self.items is not None:
+            return f"{self.items.allowed}, or several with commas"
         typed = self.schema.get(TYPED_MINIMUM)
         low = _bound(self.schema, "inimum") if typed is None else f"{typed:g}"
         high = _bound(self.schema, "aximum")
@@ -75,6 +83,8 @@ class Field(Struct, frozen=True):
         """Return the value that a piece of a line means; raise InputError saying what is allowed."""
         if self.choices:
             return self._choice(text)
+        if self.items is not None:
+            return [self.items.read(part.strip()) for part in text.split(",")]
         kind = self.schema.get("type")
         if kind in {"number", "integer"}:
             return self._number(text, whole=kind == "integer")

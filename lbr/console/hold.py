@@ -186,9 +186,8 @@ def stop(session: Session, key: str, source: str, reason: str = "") -> bool:
 
 def describe(result: GoalResult) -> str:
     """Say in one line how a bounded move or a turn ended."""
-    by_itself = result.turned_deg is not None or (result.distance_m is not None and result.range_cm is None)
-    if result.result == "reached" and by_itself:
-        return result.reason
+    if result.result == "reached" and (result.turned_deg is not None or result.range_cm is None):
+        return result.reason or f"done after {result.elapsed_s:.1f} s"
     at = f" at {result.range_cm:g} cm" if result.range_cm is not None else ""
     planned = result.result in {"reached", "interval"}
     why = f": {result.reason}" if result.reason and result.reason != result.result and not planned else ""

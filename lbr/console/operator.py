@@ -15,7 +15,9 @@ from lbr.console.news import News
 from lbr.console.printable import clean
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
+from lbr.messages.joints import JointsState
 from lbr.messages.motors import MotorsState
+from lbr.messages.power import PowerState
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import ConsoleResult, Event, Hold, Role, Status
 
@@ -36,6 +38,8 @@ class Telemetry(Struct, frozen=True, kw_only=True):
     drive: DriveState | None = None
     motors: MotorsState | None = None
     ranges: Ranges | None = None
+    joints: JointsState | None = None
+    power: PowerState | None = None
 
 
 class Operator(Protocol):
@@ -231,6 +235,8 @@ class _Latest:
         self._drive = _Slot(session, keys.port(robot, "drive", "state"), DriveState)
         self._motors = _Slot(session, keys.port(robot, "motors", "state"), MotorsState)
         self._ranges = _Slot(session, keys.port(robot, "ranges", "readings"), Ranges)
+        self._joints = _Slot(session, keys.port(robot, "joints", "state"), JointsState)
+        self._power = _Slot(session, keys.port(robot, "power", "state"), PowerState)
 
     def telemetry(self) -> Telemetry:
         status, age_s = self._status.read(), self._status.age_s
@@ -240,6 +246,8 @@ class _Latest:
             drive=self._drive.read(self.FRESH_S),
             motors=self._motors.read(self.FRESH_S),
             ranges=self._ranges.read(self.FRESH_S),
+            joints=self._joints.read(self.FRESH_S),
+            power=self._power.read(self.FRESH_S),
         )
 
     def events(self) -> list[Event]:
@@ -253,7 +261,7 @@ class _Latest:
 
     def close(self) -> None:
         self._events.close()
-        for slot in (self._status, self._drive, self._motors, self._ranges):
+        for slot in (self._status, self._drive, self._motors, self._ranges, self._joints, self._power):
             slot.close()
 
 

@@ -33,6 +33,14 @@ class Entry(Struct, frozen=True, kw_only=True):
     certificate: str
 
 
+class AbsentError(BusError):
+    """Nobody answers at an endpoint; later, somebody may."""
+
+
+class RefusedError(BusError):
+    """Who answers there does not let us in, and will not without somebody's doing something."""
+
+
 def enter(endpoint: str, token_file: Path | None) -> Entry:
     """Return what lets us in at an endpoint; raise BusError or InputError with one sentence that says why nothing does.
 
@@ -51,7 +59,7 @@ def enter(endpoint: str, token_file: Path | None) -> Entry:
         if one.saved and wallet.can_ask():
             print(f"lbr: {refused}", file=sys.stderr)
             refused = ""
-    raise BusError(refused or f"{shown(endpoint)} wants a token: set {wallet.VARIABLE}, or use --token-file; {HOW}")
+    raise RefusedError(refused or f"{shown(endpoint)} wants a token: set {wallet.VARIABLE}, or use --token-file; {HOW}")
 
 
 def role_at(bus: Session, robot: str, source: str) -> Role:
@@ -84,11 +92,11 @@ def certificate_at(endpoint: str) -> bytes:
     except ssl.SSLError as err:
         raise BusError(f"what listens at {shown(endpoint)} does not speak TLS; is it another program's port?") from err
     except TimeoutError as err:
-        raise BusError(f"nobody answers at {shown(endpoint)} within {HANDSHAKE_S:g} s") from err
+        raise AbsentError(f"nobody answers at {shown(endpoint)} within {HANDSHAKE_S:g} s") from err
     except socket.gaierror as err:
-        raise BusError(f"there is no machine '{shown(host)}' ({err.strerror})") from err
+        raise AbsentError(f"there is no machine '{shown(host)}' ({err.strerror})") from err
     except OSError as err:
-        raise BusError(f"nobody is there at {shown(endpoint)} ({err.strerror or err})") from err
+        raise AbsentError(f"nobody is there at {shown(endpoint)} ({err.strerror or err})") from err
 
 
 def _why_not(endpoint: str, one: Offered, der: bytes) -> str:

@@ -23,6 +23,7 @@ from prompt_toolkit.output import Output
 from prompt_toolkit.styles import Style
 
 from lbr.console.above import Above, Screen
+from lbr.console.asking import LET_BE, QUESTION, Question
 from lbr.console.completion import LineCompleter
 from lbr.console.hold import Ending
 from lbr.console.operator import BusOperator
@@ -69,6 +70,7 @@ class Terminal:
         self._under_way: dict[str, float] = {}
         self._completer = LineCompleter()
         self._revision = -1
+        self._question = Question()
         self._over = threading.Event()
         self._session: PromptSession[str] = PromptSession(
             PROMPT,
@@ -144,7 +146,7 @@ class Terminal:
     def _accept(self, buffer: Buffer) -> bool:
         """Take a line without leaving the prompt: when its turn comes it moves above it, and its result follows."""
         line = buffer.text.strip()
-        if line:
+        if line or self._question.open:
             self._lines.put(line)
         return False
 
@@ -157,6 +159,11 @@ class Terminal:
             if self._over.is_set():
                 return
             self._above.print(PROMPT + one_line(line))
+            meant = self._question.answer(line)
+            if not meant:
+                self._print(LET_BE)
+                continue
+            line = meant
             answered = threading.Event()
             threading.Thread(target=self._say, args=(line, answered), name="console line", daemon=True).start()
             answered.wait(PATIENCE_S)
@@ -167,6 +174,9 @@ class Terminal:
         try:
             result = self._operator.submit(line)
             self._show(result)
+            if result.confirm:
+                self._question.ask(result)
+                self._print(QUESTION, "warning")
             if result.code == 0 and self._is_shutdown(line):
                 self.close()
         except LbrError as err:

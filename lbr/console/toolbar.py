@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+from lbr.console import body
+from lbr.console.body import BAD, DOUBTFUL, GOOD, Piece
 from lbr.console.hold import Holder
 from lbr.console.operator import Telemetry
 from lbr.console.printable import one_line, shown
@@ -9,10 +11,8 @@ from lbr.messages.sensing import Ranges
 from lbr.messages.system import Status
 
 Fragments = list[tuple[str, str]]
-Piece = tuple[int, str, str]  # rank (the highest goes first where there is no room), style, text
 CONTACT_S = 3.0
 SEPARATOR = " | "
-GOOD, DOUBTFUL, BAD = "class:good", "class:doubtful", "class:bad"
 
 
 def toolbar(
@@ -35,6 +35,10 @@ def toolbar(
             pieces.append((5, "", f"{motors.voltage_v:4.1f} V"))
     if telemetry.ranges is not None:
         pieces.append((6, "", _nearest(telemetry.ranges)))
+    if telemetry.joints is not None:
+        pieces += body.joints(telemetry.joints)
+    if telemetry.power is not None:
+        pieces += body.power(telemetry.power)
     pieces += [(7, "", f"{shown(line)} ({age_s:.0f} s)") for line, age_s in under_way.items()]
     return _joined(_fitting(pieces, columns))
 

@@ -42,6 +42,9 @@ class PythonLine(Struct, frozen=True, kw_only=True):
     code: str
 
 
+CONFIRMED = "confirmed"
+"""The field by which a message says that a person was asked."""
+
 _LEAVE = "Ctrl-D leaves the console, 'Shutdown' shuts the robot down"
 _HINTS = {"quit": _LEAVE, "exit": _LEAVE, "?": "'help' lists what can be said"}
 
@@ -73,6 +76,14 @@ class Vocabulary:
         if line.startswith("!"):
             return PythonLine(code=line[1:].strip())
         return self._path(line) if line.startswith("/") else self._words(line)
+
+    def confirming(self, call: VerbCall) -> VerbRow | None:
+        """Return the verb that says outright what a call only does once it is confirmed; None if it needs no more."""
+        if CONFIRMED in call.payload:
+            return None
+        outright = call.payload | {CONFIRMED: True}
+        said = (verb.row for verb in self._verbs if verb.row.target == call.verb.target and not verb.pattern.fields)
+        return next((row for row in said if row.payload == outright), None)
 
     def entries(self, choices: Mapping[str, Iterable[str]] | None = None) -> list[dict[str, Any]]:
         """Return what can be said as plain data, for completion.

@@ -7,6 +7,7 @@ from lbr.executive import reports
 from lbr.executive.plan import Plan
 from lbr.messages.camera import SelectCommand
 from lbr.messages.dance import DanceCommand
+from lbr.messages.joints import CaptureCommand, JointMove, PlayCommand, RecoverCommand, TorqueCommand
 from lbr.messages.speech import SayCommand
 
 CLICKS = "metronome"
@@ -33,5 +34,11 @@ def _of_commands(plan: Plan, home: Path) -> Iterator[tuple[str, Iterable[str]]]:
             elif message is SelectCommand:
                 wired = {channel.target_end[0] for channel in rows.channels if channel.source_end[0] == name}
                 yield f"{target}.name", {OFF, *(one.removeprefix(CAMERA) for one in wired if one.startswith(CAMERA))}
+            elif message is JointMove:
+                yield f"{target}.joint", {row.name for row in rows.joints}
+            elif message in {TorqueCommand, RecoverCommand}:
+                yield f"{target}.joints", {row.name for row in rows.joints}
+            elif message in {PlayCommand, CaptureCommand}:
+                yield f"{target}.motion", {row.name for row in rows.motions}
             elif "device" in getattr(message, "__struct_fields__", ()):
                 yield f"{target}.device", {device.name for device in rows.devices}

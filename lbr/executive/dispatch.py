@@ -19,13 +19,14 @@ from lbr.executive.choices import choices
 from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.joints import JointMove, JointsCommand, PlayCommand
 from lbr.messages.leases import DEAD_LEASE
 from lbr.messages.system import RANKS, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 MAX_RUN_S = 30.0
 MOST_LEASES = 256
-LEASED = (DriveCommand, TurnCommand, HeadingCommand)
+LEASED = (DriveCommand, TurnCommand, HeadingCommand, JointsCommand, JointMove, PlayCommand)
 """Commands that are held: whoever says one goes on saying it under its lease."""
 
 
@@ -41,10 +42,9 @@ class _Speaker(NamedTuple):
     sent_s: float
     afar: bytes = b""
 
-    @property
-    def holder(self) -> tuple[str, bool]:
-        """Return whose motion it is: a name from another machine is never that of somebody here."""
-        return self.source, bool(self.afar)
+    def holder(self, capability: str) -> tuple[str, str, bool]:
+        """Return whose motion of what it is: a name from another machine is never that of somebody here."""
+        return capability, self.source, bool(self.afar)
 
 
 class Dispatcher:
@@ -55,7 +55,7 @@ class Dispatcher:
         self._bus = bus
         self._reports = Reports(robot, bus)
         self._namespace = dict(namespace)
-        self._leases: dict[tuple[str, bool], str] = {}
+        self._leases: dict[tuple[str, str, bool], str] = {}
         self._built_in: dict[str, Callable[[VerbCall, str], ConsoleResult]] = {
             "report": self._report,
             "status": lambda _call, _source: ConsoleResult(code=DONE, text=self._reports.health()),
@@ -113,12 +113,17 @@ class Dispatcher:
         if name not in self._robot.plan.units:
             text = f"'{name}' is not running: its row is disabled or the profile leaves it out"
             return ConsoleResult(code=FAILED, text=text)
+        if outright := self._robot.vocabulary.confirming(call):
+            text = f"{outright.help}. To do it, say {outright.pattern}"
+            return ConsoleResult(code=FAILED, text=text, confirm=outright.pattern)
         moves = self._robot.plan.kinds[name].commands.get(call.command) in LEASED
         payload = dict(call.payload)
-        lease = self._leases.get(by.holder, "") if moves else ""
+        lease = self._leases.get(by.holder(name), "") if moves else ""
         answer = self._query(call, payload | ({"lease": lease} if lease else {}), by)
         if lease and answer is not None and str(answer.get("reason", "")).startswith(DEAD_LEASE):
-            self._leases.pop(by.holder, None)  # what we held is over; this line may begin anew, dated as it was said
+            self._leases.pop(
+                by.holder(name), None
+            )  # what we held is over; this line may begin anew, dated as it was said
             answer = self._query(call, payload, by)
         if answer is None:
             return ConsoleResult(code=FAILED, text=f"'{name}' did not answer; {self._why_silent(name)}")
@@ -136,7 +141,7 @@ class Dispatcher:
             return ConsoleResult(
                 code=DONE, text=reason or (reports.flat({call.command: said}) if said else "done"), data=answer
             )
-        self._leases[by.holder] = lease
+        self._leases[by.holder(call.capability)] = lease
         while len(self._leases) > MOST_LEASES:
             self._leases.pop(next(iter(self._leases)))
         robot, name = self._robot.plan.robot, call.capability

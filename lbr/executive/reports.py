@@ -15,6 +15,7 @@ from lbr.errors import InputError, MalformedError
 from lbr.executive.robot import Robot
 from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import DriveState
+from lbr.messages.joints import JointsState
 from lbr.messages.telemetry import Telemetry
 
 NAMES = ("telemetry", "settings", "statistics", "health", "events", "wiring")
@@ -92,7 +93,7 @@ class Reports:
         status = self._robot.status()
         fields = ("rates_hz", "restarts", "uptime_s", "cpu_percent", "memory_mb")
         found = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
-        drives = self._said(key for key, message in self._streams() if message is DriveState)
+        drives = self._said(key for key, message in self._streams() if message in {DriveState, JointsState})
         loops = {f"{name.partition('/')[0]}/loop": said.get("loop") for name, said in drives.items()}
         return found | {name: loop for name, loop in loops.items() if loop}
 

@@ -1,0 +1,38 @@
+"""A question that a line left open: yes says it after all, anything else lets it be."""
+
+import time
+from collections.abc import Callable
+
+from lbr.messages.system import ConsoleResult
+
+VALID_S = 30.0
+YES, NO = frozenset({"y", "yes"}), frozenset({"n", "no"})
+QUESTION = "Do it? y/N"
+LET_BE = "Nothing was done."
+
+
+class Question:
+    """At most one open question; an answer that comes late is none, and is taken for a line of its own."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._line = ""
+        self._until = 0.0
+
+    @property
+    def open(self) -> bool:
+        """Whether an answer is waited for."""
+        return bool(self._line) and self._clock() < self._until
+
+    def ask(self, result: ConsoleResult) -> None:
+        """Remember what a yes will say."""
+        self._line, self._until = result.confirm, self._clock() + VALID_S
+
+    def answer(self, line: str) -> str | None:
+        """Return the line that this one means: itself, what it agrees to, or None if it was a no."""
+        agreed, waited = self._line, self.open
+        self._line = ""
+        said = line.strip().lower()
+        if not waited or said not in YES | NO | {""}:
+            return line
+        return agreed if said in YES else None

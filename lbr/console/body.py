@@ -1,0 +1,70 @@
+"""What the status bar says of a humanoid: its joints in a few words, and its power."""
+
+from lbr.console.printable import shown
+from lbr.messages.joints import JointsState, JointState
+from lbr.messages.power import PowerState
+
+GOOD, DOUBTFUL, BAD = "class:good", "class:doubtful", "class:bad"
+Piece = tuple[int, str, str]
+"""Rank (the highest goes first where there is no room), style, text."""
+
+HOT_C = 60.0
+"""From here on a joint's temperature is worth a look; AX-12A servos let go at 70 by themselves."""
+_PHASES = {
+    "released": ("", "torque off"),
+    "following": ("", "holding"),
+    "holding": (DOUBTFUL, "mover lost: holding"),
+    "releasing": (DOUBTFUL, "mover lost: letting go"),
+}
+
+
+def joints(state: JointsState) -> list[Piece]:
+    """Return what the joints do, who moves them, what is latched, the hottest and the lowest voltage."""
+    pieces: list[Piece] = [(2, *_doing(state))]
+    latched = [f"{name} {' and '.join(one.latched)}" for name, one in state.joints.items() if one.latched]
+    if latched:
+        more = f" and {len(latched) - 1} more" if len(latched) > 1 else ""
+        pieces.append((1, BAD, f"latched: {shown(latched[0])}{more}"))
+    if state.holder:
+        pieces.append((4, "", f"held by {shown(state.holder)}"))
+    return [*pieces, *_hottest(state.joints), *_lowest(state.joints)]
+
+
+def power(state: PowerState) -> list[Piece]:
+    """Return where the power comes from, or how soon it is shut off."""
+    if state.phase in {"countdown", "parking", "powering_off"}:
+        left = f" in {state.remaining_s:.0f} s" if state.remaining_s is not None else ""
+        return [(1, BAD, f"SHUTDOWN{left}")]
+    if state.phase in {"warning", "failed"}:
+        return [
+            (1, DOUBTFUL, f"power {state.phase}: {shown(state.reason)}" if state.reason else f"power {state.phase}")
+        ]
+    ups = state.ups
+    volts = ups.external_v if ups is not None and ups.source == "external" else ups.battery_v if ups else None
+    source = f"{ups.source} " if ups is not None and ups.source else ""
+    known = [(6, "", f"{source}{volts:.1f} V")] if volts is not None else []
+    return known if state.armed else [*known, (7, "", "power watch disarmed")]
+
+
+def _doing(state: JointsState) -> tuple[str, str]:
+    if state.moving:
+        return DOUBTFUL, "joints moving"
+    style, words = _PHASES[state.phase]
+    without = sum(1 for one in state.joints.values() if one.torque == 0.0)
+    if state.phase == "following" and 0 < without < len(state.joints):
+        words = f"{words}, {without} without torque"
+    return style, f"joints {words}"
+
+
+def _hottest(of: dict[str, JointState]) -> list[Piece]:
+    known = {name: one.temperature_c for name, one in of.items() if one.temperature_c is not None}
+    if not known:
+        return []
+    name = max(known, key=lambda each: known[each])
+    hot = known[name] >= HOT_C
+    return [(2 if hot else 5, DOUBTFUL if hot else "", f"{shown(name)} {known[name]:.0f} °C")]
+
+
+def _lowest(of: dict[str, JointState]) -> list[Piece]:
+    known = [one.voltage_v for one in of.values() if one.voltage_v is not None]
+    return [(5, "", f"{min(known):.1f} V at the joints")] if known else []
