@@ -78,12 +78,16 @@ class Hold(Struct, frozen=True, kw_only=True):
 
 
 class ConsoleResult(Struct, frozen=True, kw_only=True):
-    """The result of a console line: text for a person, an exit code (0 done, 1 refused or failed, 2 bad input)."""
+    """The result of a console line: text for a person, an exit code (0 done, 1 refused or failed, 2 bad input).
+
+    `confirm` is the line that does it after all, for whoever can ask a person first.
+    """
 
     code: int
     text: str
     hold: Hold | None = None
     data: Any = None
+    confirm: str = ""
 
 
 class CapabilityStatus(Struct, frozen=True, kw_only=True):
