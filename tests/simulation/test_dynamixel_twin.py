@@ -327,12 +327,12 @@ def test_version_5_comments_on_long_broadcasts_and_forwards_them():
 
 
 def test_limp_until_it_is_switched_on_and_then_it_goes_to_its_goal(bench):
-    bench.say(write(1, 30, 88, 2, 100, 0))
+    bench.say(write(1, 30, 88, 2, 50, 0))
     assert bench.words(1, 36, 1) == [512]
     bench.say(write(1, 24, 1))
     position, speed, load = bench.words(1, 36, 3)
     assert 512 < position < 600
-    assert speed == 100
+    assert speed == 50
     assert 0 < load < 1024
     assert bench.say(read(1, 46, 1)) == status(1, 0, b"\x01")
     bench.now += 2.0
