@@ -15,7 +15,8 @@ class UpsState(Struct, frozen=True, kw_only=True):
     """What an uninterruptible power supply says; null is not measured. `valid` false: it does not answer or hangs.
 
     `external_v` is what feeds the robot, `battery_v` the supply's own battery, `output_v` what it gives the computer.
-    `relay` is whether the motors' power is switched on.
+    `relay` is whether the motors' power is switched on. `emulated`: it is read from a socket and is no hardware, so that
+    nothing it says is a reason to power a computer off.
     """
 
     valid: bool
@@ -29,6 +30,7 @@ class UpsState(Struct, frozen=True, kw_only=True):
     temperature_c: float | None = None
     relay: bool | None = None
     firmware: str = ""
+    emulated: bool = False
 
 
 class RelayCommand(Struct, frozen=True, kw_only=True):

@@ -1,5 +1,7 @@
 """The UPS PIco as a capability: one register at each tick, a state after each sweep, and the relay of the motors."""
 
+from msgspec.structs import replace
+
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.drivers.i2c import open_bus
@@ -59,7 +61,7 @@ class Pico(Capability[PicoSettings]):
 
     def degraded(self, reason: str) -> None:
         """Tell that nothing is known."""
-        self.ctx.publish("state", UpsState(valid=False, reason=reason))
+        self._publish(UpsState(valid=False, reason=reason))
 
     def close(self) -> None:
         """Let go of the bus; the relay stays as it is."""
@@ -68,10 +70,15 @@ class Pico(Capability[PicoSettings]):
             supply.close()
 
     def _tell(self, state: UpsState) -> None:
-        self.ctx.publish("state", state)
+        self._publish(state)
         trouble = state.reason
         if trouble:
             self._notices.tell("ups", f"device '{self.ctx.settings.device}': {trouble}")
         if bool(trouble) != bool(self._trouble):
             self.ctx.warn(trouble) if trouble else self.ctx.ready()
         self._trouble = trouble
+
+    def _publish(self, state: UpsState) -> None:
+        """Publish, and say if it is no hardware: a supply behind a socket."""
+        emulated = self.ctx.device is not None and not self.ctx.device.address.startswith("i2c:")
+        self.ctx.publish("state", replace(state, emulated=emulated))

@@ -1,19 +1,64 @@
 """Power: watches the supply, and shuts the computer down file-safe before it fails."""
 
-from msgspec import Struct
+from typing import Annotated
+
+from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
+from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand, TorqueCommand
 from lbr.messages.leases import CommandReply
-from lbr.messages.power import ArmCommand, CancelCommand, PowerState, UpsState
+from lbr.messages.power import ArmCommand, CancelCommand, PowerState, UpsState, Volts
 from lbr.messages.speech import SayCommand
 from lbr.messages.units import Name
 
+Seconds = Annotated[float, Meta(ge=0.0, le=3600.0, description="seconds")]
+Deadline = Annotated[float, Meta(gt=0.0, le=600.0, description="seconds")]
+
 
 class PowerSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `power` may set; `device` is the supply whose thresholds it keeps."""
+    """What a row of kind `power` may set; the defaults are a lithium-polymer battery of three cells.
+
+    `device` is the supply beside whose row is kept whether it is armed, and its thresholds; `armed`, `warn_v` and
+    `shutdown_v` hold until somebody says otherwise. Low is what stays below for `hold_s` and `hold_samples` readings;
+    good again is `hysteresis_v` more. Below `absent_v` the external supply is disconnected rather than low, if the
+    supply's own battery backs it (`battery_backs`); then `battery_warn_v` and `battery_shutdown_v` count for that one.
+
+    Before it shuts down it plays `park_motion` (empty: none) for at most `park_s` and lets go of the joints within
+    `let_go_s`, whatever comes of either. `bus` is the address of the D-Bus where logind is asked; empty: the system's.
+    """
 
     device: Name
+    armed: bool = False
+    warn_v: Volts = 10.5
+    shutdown_v: Volts = 9.9
+    hysteresis_v: Annotated[float, Meta(ge=0.0, le=5.0)] = 0.3
+    hold_s: Seconds = 2.0
+    hold_samples: Annotated[int, Meta(ge=1, le=1000)] = 3
+    countdown_s: Seconds = 10.0
+    stale_s: Annotated[Deadline, Meta(description="no reading for so long is a supply that is silent")] = 5.0
+    battery_backs: bool = True
+    absent_v: Annotated[float, Meta(ge=0.0, le=50.0)] = 2.0
+    battery_warn_v: Volts = 3.7
+    battery_shutdown_v: Volts = 3.55
+    battery_hysteresis_v: Annotated[float, Meta(ge=0.0, le=5.0)] = 0.1
+    park_motion: str = "sit"
+    park_s: Deadline = 15.0
+    let_go_s: Deadline = 2.0
+    answer_s: Annotated[Deadline, Meta(description="for which logind is waited")] = 10.0
+    off_s: Annotated[Deadline, Meta(description="within which the computer is off once logind agreed")] = 120.0
+    retry_s: Annotated[Deadline, Meta(description="from one refused shutdown to the next try")] = 30.0
+    repeat_s: Annotated[Seconds, Meta(description="between two warnings of one kind")] = 60.0
+    bus: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds in the wrong order."""
+        if not self.shutdown_v <= self.warn_v:
+            raise ValueError("shutdown_v: must not be above warn_v")
+        if not self.battery_shutdown_v <= self.battery_warn_v:
+            raise ValueError("battery_shutdown_v: must not be above battery_warn_v")
+        if not self.absent_v < self.shutdown_v:
+            raise ValueError("absent_v: must be below shutdown_v, or a low supply would be none")
 
 
 KIND = Kind(
@@ -22,10 +67,10 @@ KIND = Kind(
     family="operation",
     entry="lbr.operations.power.capability:Power",
     settings=PowerSettings,
-    inputs={"ups": UpsState},
+    inputs={"ups": UpsState, "parked": GoalResult},
     outputs={"state": PowerState},
     commands={"arm": ArmCommand, "cancel": CancelCommand},
-    replies=dict.fromkeys(("arm", "cancel"), CommandReply),
+    replies=dict.fromkeys(("arm", "cancel", "park", "let_go", "say"), CommandReply),
     requests={"park": PlayCommand, "let_go": TorqueCommand, "say": SayCommand},
     roles={"arm": "admin"},
     calibrates="device",

@@ -1,0 +1,107 @@
+"""Asks logind over D-Bus to power the computer off; in a thread of its own, because answers may take their time.
+
+The calls: `CanPowerOff() -> s` (yes, no, challenge, na) and `PowerOff(b interactive)`, never interactive: nobody is there
+to be asked. What polkit does not let happen comes back as `no`, `challenge` or an error.
+"""
+
+import asyncio
+import threading
+from collections.abc import Callable
+from queue import SimpleQueue
+from typing import Any, Literal, NamedTuple
+
+Question = Literal["CanPowerOff", "PowerOff"]
+
+SERVICE, PATH, INTERFACE = "org.freedesktop.login1", "/org/freedesktop/login1", "org.freedesktop.login1.Manager"
+DENIED = ("InteractiveAuthorizationRequired", "AccessDenied", "NotAuthorized", "PermissionDenied")
+HOW = "let it by 'sudo lbr service install PROFILE --power-off', see docs/power.md"
+_MEANINGS = {
+    "yes": "",
+    "no": f"polkit does not let this user power off; {HOW}",
+    "challenge": f"polkit wants a password from whoever powers off, and nobody is here to give one; {HOW}",
+    "na": "this system cannot power off",
+}
+_END_S = 0.2
+
+
+class Answer(NamedTuple):
+    """What logind said: `said` is its word or nothing, `trouble` why it will not power off, for people."""
+
+    question: Question
+    said: str = ""
+    trouble: str = ""
+
+
+class Logind:
+    """Asks in the background; `answers` has what came, and `wake` is called then."""
+
+    def __init__(self, address: str, timeout_s: float, wake: Callable[[], None]) -> None:
+        self._address = address
+        self._timeout_s = timeout_s
+        self._wake = wake
+        self._questions: SimpleQueue[Question | None] = SimpleQueue()
+        self._answers: SimpleQueue[Answer] = SimpleQueue()
+        self._thread = threading.Thread(target=self._serve, name="logind", daemon=True)
+        self._thread.start()
+
+    def ask(self, question: Question) -> None:
+        """Ask; the answer comes for certain, within the timeout."""
+        self._questions.put(question)
+
+    def answers(self) -> list[Answer]:
+        """Return what was answered since the last call."""
+        return [self._answers.get_nowait() for _ in range(self._answers.qsize())]
+
+    def close(self) -> None:
+        """Ask no more; a question under way is left to itself."""
+        self._questions.put(None)
+        self._thread.join(_END_S)
+
+    def _serve(self) -> None:
+        while (question := self._questions.get()) is not None:
+            self._answers.put(self._asked(question))
+            self._wake()
+
+    def _asked(self, question: Question) -> Answer:
+        try:
+            said = asyncio.run(asyncio.wait_for(_call(self._address, question), self._timeout_s))
+        except TimeoutError:
+            return Answer(question, trouble=f"logind does not answer within {self._timeout_s:g} s")
+        except Exception as err:  # noqa: BLE001 - the library has many; none may end the process, each is told
+            where = self._address or "the system's D-Bus"
+            return Answer(question, trouble=f"logind cannot be asked at {where}: {err or type(err).__name__}")
+        return said if isinstance(said, Answer) else Answer(question, said, meaning(said) if said else "")
+
+
+def meaning(said: str) -> str:
+    """Return why `CanPowerOff` saying this means that it will not, or nothing."""
+    return _MEANINGS.get(said, f"logind says '{said}'")
+
+
+async def _call(address: str, question: Question) -> Answer | str:
+    """Return what was said, or an error as an answer; a connection of its own, so that none grows old."""
+    from dbus_fast import BusType, Message, MessageType  # noqa: PLC0415 - whoever does not arm it needs none
+    from dbus_fast.aio import MessageBus  # noqa: PLC0415
+
+    bus = await MessageBus(bus_address=address or None, bus_type=BusType.SYSTEM).connect()
+    try:
+        signature, body = ("b", [False]) if question == "PowerOff" else ("", [])
+        message = Message(
+            destination=SERVICE, path=PATH, interface=INTERFACE, member=question, signature=signature, body=body
+        )
+        reply = await bus.call(message)
+        if reply is None or reply.message_type == MessageType.ERROR:
+            return Answer(question, trouble=_refused(reply))
+        return str(reply.body[0]) if reply.body else ""
+    finally:
+        bus.disconnect()
+
+
+def _refused(reply: Any) -> str:
+    name = str(getattr(reply, "error_name", "") or "no answer")
+    said = str(reply.body[0]) if reply is not None and reply.body else ""
+    if name.rpartition(".")[2] in DENIED:
+        return f"polkit does not let this user power off ({said or name}); {HOW}"
+    if name.endswith((".ServiceUnknown", ".NameHasNoOwner")):
+        return "no logind answers on this D-Bus; systemd-logind has to run"
+    return f"logind refuses: {said or name}"
