@@ -26,8 +26,8 @@ from lbr.operations.drive.state import (
     Setpoint,
     Tick,
 )
-from lbr.operations.drive.statistics import Beat, LoopMeter
 from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
+from lbr.operations.statistics import Beat, LoopMeter
 
 STATE_PERIOD_S = 0.1
 MOST_WAITING = 16

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.operations.drive.statistics import Beat, LoopMeter
+from lbr.operations.statistics import Beat, LoopMeter
 
 
 def test_statistics_name_rate_worst_period_and_overruns():
