@@ -32,11 +32,13 @@ def prepare(home: Path, *also: str, edits: tuple[str, ...] = ()) -> Path:
     with sqlite3.connect(home / "robot.db") as database:
         trace = str(home / "trace.txt")
         database.execute(
-            "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE name = 'world'", (trace,)
+            "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE robot = 'lbr' AND name = 'world'",
+            (trace,),
         )
         running = (*BASE, *also)
         database.execute(
-            f"UPDATE capability SET enabled = 0 WHERE name NOT IN ({', '.join('?' * len(running))})", running
+            f"UPDATE capability SET enabled = 0 WHERE robot = 'lbr' AND name NOT IN ({', '.join('?' * len(running))})",
+            running,
         )
         for edit in edits:
             database.execute(edit)

@@ -9,6 +9,9 @@ import click
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+DEFAULT_PROFILE = "lbr-sim"
+"""What `lbr run` starts when nothing is said."""
+
 
 class Whom(NamedTuple):
     """Which robot a command means, and what lets it in there."""

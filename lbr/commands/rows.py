@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lbr.commands.options import DEFAULT_PROFILE
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,8 +20,11 @@ def opened(path: Path) -> "Database":
 
 
 def robot_in(database: "Database") -> str:
-    """Return the only robot in a database."""
+    """Return the only robot in a database, or of several the one that `lbr run` starts when nothing is said."""
+    from lbr.executive import profile  # noqa: PLC0415 - kept out of `lbr --help`
+
     names = database.robots()
-    if len(names) != 1:
+    usual = profile.load(DEFAULT_PROFILE).robot
+    if len(names) != 1 and usual not in names:
         raise InputError(f"{database.path} has {len(names)} robots ({', '.join(names)}); say which with --robot NAME")
-    return names[0]
+    return usual if usual in names else names[0]

@@ -4,9 +4,11 @@ from pathlib import Path
 
 import click
 
+from lbr.commands.options import DEFAULT_PROFILE
+
 
 @click.command("run")
-@click.argument("profile", default="lbr-sim")
+@click.argument("profile", default=DEFAULT_PROFILE)
 @click.option(
     "--db",
     "database",

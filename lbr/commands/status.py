@@ -56,13 +56,14 @@ def show(status: "Status") -> None:
 
     screen = Console(highlight=False, width=None if sys.stdout.isatty() else PIPE_WIDTH)
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("capability", "kind", "state", "pid"):
+    away = any(one.host for one in status.capabilities)
+    for name in ("capability", "kind", *(("host",) if away else ()), "state", "pid"):
         table.add_column(name, no_wrap=True)
     for name in ("restarts", "up s", "CPU %", "MB"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("rates in Hz", overflow="fold")
     for one in status.capabilities:
-        table.add_row(*(Text(*cell) for cell in _cells(one)))
+        table.add_row(*(Text(*cell) for cell in _cells(one, away=away)))
     words = state_of(status)[1]
     title = f"{status.robot} ({status.profile}): {words}; pid {status.pid}, up {status.uptime_s:.0f} s"
     screen.print(Text(title, style="bold red" if status.estop.engaged else "bold"))
@@ -78,11 +79,12 @@ def show(status: "Status") -> None:
         screen.print(Text(f"e-stop not yet acknowledged by {', '.join(status.estop.waiting)}", style="red"))
 
 
-def _cells(one: "CapabilityStatus") -> list[tuple[str, str]]:
+def _cells(one: "CapabilityStatus", *, away: bool) -> list[tuple[str, str]]:
     rates = "  ".join(f"{name} {rate:.0f}" for name, rate in sorted(one.rates_hz.items()) if rate)
     return [
         (one.name, "bold"),
         (one.kind, ""),
+        *([(one.host or "-", "")] if away else []),
         (one.phase, PHASES.get(one.phase, "")),
         (str(one.pid or "-"), ""),
         (str(one.restarts), "yellow" if one.restarts else ""),

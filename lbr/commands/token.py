@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lbr.bus.tokens import Token
     from lbr.database.rows import TokenRow
     from lbr.database.store import Database
-    from lbr.messages.system import Role
+    from lbr.messages.system import TokenRole
 
 EVERYWHERE = ("0.0.0.0", "[::]")  # noqa: S104 - read, not bound
 UNITS_S = {"m": 60, "h": 3600, "d": 86400, "w": 604800}
@@ -29,13 +29,14 @@ database_option = click.option(
 def command() -> None:
     """Let people and programs on other machines in, and lock them out again.
 
-    A token is a name with a role: view looks and stops, operate moves the robot too, admin does all there is.
+    A token is a name with a role: view looks and stops, operate moves the robot too, admin does all there is. With host,
+    the machine of that name runs its share of the robot, looks and stops.
     """
 
 
 @command.command("add")
 @click.argument("name")
-@click.option("--role", type=click.Choice(["view", "operate", "admin"]), default="operate", show_default=True)
+@click.option("--role", type=click.Choice(["view", "operate", "admin", "host"]), default="operate", show_default=True)
 @click.option("--expires", metavar="TIME", help="When its rights end: after 12h, 30d or 8w. Never if left out.")
 @click.option(
     "--file", "path", type=click.Path(path_type=Path), metavar="FILE", help="Also write a Zenoh configuration with it."
@@ -50,21 +51,21 @@ def add(name: str, role: str, expires: str | None, path: Path | None, database: 
 
     from lbr.bus import tokens  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.messages.system import Role  # noqa: PLC0415 - the name of a type, and the type
+    from lbr.messages.system import TokenRole  # noqa: PLC0415 - the name of a type, and the type
 
     tokens.check_name(name)
     ends = _end(expires) if expires is not None else None
     if path is not None and path.exists():
         raise InputError(f"{path} exists already; name another file, or remove it")
     with _opened(database) as rows:
-        token = _new(rows, name, msgspec.convert(role, Role), ends)
+        token = _new(rows, name, msgspec.convert(role, TokenRole), ends)
         listen = _listens(rows)
     endpoints = _endpoints(listen)
     click.echo(str(token))
     if path is not None:
         _write_configuration(path, token, endpoints)
         click.echo(f"{path} lets a Zenoh client in; it is as secret as the token", err=True)
-    _tell_how(endpoints, on=bool(listen))
+    _tell_how(endpoints, f"agent {name}" if role == "host" else "console", on=bool(listen))
     return 0
 
 
@@ -95,7 +96,7 @@ def revoke(name: str, database: Path | None) -> int:
     return 0
 
 
-def _new(rows: "Database", name: str, role: "Role", expires_at: str | None) -> "Token":
+def _new(rows: "Database", name: str, role: "TokenRole", expires_at: str | None) -> "Token":
     from ssl import PEM_cert_to_DER_cert  # noqa: PLC0415
 
     from lbr.bus import tokens  # noqa: PLC0415
@@ -188,9 +189,9 @@ def _write_configuration(path: Path, token: "Token", endpoints: list[str]) -> No
         json.dump(settings, file, indent=2)
 
 
-def _tell_how(endpoints: list[str], *, on: bool) -> None:
+def _tell_how(endpoints: list[str], what: str, *, on: bool) -> None:
     for endpoint in endpoints:
-        click.echo(f"  lbr console --connect {endpoint}", err=True)
+        click.echo(f"  lbr {what} --connect {endpoint}", err=True)
     if not on:
         click.echo(
             "no robot listens yet: 'lbr run --listen tls/0.0.0.0:7447', or in the rows\n"
