@@ -12,7 +12,7 @@ from lbr.messages.system import Role
 from lbr.operations.joints.body import Body
 from lbr.operations.joints.settings import JointsSettings
 from lbr.operations.joints.trajectory import Trajectory
-from lbr.operations.leasing.state import Happened, Holding, Reply, Words, first
+from lbr.operations.leasing.state import EstopChanged, Happened, Holding, Reply, Stop, Words, first
 
 LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late."""
@@ -47,25 +47,10 @@ class Torque(Struct, frozen=True, kw_only=True):
     answerable: bool = True
 
 
-class Stop(Struct, frozen=True, kw_only=True):
-    """Somebody wants it to stand still."""
-
-    source: str
-    received: float
-    reason: str = ""
-
-
 class HolderGone(Struct, frozen=True, kw_only=True):
     """The process that holds the joints is gone."""
 
     source: str
-
-
-class EstopChanged(Struct, frozen=True, kw_only=True):
-    """The emergency stop was latched or reset."""
-
-    engaged: bool
-    reason: str = ""
 
 
 class ServosSeen(Struct, frozen=True, kw_only=True):
@@ -127,7 +112,7 @@ class State(Struct, frozen=True, kw_only=True):
     """Everything the kernel remembers.
 
     `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is).
-    Nothing is known of either until the driver was heard (`adopted`); until then nothing is said to it.
+    Nothing is known of either until the driver was heard (`adopted`; `begun`: it once was); until then it is told nothing.
     `lost`: whoever moved them is gone, and the driver decides. `halt` counts the stops.
     """
 
@@ -136,6 +121,7 @@ class State(Struct, frozen=True, kw_only=True):
     holding: Holding[Move]
     clock: float = -inf
     adopted: bool = False
+    begun: bool = False
     on: frozenset[str] = frozenset()
     goals: Mapping[str, float | None] = {}
     lost: bool = False

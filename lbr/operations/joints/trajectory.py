@@ -84,6 +84,24 @@ def speeds(trajectory: Trajectory, elapsed_s: float) -> dict[str, float]:
     return {name: speed for name, (_, speed) in _states(trajectory, elapsed_s).items()}
 
 
+def passed(trajectory: Trajectory, elapsed_s: float) -> int:
+    """Return how many key frames lie behind."""
+    return bisect_right(trajectory.times_s, elapsed_s) - 1
+
+
+def ahead(trajectory: Trajectory, elapsed_s: float) -> tuple[KeyFrame, ...]:
+    """Return the key frames that do not, each with the time that is left for it."""
+    first = passed(trajectory, elapsed_s) + 1
+    times_s = (elapsed_s, *trajectory.times_s[first:])
+    return tuple(
+        KeyFrame(
+            positions={name: values[at] for name, values in trajectory.knots.items()},
+            duration_s=end_s - begin_s,
+        )
+        for at, (begin_s, end_s) in enumerate(pairwise(times_s), first)
+    )
+
+
 def _states(trajectory: Trajectory, elapsed_s: float) -> dict[str, tuple[float, float]]:
     times_s = trajectory.times_s
     if not elapsed_s < times_s[-1]:  # this way round, NaN is the end

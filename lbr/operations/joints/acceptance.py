@@ -1,0 +1,146 @@
+"""The chain a motion command passes before it moves a joint; the first link that objects refuses it."""
+
+from collections.abc import Callable, Iterator
+from itertools import islice
+from math import isfinite
+
+from msgspec.structs import replace
+
+from lbr.messages.joints import JointsCommand
+from lbr.operations.joints.asked import Asked, asked, empty
+from lbr.operations.joints.state import Command, State, joint_trouble, servos_trouble
+from lbr.operations.leasing import acceptance
+from lbr.operations.leasing.state import Ask, quoted
+
+MOST_TOLD = 3
+LONGEST_S = 60.0
+TORQUE_FIRST = "torque on first (/torque/on)"
+
+Link = Callable[[State, JointsCommand, Ask, float], str]
+
+
+def asks(state: State, event: Command) -> Ask:
+    """Return a command as far as leases are concerned; a lease with nothing to move goes on with what it was given for."""
+    command = event.command
+    ask = Ask(
+        source=event.source,
+        role=event.role,
+        lease=command.lease,
+        what=asked(command, event.new_goal),
+        moves=True,
+        received=event.received,
+        new_lease=event.new_lease,
+        take_over=command.take_over,
+        ttl_s=command.ttl_s,
+        remote=event.remote,
+        sender_s=event.sender_s,
+        answerable=event.answerable,
+    )
+    known = quoted(state.holding, ask) if empty(command) else None
+    return ask if known is None else replace(ask, what=known.what)
+
+
+def command_of(ask: Ask) -> JointsCommand:
+    """Return the motion that is asked for."""
+    assert isinstance(ask.what, Asked)
+    return ask.what.command
+
+
+def refusal(state: State, ask: Ask, now: float, *, renewal: bool) -> str:
+    """Return why a command is refused, or nothing; what is renewed was looked at before."""
+    command = command_of(ask)
+    links = RENEWAL if renewal else CHAIN
+    return next((why for link in links if (why := link(state, command, ask, now))), "")
+
+
+def _form(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+    """It says what is to move where, in joints that there are, within their limits, with numbers that are some."""
+    del ask, now
+    if empty(command):
+        return "there is nothing to move: give positions or frames"
+    if command.positions and command.frames:
+        return "give positions or frames, not both"
+    if command.append and not command.frames:
+        return "only frames can be appended"
+    return _numbers(command) or _several(_wrong(state, command))
+
+
+def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+    """One holder, who may, and in time."""
+    del command
+    held = state.holding
+    return acceptance.form(held, ask, now) or acceptance.rights(held, ask) or acceptance.holder(held, ask, now)
+
+
+def _order(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+    """What is appended follows something."""
+    del now
+    hold = state.holding.hold
+    follows = hold is not None and ask.lease == hold.lease
+    return "" if follows or not command.append else "append follows a motion under way: quote its lease"
+
+
+def _rest(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+    """Nothing moves while the emergency stop is latched, or no servo would follow."""
+    del command
+    return acceptance.at_rest(state.holding, ask, now, servos_trouble(state, now))
+
+
+def _able(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+    """Every joint of it has torque, is measured, and is well."""
+    del ask
+    return _several(_unable(state, command, now))
+
+
+RENEWAL: tuple[Link, ...] = (_leases, _rest)
+CHAIN: tuple[Link, ...] = (_form, _leases, _order, _rest, _able)
+
+
+def _numbers(command: JointsCommand) -> str:
+    times_s = [frame.duration_s for frame in command.frames]
+    if command.duration_s is not None:
+        times_s.append(command.duration_s)
+    for time_s in times_s:
+        if not 0.0 < time_s <= LONGEST_S:  # this way round, NaN is none
+            return f"duration_s {time_s:g} is outside 0 to {LONGEST_S:g}"
+    speed_rps = command.speed_rps
+    if speed_rps is not None and not (isfinite(speed_rps) and speed_rps > 0.0):
+        return f"speed_rps {speed_rps:g} is no speed; leave it out or give radians a second"
+    return ""
+
+
+def _wrong(state: State, command: JointsCommand) -> Iterator[str]:
+    """Say what is wrong with each joint that is named; a mirror's joint has limits of its own."""
+    body, told = state.body, set()
+    for positions in (command.positions, *(frame.positions for frame in command.frames)):
+        for name, angle_rad in positions.items():
+            why = body.refusal(name, angle_rad)
+            if not why and command.mirror:
+                why = _not_mirrored(state, name, angle_rad)
+            if why and why not in told:
+                told.add(why)
+                yield why
+
+
+def _not_mirrored(state: State, name: str, angle_rad: float) -> str:
+    if not state.body.partner(name):
+        return f"{name} has no joint on the other side to mirror it"
+    ((partner, mirrored_rad),) = state.body.mirrored({name: angle_rad}).items()
+    return state.body.refusal(partner, mirrored_rad)
+
+
+def _unable(state: State, command: JointsCommand, now: float) -> Iterator[str]:
+    named = {name for frame in command.frames for name in frame.positions} | command.positions.keys()
+    joints = {state.body.partner(name) for name in named} if command.mirror else named
+    without = [name for name in state.body.joints if name in joints and name not in state.on]
+    troubles = {name: joint_trouble(state, name, now) for name in state.body.joints if name in joints}
+    yield from (why for why in troubles.values() if why)
+    idle = [name for name in without if not troubles[name]]
+    if idle:
+        some = ", ".join(idle[:MOST_TOLD]) + (f" and {len(idle) - MOST_TOLD} more" if len(idle) > MOST_TOLD else "")
+        yield f"{some} {'has' if len(idle) == 1 else 'have'} no torque: {TORQUE_FIRST}"
+
+
+def _several(whys: Iterator[str]) -> str:
+    """Say the first few of what is wrong."""
+    return "; ".join(islice(whys, MOST_TOLD))

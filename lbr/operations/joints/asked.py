@@ -1,0 +1,47 @@
+"""What a motion command asks for, whoever asks and under whichever lease; in the end always key frames."""
+
+from math import radians
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.joints import JointMove, JointsCommand, KeyFrame
+from lbr.operations.joints.body import Body
+from lbr.operations.joints.trajectory import SHORTEST_S
+
+
+class Asked(Struct, frozen=True, kw_only=True):
+    """The motion itself. What is appended is each time something new, as its `token` says."""
+
+    command: JointsCommand
+    token: str = ""
+
+
+def of_move(move: JointMove) -> JointsCommand:
+    """Return a move as people say it as the command that it is."""
+    return JointsCommand(
+        positions={move.joint: radians(move.angle_deg)},
+        speed_rps=radians(move.speed_dps),
+        lease=move.lease,
+        ttl_s=move.ttl_s,
+        take_over=move.take_over,
+    )
+
+
+def asked(command: JointsCommand, token: str) -> Asked:
+    """Return what a command asks for; `token` is one of its own."""
+    bare = replace(command, lease="", ttl_s=None, take_over=False)
+    return Asked(command=bare, token=token if command.append else "")
+
+
+def empty(command: JointsCommand) -> bool:
+    """Say whether a command has nothing to move; with a lease it renews that."""
+    return not (command.positions or command.frames)
+
+
+def frames(command: JointsCommand, body: Body) -> tuple[KeyFrame, ...]:
+    """Return the key frames that it asks for, in a mirror if it says so; positions are one, by default at once."""
+    asked_for = command.frames or (KeyFrame(positions=command.positions, duration_s=command.duration_s or SHORTEST_S),)
+    if not command.mirror:
+        return asked_for
+    return tuple(replace(frame, positions=body.mirrored(frame.positions)) for frame in asked_for)

@@ -1,0 +1,67 @@
+"""How a motion of the joints ends: by itself, by a stop, by a fault; and what is said of it."""
+
+from msgspec.structs import replace
+
+from lbr.messages.drive import GoalResult
+from lbr.operations.joints import moving
+from lbr.operations.joints.state import Move, Outputs, Result, State, servos_trouble
+from lbr.operations.leasing import ending
+from lbr.operations.leasing.state import Ended, Happened, Holding
+
+Decision = tuple[State, Outputs]
+Decided = tuple[Holding[Move], ending.Said[Move]]
+
+
+def end_what_is_over(state: State, now: float) -> Decision:
+    """End what is over by now; comparisons are such that NaN ends it."""
+    held, trouble = state.holding, servos_trouble(state, now)
+    decided = ending.drop_offers(held, held.offers, "fault", trouble) if trouble else ending.lapse(held, now)
+    state, ended = take(state, decided, now)
+    over = moving.ending(state, trouble, now)
+    if over is None:
+        return state, ended
+    state, more = take(state, ending.end(state.holding, *over, now), now)
+    return state, ended + more
+
+
+def still(state: State, decided: Decided, now: float) -> Decision:
+    """Take in what was decided of who has the joints, and hold all of them, whether somebody had them or not."""
+    if state.move is not None:
+        return take(state, decided, now)
+    state, outputs = take(moving.freeze(state), decided, now)
+    return state, (*setpoint(state), *outputs)
+
+
+def take(state: State, decided: Decided, now: float) -> Decision:
+    """Take in who has the joints now; when nobody has them any more, hold them, and say how each motion ended."""
+    held, said = decided
+    outputs: Outputs = ()
+    for each in said:
+        if isinstance(each, Happened):
+            outputs = (*outputs, each)
+            continue
+        if each.held and held.hold is None:
+            state = _let_be(state, each)
+            outputs = (*outputs, *setpoint(state))
+        if each.held:
+            outputs = (*outputs, ending.happened(each))
+        outputs = (*outputs, _result(each, now))
+    return replace(state, holding=held), outputs
+
+
+def setpoint(state: State) -> Outputs:
+    """Return what the servos are to do now, if anything is known of them."""
+    return (moving.setpoint(state),) if state.adopted else ()
+
+
+def _let_be(state: State, ended: Ended[Move]) -> State:
+    """Hold every joint: at its goal if that was reached, else where it was measured. A lease that lapsed lost its mover."""
+    lost = state.lost or ended.how == "lapsed"
+    frozen = state if ended.how == "reached" else moving.freeze(state)
+    return replace(frozen, holding=replace(state.holding, hold=None), lost=lost)
+
+
+def _result(ended: Ended[Move], now: float) -> Result:
+    move = ended.hold.motion
+    elapsed_s = round(max(0.0, now - move.begun), 3)
+    return Result(message=GoalResult(goal=move.goal, result=ended.how, reason=ended.why, elapsed_s=elapsed_s))

@@ -1,0 +1,117 @@
+"""The decisions of joints operation, as a pure function of what is known, what happened and when."""
+
+from math import nan
+
+from msgspec.structs import replace
+
+from lbr.operations.joints import moving, servos, torque
+from lbr.operations.joints.acceptance import asks, command_of, refusal
+from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint, still, take
+from lbr.operations.joints.state import (
+    Command,
+    Event,
+    HolderGone,
+    Move,
+    ServosLost,
+    ServosSeen,
+    State,
+    Tick,
+    Torque,
+)
+from lbr.operations.leasing import ending, holding
+from lbr.operations.leasing.acceptance import intent
+from lbr.operations.leasing.state import Ask, Ended, EstopChanged, Reply, Stop, confirmed
+
+BACK = "the clock went back"
+
+
+def decide(state: State, event: Event, now: float) -> Decision:
+    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event counts."""
+    state, ended = end_what_is_over(state, now) if now >= state.clock else _lose_time(state, now)
+    state, said = _handle(servos.unlearnt(replace(state, clock=now), now), event, now)
+    return state, ended + said
+
+
+def _handle(state: State, event: Event, now: float) -> Decision:
+    match event:
+        case Command():
+            decision = _command(state, event, now)
+        case Torque():
+            decision = torque.switch(state, event, now)
+        case Stop():
+            state, said = still(state, holding.stop(state.holding, event, now), now)
+            decision = state, (*said, holding.STOPPED)
+        case HolderGone():
+            decision = _holder_gone(state, event, now)
+        case EstopChanged():
+            decision = still(state, holding.latch(state.holding, event, now), now)
+        case ServosSeen():
+            decision = servos.seen(state, event, now)
+        case ServosLost():
+            decision = servos.gone(state, event, now)
+        case Tick():
+            state, ended = end_what_is_over(moving.advance(state, now), now)
+            decision = state, (*ended, *setpoint(state))
+    return decision
+
+
+def _command(state: State, event: Command, now: float) -> Decision:
+    """Refuse a command, or do what it wants."""
+    ask = asks(state, event)
+    wanted = intent(state.holding, ask)
+    if why := refusal(state, ask, now, renewal=wanted == "renewal"):
+        held, refused = holding.refuse(state.holding, ask, why, now)
+        return replace(state, holding=held), (refused,)
+    if wanted == "renewal":
+        state = replace(state, holding=holding.renew(state.holding, ask, now))
+        return state, (_yes(state, ask),)
+    if wanted == "new" and event.remote:
+        offer = Move(goal=event.new_goal, begun=now)
+        state, said = take(state, holding.offer(state.holding, ask, offer, now), now)
+        made = state.holding.offers[-1]
+        return state, (*said, holding.accepted(made, goal=made.motion.goal))
+    return _change(state, event, ask, now) if wanted == "change" else _begin(state, event, ask, now)
+
+
+def _begin(state: State, event: Command, ask: Ask, now: float) -> Decision:
+    """Hold the joints from now on; what confirms an offer goes on with the goal that was offered."""
+    state = moving.held_again(moving.advance(state, now))
+    offer = confirmed(state.holding, ask)
+    move = moving.begin(state, command_of(ask), offer.motion.goal if offer else event.new_goal, now)
+    state, said = take(state, holding.begin(state.holding, ask, move, now), now)
+    return state, (*said, _yes(state, ask), *setpoint(state))
+
+
+def _change(state: State, event: Command, ask: Ask, now: float) -> Decision:
+    """Move otherwise under the same lease; what is appended goes on under the same goal."""
+    state, command = moving.advance(state, now), command_of(ask)
+    move = state.move
+    assert move is not None
+    if command.append:
+        held, said = holding.change(state.holding, ask, moving.append(state, move, command), now)
+        said = tuple(each for each in said if not isinstance(each, Ended))
+    else:
+        held, said = holding.change(state.holding, ask, moving.begin(state, command, event.new_goal, now), now)
+    state, outputs = take(state, (held, said), now)
+    return state, (*outputs, _yes(state, ask), *setpoint(state))
+
+
+def _yes(state: State, ask: Ask) -> Reply:
+    hold, move = state.holding.hold, state.move
+    assert move is not None
+    return holding.accepted(hold, moving.note(state, move, command_of(ask)), move.goal)
+
+
+def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:
+    """The mover is lost; what it was offered it will not confirm."""
+    hold, why = state.holding.hold, f"the process of {event.source} is gone"
+    if hold is None or hold.source != event.source:
+        return state, ()
+    return take(state, ending.end(state.holding, "lapsed", why, now), now)
+
+
+def _lose_time(state: State, now: float) -> Decision:
+    """Stop and forget whatever has a date: none of it means anything on a clock that went back."""
+    gone = f"{BACK}; the servo driver was not heard since"
+    state, said = still(state, ending.lose_time(state.holding, BACK, state.clock, now), now)
+    return replace(state, servos=None, servos_gone=gone, servos_lost=now, servos_at=nan, ticked=nan), said

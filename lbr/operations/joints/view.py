@@ -1,0 +1,74 @@
+"""What the world may know of the joints."""
+
+from lbr.messages.drive import LoopStatistics
+from lbr.messages.joints import Joint, JointsState, JointState
+from lbr.messages.servos import ServoState
+from lbr.operations.joints import trajectory
+from lbr.operations.joints.state import Move, State, servos_trouble
+
+
+def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -> JointsState:
+    """Return every joint out of the newest sweep, who moves them, and why they stand still."""
+    hold, servos = state.holding.hold, state.servos
+    move = hold.motion if hold is not None else None
+    return JointsState(
+        sequence=servos.sweep if servos else 0,
+        measured_s=servos.measured_s if servos else 0.0,
+        moving=move is not None,
+        phase=servos.phase if servos else "released",
+        joints={name: _joint(state, joint, now) for name, joint in state.body.joints.items()},
+        holder=hold.source if hold else None,
+        goal=move.goal if move else None,
+        passed=_passed(move),
+        reason="" if hold is not None else _why_at_rest(state, now),
+        estop=state.holding.estop,
+        loop=loop,
+    )
+
+
+def _passed(move: Move | None) -> int:
+    if move is None or move.trajectory is None:
+        return 0
+    return move.passed + trajectory.passed(move.trajectory, move.elapsed_s)
+
+
+def _joint(state: State, joint: Joint, now: float) -> JointState:
+    servo = state.seen.get(joint.name)
+    if servo is None:
+        heard = "the servo driver does not know it" if state.servos else state.servos_gone
+        return JointState(id=joint.device_id, reason=heard)
+    return JointState(
+        id=servo.id,
+        position_rad=_angle(joint, servo.position_rad),
+        speed_rps=_signed(joint, servo.speed_rps),
+        load=_signed(joint, servo.load),
+        goal_rad=_angle(joint, servo.goal_rad),
+        torque=servo.torque,
+        voltage_v=servo.voltage_v,
+        temperature_c=servo.temperature_c,
+        faults=servo.faults,
+        latched=servo.latched,
+        raw=servo.raw,
+        age_s=_age_s(state, servo, now),
+        reason=servo.reason,
+    )
+
+
+def _angle(joint: Joint, servo_rad: float | None) -> float | None:
+    return None if servo_rad is None else round((servo_rad - joint.zero_rad) * joint.sign, 5)
+
+
+def _signed(joint: Joint, value: float | None) -> float | None:
+    return None if value is None else value * joint.sign
+
+
+def _age_s(state: State, servo: ServoState, now: float) -> float | None:
+    return None if servo.age_s is None else round(servo.age_s + max(0.0, now - state.servos_at), 4)
+
+
+def _why_at_rest(state: State, now: float) -> str:
+    held = state.holding
+    if held.estop:
+        return f"emergency stop: {held.estop_reason or 'no reason given'}"
+    waiting = ", ".join(offer.source for offer in held.offers)
+    return servos_trouble(state, now) or (f"waiting for {waiting} to confirm" if waiting else held.reason)
