@@ -19,7 +19,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0004');
+INSERT INTO alembic_version (version_num) VALUES ('0005');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -212,8 +212,8 @@ CREATE TABLE motion_step (
 CREATE TABLE user_token (
     name       TEXT NOT NULL PRIMARY KEY  -- whose it is
         CHECK (length(name) BETWEEN 1 AND 40),
-    role       TEXT NOT NULL              -- look, move, or change
-        CHECK (role IN ('view', 'operate', 'admin')),
+    role       TEXT NOT NULL              -- look, move, change, or run a share of the robot
+        CHECK (role IN ('view', 'operate', 'admin', 'host')),
     hash       TEXT NOT NULL              -- of the token
         CHECK (length(hash) >= 32),
     created_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when

@@ -12,6 +12,7 @@ FAILED, BAD_INPUT, ALREADY_RUNNING, INTERRUPTED = 1, 2, 3, 130
 
 COMMANDS = {
     "run": ("run", "Start a robot."),
+    "agent": ("agent", "Run a share of a robot that is on another machine."),
     "console": ("console", "Open a console on a running robot, here or over the LAN."),
     "send": ("send", "Say one console line; its result is text and exit code."),
     "status": ("status", "Show what runs."),

@@ -49,6 +49,11 @@ def alive(robot: str, capability: str) -> str:
     return f"{robot}/@alive/{capability}"
 
 
+def host(robot: str, name: str) -> str:
+    """Return the key on which a host of the robot reports, and is answered with its share of the processes."""
+    return f"{robot}/@host/{name}"
+
+
 def schema(robot: str, capability: str, name: str) -> str:
     """Return the key that answers with the JSON Schema of a stream or command."""
     return f"{robot}/@schema/{capability}/{name}"

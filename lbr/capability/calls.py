@@ -16,10 +16,20 @@ UNSTAMPED = "a bus client"
 
 
 class BusCall:
-    """A command from the bus, query or `put`; refusals are told to `refused(source, reason)` as well."""
+    """A command from the bus, query or `put`; refusals are told to `refused(source, reason)` as well.
+
+    `away` says that the robot runs on another machine than this process: what it sends comes from there too.
+    """
 
     def __init__(
-        self, name: str, message: Any, request: wire.Request, owner: str, refused: Callable[[str, str], None]
+        self,
+        name: str,
+        message: Any,
+        request: wire.Request,
+        owner: str,
+        refused: Callable[[str, str], None],
+        *,
+        away: bool = False,
     ) -> None:
         found = stamp.read(request.attachment)
         self.name = name
@@ -27,7 +37,8 @@ class BusCall:
         self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
         self.role: Role = "operate"
         self.arrived = stamp.sent_s(found, request.arrived)
-        self.remote = found is not None and bool(found.via)
+        boot = found.boot if found is not None else ""
+        self.remote = (found is not None and bool(found.via)) or (away and boot != stamp.boot_id())
         self.sender_s = found.mono_ns / 1e9 if found is not None and found.boot else nan
         self.answerable = request.answerable
         self._request = request

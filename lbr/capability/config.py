@@ -4,11 +4,11 @@ from typing import Any
 
 from msgspec import Raw, Struct
 
-from lbr.bus.access import Credentials
+from lbr.bus.access import Credentials, Rights
 from lbr.messages.dance import DanceStep
 from lbr.messages.joints import CapturedFrame, Joint, Motion
 from lbr.messages.speech import Phrase
-from lbr.messages.system import EstopState, Role
+from lbr.messages.system import EstopState, Role, TokenRole
 
 
 class InputWire(Struct, frozen=True, kw_only=True):
@@ -41,9 +41,16 @@ class LanUser(Struct, frozen=True, kw_only=True):
     """Somebody who may come in from another machine; `hash` is of the secret, and must fit it."""
 
     name: str
-    role: Role
+    role: TokenRole
     secret: str
     hash: str
+
+
+class LanGuest(Struct, frozen=True, kw_only=True):
+    """A process of this robot that runs on another machine: who it is at the door, and what its rows wire."""
+
+    credentials: Credentials
+    rights: Rights
 
 
 class LanConfig(Struct, frozen=True, kw_only=True):
@@ -51,7 +58,8 @@ class LanConfig(Struct, frozen=True, kw_only=True):
 
     `link` is how its router proves itself to the one it hangs on, whose id is `upstream`; `inside` is where its relay
     comes in. `streams` may be read by all, `stops` be used by all, and `commands` maps every other command to the role
-    it needs. `private_key` and `certificate` are files.
+    it needs. `private_key` and `certificate` are files. `guests` are processes on other machines; what they take
+    themselves, by role, is in `theirs` and not in `commands`.
     """
 
     listen: tuple[str, ...]
@@ -62,6 +70,8 @@ class LanConfig(Struct, frozen=True, kw_only=True):
     commands: dict[str, Role]
     private_key: str
     certificate: str
+    guests: tuple[LanGuest, ...] = ()
+    theirs: dict[str, Role] = {}
     upstream: str = ""
     inside: str = ""
 
@@ -71,7 +81,8 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 
     `wiring` maps inputs and setpoints to the streams that feed them, `outputs` every output to its keys, `requests`
     to the capabilities asked and their keys. `release_key` proves that a release of the e-stop is the executive's.
-    `calibrates` is the device whose `calibration` this is.
+    `calibrates` is the device whose `calibration` this is. `host` is the other machine that it runs on, where
+    `certificate` (PEM) is the only one that the robot's door may show; both are empty where the robot runs.
     """
 
     robot: str
@@ -81,6 +92,8 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     endpoints: tuple[str, ...]
     home: str
     credentials: Credentials | None = None
+    host: str = ""
+    certificate: str = ""
     device: str = ""
     devices: tuple[DeviceConfig, ...] = ()
     wiring: dict[str, tuple[InputWire, ...]] = {}

@@ -27,7 +27,7 @@ class EstopLatch:
         self._noticed = False
         self._lock = threading.Lock()
         self._pressed_ns = self._released_ns = time.monotonic_ns()
-        self._session = session.open_client(config.endpoints, config.credentials)
+        self._session = session.open_client(config.endpoints, config.credentials, certificate=config.certificate)
         self._ack_key = keys.estop_acknowledgement(config.robot, config.name)
         self._presses = wire.Subscription(self._session, keys.estop(config.robot), depth=8, wake=self._press)
         release = keys.estop_release(config.robot, config.name)

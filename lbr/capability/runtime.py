@@ -14,6 +14,7 @@ from lbr.bus.codec import Decoder, PictureDecoder
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
 from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Call, Device, EmergencyStop, Received
+from lbr.capability.dating import Dates
 from lbr.capability.estop import EstopLatch, NothingToStop
 from lbr.capability.events import Throttle
 from lbr.capability.kind import STOP, Kind
@@ -44,7 +45,7 @@ class Port:
         self._complain = complain
         self._fresh: deque[Received] = deque(maxlen=max((wire.history for wire in wires), default=1))
         self._next: dict[str, float] = {}
-        self._newest: dict[str, int] = {}
+        self._dates = {wire.key: Dates() for wire in wires}
         self._feeds = [(w, _subscribe(bus, w, wake)) for w in wires]
 
     def take(self) -> list[Received]:
@@ -75,17 +76,16 @@ class Port:
             if not stamp.genuine(found, raw.payload, bytes.fromhex(feed.seal)) or found is None:
                 self._complain(feed.key, f"'{source}' is not wired to {feed.key}; only '{feed.source}' may write it")
                 return None
-            if found.mono_ns <= self._newest.get(feed.key, -1):
+            if not self._dates[feed.key].newer(found):
                 self._complain(feed.key, f"a message on {feed.key} came twice or out of order")
                 return None
-            self._newest[feed.key] = found.mono_ns
         if feed.rate_hz is not None:
             if now < self._next.get(feed.key, now):
                 return None
             self._next[feed.key] = now + 0.9 / feed.rate_hz
         try:
             message = self._decoder.decode(raw.payload)
-            return Received(message, found, stamp.sent_s(found, raw.arrived), source)
+            return Received(message, found, self._dates[feed.key].sent_s(found, raw.arrived), source)
         except MalformedError as err:
             self._complain(feed.key, f"a message on {feed.key} from '{source}' is malformed: {err}")
             return None
@@ -125,7 +125,7 @@ class ProcessContext:
         self._complained: dict[str, float] = {}
         self._throttle = Throttle()
         self._dropped: dict[str, int] = {}
-        self._bus = session.open_client(config.endpoints, config.credentials)
+        self._bus = session.open_client(config.endpoints, config.credentials, certificate=config.certificate)
         self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
         self._outputs = {
             name: [
@@ -253,7 +253,14 @@ class ProcessContext:
                 self._dropped[name] = served.dropped
                 self._refused(served.key, f"too many commands at once on {served.key}; {served.dropped} were dropped")
             for request in served.take():
-                call = BusCall(name, None, request, self.name, lambda who, why: self._refused(who, f"{who}: {why}"))
+                call = BusCall(
+                    name,
+                    None,
+                    request,
+                    self.name,
+                    lambda who, why: self._refused(who, f"{who}: {why}"),
+                    away=bool(self.config.host),
+                )
                 try:
                     call.message = _read(name, request.payload, decoder)
                 except MalformedError as err:

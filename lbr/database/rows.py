@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from msgspec import Struct
 
-from lbr.messages.system import Role
+from lbr.messages.system import Role, TokenRole
 
 Side = Literal["left", "right", "centre"]
 Restart = Literal["never", "on-failure", "always"]
@@ -181,7 +181,7 @@ class TokenRow(Struct, frozen=True, kw_only=True):
     """Somebody's rights: `hash` is of the token; times are ISO 8601 in UTC, None for never."""
 
     name: str
-    role: Role
+    role: TokenRole
     hash: str
     created_at: str
     revoked_at: str | None = None

@@ -25,10 +25,10 @@ from lbr.database.models import Calibration, Motion, MotionStep, Robot
 from lbr.database.reader import shown
 from lbr.database.resources import robot_db_sql
 from lbr.database.rows import AuditRow, RevisionRow, RobotRows, TokenRow
-from lbr.database.tables import RawTables, read_tables
+from lbr.database.tables import TABLES, RawTables, read_tables
 from lbr.errors import InputError, RowError
 from lbr.messages.joints import CapturedFrame
-from lbr.messages.system import Event, Role
+from lbr.messages.system import Event, TokenRole
 
 APPLICATION_ID = 0x4C425231
 PATIENCE_S = 0.1
@@ -176,6 +176,13 @@ class Database:
             step = {"step": (connection.scalar(steps) or 0) + 1, "positions": positions}
             connection.execute(insert(MotionStep).values(**key, **step, duration_s=captured.frame.duration_s))
 
+    def add_rows(self, rows: RawTables) -> None:
+        """Write new rows, by table, in one transaction; durably."""
+        with self._writing(durable=True) as connection:
+            for table in TABLES:
+                if found := rows.get(table.name):
+                    connection.execute(insert(table), [dict(row) for row in found])
+
     def tokens(self) -> tuple[TokenRow, ...]:
         """Return every token's row, revoked and expired ones too."""
         with self._reading() as connection:
@@ -184,7 +191,7 @@ class Database:
     def add_token(
         self,
         name: str,
-        role: Role,
+        role: TokenRole,
         hash: str,  # noqa: A002
         expires_at: str | None = None,
         created_at: str | None = None,

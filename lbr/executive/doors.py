@@ -56,7 +56,7 @@ class Doors:
         self._stack = ExitStack()
         self._known: dict[str, list[tuple[Place, dict[str, Rights]]]] = {}
         self._annexes = 0
-        core = {name: rights.of_unit(plan, unit) for name, unit in plan.units.items()}
+        core = {name: rights.of_unit(plan, unit) for name, unit in plan.here.items()}
         local = site.router_id("local")
         self._core = Place(core_endpoint(self._robot), site.router_id(CORE))
         self._open(session.Router(listen=(local_endpoint(self._robot),), id=local, lease_ms=session.HELD_MS))

@@ -23,15 +23,17 @@ from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import copies, store
 from lbr.errors import LbrError
+from lbr.executive import hosting, scheduling, terminal
 from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
-from lbr.executive import scheduling, terminal
 from lbr.executive.child import Child
 from lbr.executive.credentials import bus_certificate, token_key
 from lbr.executive.dispatch import DONE, FAILED, Dispatcher
 from lbr.executive.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
 from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
+from lbr.executive.hosting import Measured
+from lbr.executive.hosts import Hosts
 from lbr.executive.journal import Journal
 from lbr.executive.keeper import Keeper
 from lbr.executive.latch import Latch, LatchKeeper
@@ -48,7 +50,7 @@ from lbr.executive.troubles import Troubles
 from lbr.executive.units import Unit
 from lbr.executive.watch import RowWatch
 from lbr.messages.joints import CapturedFrame
-from lbr.messages.system import ConsoleResult, Event, Status
+from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
@@ -160,7 +162,7 @@ class Executive:
 
     def restart(self, name: str) -> None:
         """Start a capability anew."""
-        self._main.call(lambda: self._supervisor.restart(name))
+        self._main.call(lambda: self._restart(name))
 
     def run_external(self, call: ExternalCall) -> ConsoleResult:
         """Start an external command, and wait for a blocking one."""
@@ -203,6 +205,17 @@ class Executive:
         }
         self.dispatcher = Dispatcher(self, bus, namespace)
         self._service = Service(bus, robot, self.dispatcher, reset=self.estop_reset)
+        self._hosts = Hosts(
+            bus,
+            robot,
+            self._profile.hosts,
+            version=hosting.version(),
+            happened=self._happened,
+            measured=self._measured,
+            begun=self._begun_elsewhere,
+            ways=self._lan,
+            wake=self._main.wake,
+        )
         self._emergency = Emergency(
             robot,
             self._bus_again,
@@ -226,17 +239,19 @@ class Executive:
         if estop.engaged:
             text = f"the emergency stop is still latched ({estop.reason or 'pressed'}); 'reset' releases it"
             self._happened("estop", "executive", text, "warning")
-        self._supervisor.adopt(self.plan, plans.Change(start=tuple(self.plan.units)))
+        self._take_over(self.plan, plans.Change(start=tuple(self.plan.units)))
 
     def _close(self) -> None:
         self._notifier.stopping(self._stopping or "shutdown")
         self._happened("shutdown", "executive", self._stopping or "shutdown", "info")
         leaving = terminal.leave()
-        self._supervisor.shut_down(self._wait)
+        self._hosts.end()
+        self._supervisor.shut_down(self._wait_and_answer)
         while leaving is not None and leaving.is_alive():  # its last lines may still ask something of this thread
             self._wait(0.02)
         self._external.close()
         self._service.close()
+        self._hosts.close()
         self._main.close()
         self._journal.step(time.monotonic())
         self._journal.flush()
@@ -252,7 +267,7 @@ class Executive:
         while not self._stopping:
             now = time.monotonic()
             due = self._supervisor.step()
-            again = self._emergency.step(now)
+            again = min(self._emergency.step(now), self._hosts.step(now))
             self._journal.step(now)
             self._keeper.step(now, self.plan.rows.digest)
             if now >= rows_at:
@@ -273,6 +288,10 @@ class Executive:
         self._notifier.beat()
         children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
         self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
+
+    def _wait_and_answer(self, timeout_s: float) -> None:
+        self._wait(timeout_s)
+        self._hosts.step(time.monotonic())
 
     def _look_at_rows(self) -> None:
         news = self._watch.look(self.plan)
@@ -303,9 +322,23 @@ class Executive:
         self._happened(
             "rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self._adopted()
         )
-        self._supervisor.adopt(plan, change)
+        self._take_over(plan, change)
         with contextlib.suppress(OSError):
             self._say_how_to_reach()
+
+    def _take_over(self, plan: Plan, change: plans.Change) -> None:
+        here = plan.here
+        self._hosts.adopt(plan.units.values())
+        self._supervisor.adopt(here, plans.only(change, here.keys() | self._supervisor.slots.keys()))
+
+    def _begun_elsewhere(self, name: str) -> None:
+        self._emergency.forget(name)
+
+    def _measured(self, one: Measured) -> None:
+        if one.calibration:
+            self._calibrated(one.name, one.calibration)
+        if one.captured is not None:
+            self._captured(one.name, one.captured)
 
     def _calibrated(self, name: str, values: dict[str, float]) -> None:
         """Write down what a capability has measured; it goes on with it already, and is not restarted for it."""
@@ -334,7 +367,9 @@ class Executive:
 
     def _keeps(self, plan: Plan, name: str) -> None:
         self.plan = plan
-        self._supervisor.slots[name].unit = plan.units[name]
+        if name in self._supervisor.slots:
+            self._supervisor.slots[name].unit = plan.units[name]
+        self._hosts.adopt(plan.units.values())
         self._watch.look_again()
 
     def _became_ready(self, *, announce: bool) -> None:
@@ -354,6 +389,10 @@ class Executive:
             print(json.dumps(said), flush=True)
 
     # -- small parts ------------------------------------------------------------------------------------------------
+
+    def _restart(self, name: str) -> None:
+        if not self._hosts.restart(name):
+            self._supervisor.restart(name)
 
     def _start(self, unit: Unit) -> Child:
         self._emergency.forget(unit.name)
@@ -386,9 +425,10 @@ class Executive:
         return tuple(endpoint for lan in configs if lan is not None for endpoint in lan.listen)
 
     def _movers(self) -> list[str]:
-        return [
+        here = [
             name for name, slot in list(self._supervisor.slots.items()) if slot.unit.moves and slot.child is not None
         ]
+        return here + self._hosts.movers()
 
     def _status(self) -> Status:
         return Status(
@@ -398,10 +438,15 @@ class Executive:
             pid=os.getpid(),
             uptime_s=round(time.monotonic() - self._started_at, 1),
             estop=self._emergency.state(),
-            capabilities=self._overview.capabilities(time.monotonic()),
+            capabilities=self._capabilities(),
             problems=(*self._problems, *self._troubles.current),
             revision=self.plan.rows.revision,
         )
+
+    def _capabilities(self) -> tuple[CapabilityStatus, ...]:
+        here = {one.name: one for one in self._overview.capabilities(time.monotonic())}
+        known = here | self._hosts.capabilities()
+        return tuple(known[name] for name in self.plan.units if name in known)
 
     def _words(self, plan: Plan) -> Vocabulary:
         messages = {

@@ -1,6 +1,6 @@
 """From rows to what should run: pure, all problems at once, and the difference between two plans."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +12,13 @@ from lbr.capability import registry
 from lbr.capability.kind import Kind
 from lbr.capability.registry import KindError
 from lbr.database.rows import CapabilityRow, Problem, RobotRows
+from lbr.executive import placement, rights
 from lbr.executive.devices import check_device_settings, check_devices
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
-from lbr.executive.units import LAN, Unit, by_name, commands_of, streams_of, unit, with_lan
+from lbr.executive.units import LAN, Unit, commands_of, measured, posed, streams_of, unit, with_lan
 from lbr.executive.wiring import check_channels, check_verbs
-from lbr.messages.joints import CapturedFrame, with_frame
+from lbr.messages.joints import CapturedFrame
 
 EXECUTIVE = "executive"
 
@@ -29,6 +30,11 @@ class Plan(Struct, frozen=True, kw_only=True):
     units: dict[str, Unit]
     kinds: dict[str, Kind]
     rows: RobotRows
+
+    @property
+    def here(self) -> dict[str, Unit]:
+        """Return what runs on the robot's own host."""
+        return {name: unit for name, unit in self.units.items() if not unit.config.host}
 
     def commands(self, name: str) -> tuple[str, ...]:
         """Return what a unit can be asked for."""
@@ -66,6 +72,7 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     problems += check_devices(rows, chosen, kinds, settings)
     problems += check_device_settings(rows, kinds)
     problems += _check_profile(rows, profile)
+    problems += placement.problems(rows, kinds, profile)
     chosen = _after_the_world(chosen, kinds)
     if problems:
         return None, tuple(problems)
@@ -75,8 +82,10 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     units = {
         name: unit(by_name[name], kinds, settings[name], rows, channels, profile, site, set(order)) for name in order
     }
-    units = {name: with_lan(one, units, kinds, rows, site) for name, one in units.items()}
-    return Plan(robot=rows.robot.name, units=units, kinds=kinds, rows=rows), ()
+    plan = Plan(robot=rows.robot.name, units=units, kinds=kinds, rows=rows)
+    guests = {name: rights.of_guest(plan, one) for name, one in units.items() if one.config.host}
+    units = {name: with_lan(one, units, kinds, rows, site, guests) for name, one in units.items()}
+    return replace(plan, units=units), ()
 
 
 def difference(old: Plan, new: Plan) -> Change:
@@ -88,18 +97,22 @@ def difference(old: Plan, new: Plan) -> Change:
     )
 
 
+def only(change: Change, names: Container[str]) -> Change:
+    """Return the part of a change that concerns these."""
+    start, stop, restart = (
+        tuple(name for name in part if name in names) for part in (change.start, change.stop, change.restart)
+    )
+    return Change(start=start, stop=stop, restart=restart)
+
+
 def calibrated(plan: Plan, name: str, values: Mapping[str, float]) -> Plan:
     """Return the plan with a unit that has these values already: rows that say the same do not restart it."""
-    unit = plan.units[name]
-    unit = replace(unit, config=replace(unit.config, calibration={**unit.config.calibration, **values}))
-    return replace(plan, units={**plan.units, name: unit})
+    return replace(plan, units={**plan.units, name: measured(plan.units[name], values)})
 
 
 def captured(plan: Plan, name: str, frame: CapturedFrame) -> Plan:
     """Return the plan with a unit that has this key frame already: rows that say the same do not restart it."""
-    unit = plan.units[name]
-    unit = replace(unit, config=replace(unit.config, motions=by_name(with_frame(unit.config.motions, frame))))
-    return replace(plan, units={**plan.units, name: unit})
+    return replace(plan, units={**plan.units, name: posed(plan.units[name], frame)})
 
 
 def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:

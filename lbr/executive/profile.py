@@ -1,4 +1,4 @@
-"""Launch profiles: which robot of the database runs, whether it is simulated, and what differs on this machine."""
+"""Launch profiles: which robot of the database runs, where its parts do, whether it is simulated, and on what devices."""
 
 import os
 from pathlib import Path
@@ -11,7 +11,11 @@ from lbr.errors import InputError
 
 
 class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A launch profile. `only` and `without` name capabilities; `devices` replaces addresses; `listen` opens the bus."""
+    """A launch profile. `only` and `without` name capabilities; `devices` replaces addresses; `listen` opens the bus.
+
+    `hosts` says which capabilities another machine runs, by that host's name; `plugged_in_elsewhere` which of them own
+    a device there.
+    """
 
     robot: str
     description: str = ""
@@ -20,6 +24,12 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     without: tuple[str, ...] = ()
     devices: dict[str, str] = {}
     listen: tuple[str, ...] = ()
+    hosts: dict[str, tuple[str, ...]] = {}
+    plugged_in_elsewhere: tuple[str, ...] = ()
+
+    def host_of(self, name: str) -> str:
+        """Return the other machine that runs a capability; empty: the robot's own does."""
+        return next((host for host, names in self.hosts.items() if name in names), "")
 
 
 def shipped() -> dict[str, Path]:

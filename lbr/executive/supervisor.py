@@ -5,11 +5,11 @@ Runs in one thread. The clock, the dice and the way to start a process are given
 
 import random
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from lbr.capability.events import Throttle
 from lbr.errors import LbrError
-from lbr.executive.plan import Change, Plan
+from lbr.executive.plan import Change
 from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.scheduling import BACKGROUND, niceness
 from lbr.executive.slot import Slot, Started
@@ -58,13 +58,13 @@ class Supervisor:
         self._clock = clock
         self._dice = dice or random.Random()
 
-    def adopt(self, plan: Plan, change: Change) -> None:
-        """Take over a plan: stop what is gone, restart what changed, start what is new; leave the rest alone."""
+    def adopt(self, units: Mapping[str, Unit], change: Change) -> None:
+        """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest alone."""
         for name in (*change.stop, *change.restart):
             self._retire(self.slots.pop(name))
         for name in (*change.restart, *change.start):
-            self.slots[name] = Slot(plan.units[name])
-        self.slots = {name: self.slots[name] for name in plan.units}
+            self.slots[name] = Slot(units[name])
+        self.slots = {name: self.slots[name] for name in units}
 
     def restart(self, name: str) -> None:
         """Start a capability anew, with its past forgotten."""

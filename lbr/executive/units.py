@@ -9,8 +9,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.bus import keys
+from lbr.bus.access import Rights
 from lbr.capability import registry
-from lbr.capability.config import DeviceConfig, InputWire, LanConfig, LanUser, OutputWire, ProcessConfig
+from lbr.capability.config import DeviceConfig, InputWire, LanConfig, LanGuest, LanUser, OutputWire, ProcessConfig
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.rows import CapabilityRow, ChannelRow, RobotRows
@@ -19,7 +20,7 @@ from lbr.executive.devices import device_address
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 from lbr.messages.dance import DanceStep
-from lbr.messages.joints import Joint, KeyFrame, Motion
+from lbr.messages.joints import CapturedFrame, Joint, KeyFrame, Motion, with_frame
 from lbr.messages.speech import Phrase
 
 LAN = "lan"
@@ -51,7 +52,7 @@ def unit(
 ) -> Unit:
     """Return the process of a capability row, wired by `channels` to those that run."""
     kind = kinds[row.name]
-    robot = rows.robot.name
+    robot, host = rows.robot.name, profile.host_of(row.name)
     devices = tuple(
         DeviceConfig(
             name=d.name,
@@ -70,9 +71,10 @@ def unit(
         name=row.name,
         kind=row.kind,
         settings=_compact(row.settings),
-        endpoints=site.endpoints,
-        credentials=site.credentials(row.name),
-        home=site.home,
+        endpoints=() if host else site.endpoints,
+        credentials=site.credentials(f"{host}.{row.name}" if host else row.name),
+        home="" if host else site.home,
+        host=host,
         device=device,
         devices=devices,
         wiring=_wiring(row.name, kinds, channels, site, robot),
@@ -99,17 +101,31 @@ def unit(
     )
 
 
-def with_lan(unit: Unit, units: Mapping[str, Unit], kinds: Mapping[str, Kind], rows: RobotRows, site: Site) -> Unit:
-    """Return the unit; the door to other machines gets to know whom it may let in, and to what."""
+def with_lan(
+    unit: Unit,
+    units: Mapping[str, Unit],
+    kinds: Mapping[str, Kind],
+    rows: RobotRows,
+    site: Site,
+    rights: Mapping[str, Rights],
+) -> Unit:
+    """Return the unit; the door to other machines gets to know whom it may let in, and to what.
+
+    `rights` are those of the processes that run on other machines.
+    """
     if unit.kind != LAN:
         return unit
     robot = rows.robot.name
     others = [other for other in units.values() if other.name != unit.name]
-    commands = {
-        keys.port(robot, other.name, command): kinds[other.name].role(command)
-        for other in others
-        for command in commands_of(other, kinds[other.name])
-    }
+    here, away = (
+        {
+            keys.port(robot, other.name, command): kinds[other.name].role(command)
+            for other in others
+            if bool(other.config.host) is elsewhere
+            for command in commands_of(other, kinds[other.name])
+        }
+        for elsewhere in (False, True)
+    )
     folder = Path(site.home) / "credentials"
     config = LanConfig(
         listen=tuple(kinds[unit.name].parse(bytes(unit.config.settings)).listen),
@@ -119,12 +135,28 @@ def with_lan(unit: Unit, units: Mapping[str, Unit], kinds: Mapping[str, Kind], r
             for t in rows.tokens
         ),
         streams=streams_of(robot, others),
-        stops=tuple(key for key, role in commands.items() if role == "view"),
-        commands={key: role for key, role in commands.items() if role != "view"},
+        stops=tuple(key for key, role in (here | away).items() if role == "view"),
+        commands={key: role for key, role in here.items() if role != "view"},
+        guests=tuple(
+            LanGuest(credentials=other.config.credentials, rights=rights[other.name])
+            for other in others
+            if other.config.host and other.config.credentials is not None
+        ),
+        theirs={key: role for key, role in away.items() if role != "view"},
         private_key=str(folder / "bus.key"),
         certificate=str(folder / "bus.crt"),
     )
     return replace(unit, config=replace(unit.config, lan=config))
+
+
+def measured(unit: Unit, values: Mapping[str, float]) -> Unit:
+    """Return a unit that has these values of its device already."""
+    return replace(unit, config=replace(unit.config, calibration={**unit.config.calibration, **values}))
+
+
+def posed(unit: Unit, frame: CapturedFrame) -> Unit:
+    """Return a unit that has this key frame already."""
+    return replace(unit, config=replace(unit.config, motions=by_name(with_frame(unit.config.motions, frame))))
 
 
 def by_name(motions: Iterable[Motion]) -> tuple[Motion, ...]:

@@ -7,6 +7,8 @@ from msgspec import Meta, Struct
 Role = Literal["view", "operate", "admin"]
 RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
 """A role may do what those below it may."""
+TokenRole = Literal["view", "operate", "admin", "host"]
+"""What a token lets its holder do; `host` is for another machine that runs a share of the robot, and looks and stops besides."""
 Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping", "stopped", "failed"]
 
@@ -93,7 +95,8 @@ class ConsoleResult(Struct, frozen=True, kw_only=True):
 class CapabilityStatus(Struct, frozen=True, kw_only=True):
     """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count.
 
-    `reason` is about its state now, `last_end` says how its process last ended unasked.
+    `reason` is about its state now, `last_end` says how its process last ended unasked. `host` is the other machine that
+    it is placed on; empty: it runs where the robot does.
     """
 
     name: str
@@ -108,6 +111,7 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
     memory_mb: float | None = None
     nice: int | None = None
     last_end: str = ""
+    host: str = ""
 
 
 class Status(Struct, frozen=True, kw_only=True):

@@ -73,10 +73,7 @@ class Stage:
         self.adopt(Change(start=tuple(self.units)))
 
     def adopt(self, change):
-        class Plan:
-            units = self.units
-
-        self.supervisor.adopt(Plan, change)
+        self.supervisor.adopt(self.units, change)
         self.supervisor.step()
 
     def start(self, unit):

@@ -85,6 +85,7 @@ class Lan(Capability[LanSettings]):
         lan, robot = self._lan, self.ctx.robot
         secure = any(endpoint.startswith("tls/") for endpoint in lan.listen)
         users = {name: user.secret for name, user in self._users.items()}
+        users |= {guest.credentials.user: guest.credentials.password for guest in lan.guests}
         try:
             found = session.open_router(
                 Router(
@@ -92,7 +93,8 @@ class Lan(Capability[LanSettings]):
                     robot=robot,
                     users={**users, rights.RELAY: password},
                     rights={
-                        **{name: rights.of_role(robot, lan, user.role) for name, user in self._users.items()},
+                        **{name: rights.of_token(robot, lan, name, user.role) for name, user in self._users.items()},
+                        **{guest.credentials.user: guest.rights for guest in lan.guests},
                         rights.RELAY: rights.of_relay(robot, lan),
                     },
                     links={lan.upstream: rights.of_upstream(lan)},

@@ -1,15 +1,25 @@
 """What a token's role may do at the door, and what the relay serves there. Pure."""
 
+from msgspec.structs import replace
+
 from lbr.bus import keys
 from lbr.bus.access import Limits, Rights, everything
 from lbr.capability.config import LanConfig
-from lbr.messages.system import RANKS, Role
+from lbr.messages.system import RANKS, Role, TokenRole
 
 RELAY = "@relay"
 LARGEST_BYTES = 64 * 1024
 MOST_SESSIONS = 64
 COMMANDS_HZ = 100.0
 STOPS_HZ = 200.0
+
+
+def of_token(robot: str, lan: LanConfig, name: str, role: TokenRole) -> Rights:
+    """Return what a token's holder may do; one for a host looks, stops and takes the share of the host of its name."""
+    if role != "host":
+        return of_role(robot, lan, role)
+    rights = of_role(robot, lan, "view")
+    return replace(rights, ask=(*rights.ask, keys.host(robot, name)))
 
 
 def of_role(robot: str, lan: LanConfig, role: Role) -> Rights:
@@ -44,14 +54,14 @@ def limits(robot: str, lan: LanConfig) -> Limits:
         protocols=("tls", "tcp"),
         bytes=LARGEST_BYTES,
         keys=everything(robot),
-        puts_hz=dict.fromkeys(lan.commands, COMMANDS_HZ) | stops,
+        puts_hz=dict.fromkeys((*lan.commands, *lan.theirs), COMMANDS_HZ) | stops,
         sessions=MOST_SESSIONS,
     )
 
 
 def commands(lan: LanConfig, role: Role) -> tuple[str, ...]:
-    """Return the commands that a role may use through the relay."""
-    return tuple(key for key, needed in lan.commands.items() if RANKS[needed] <= RANKS[role])
+    """Return the commands that a role may use: through the relay, or of who is outside as well."""
+    return tuple(key for key, needed in (lan.commands | lan.theirs).items() if RANKS[needed] <= RANKS[role])
 
 
 def consoles(robot: str, role: Role) -> tuple[str, ...]:

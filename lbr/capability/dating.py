@@ -1,0 +1,49 @@
+"""When a stream's messages were sent, by our clock, and which are newer than those before; also from another machine."""
+
+from collections import deque
+from math import inf
+
+from lbr.bus import stamp
+from lbr.messages.system import Stamp
+
+WINDOW_S = 10.0
+"""Clocks of two machines drift apart, by some 0.1 ms/s at most, so that no older comparison of them counts."""
+MOST_BOOTS = 16
+
+
+class Dates:
+    """One stream's. Another machine's clock is read by the quickest message of late: none sent later came sooner.
+
+    So what a network held back is old when it comes, and does not pass for new.
+    """
+
+    def __init__(self) -> None:
+        self._boot = ""
+        self._newest_ns = -1
+        self._past: deque[str] = deque(maxlen=MOST_BOOTS)
+        self._clock = ""
+        self._least_s = self._before_s = inf
+        self._turn_s = -inf
+
+    def newer(self, found: Stamp) -> bool:
+        """Say whether a sealed message was sent after all before it; a machine that started anew counts from there."""
+        if found.boot != self._boot:
+            if found.boot in self._past:
+                return False
+            self._past.append(self._boot)
+            self._boot, self._newest_ns = found.boot, -1
+        if found.mono_ns <= self._newest_ns:
+            return False
+        self._newest_ns = found.mono_ns
+        return True
+
+    def sent_s(self, found: Stamp | None, arrived: float) -> float:
+        """Return when a message was sent, on our monotonic clock; at the latest, if it came from another machine."""
+        if found is None or not found.boot or found.boot == stamp.boot_id():
+            return stamp.sent_s(found, arrived)
+        if found.boot != self._clock:
+            self._clock, self._least_s, self._turn_s = found.boot, inf, -inf
+        if not arrived < self._turn_s:
+            self._before_s, self._least_s, self._turn_s = self._least_s, inf, arrived + WINDOW_S
+        self._least_s = min(self._least_s, arrived - found.mono_ns / 1e9)
+        return min(arrived, found.mono_ns / 1e9 + min(self._least_s, self._before_s))

@@ -1,0 +1,29 @@
+"""`lbr agent`."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("agent")
+@click.argument("host")
+@click.option(
+    "--connect", required=True, metavar="ENDPOINT", help="Where the robot listens, such as tls/192.168.1.7:7447."
+)
+@click.option("--robot", metavar="NAME", help="Which robot it must be; whichever is there if left out.")
+@click.option(
+    "--token-file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Holds the host's token. Else it is LBR_TOKEN, a saved one, or asked for.",
+)
+def command(host: str, connect: str, robot: str | None, token_file: Path | None) -> int:
+    """Run a share of a robot that is on another machine: what its launch profile places on HOST.
+
+    The token comes from 'lbr token add HOST --role host' at the robot. Processes start here, with their logs below this
+    machine's LBR_HOME. When contact is lost or the robot shuts down they end, and the agent waits for the robot to come
+    back. SIGTERM and Ctrl-C end it.
+    """
+    from lbr.executive.agent import Agent  # noqa: PLC0415 - the bus is for those who use it
+
+    return Agent(host, connect, token_file, robot, click.echo).run()

@@ -1,0 +1,70 @@
+"""What the executive and the agent on another machine say to each other: a report, answered with the share."""
+
+from hashlib import blake2b
+from importlib import metadata
+
+import msgspec
+from msgspec import Struct
+
+from lbr.executive.units import Unit
+from lbr.messages.joints import CapturedFrame
+from lbr.messages.system import CapabilityStatus, Event
+
+REPORT_S = 0.2
+LOST_S = 1.0
+"""An agent that is not answered for so long ends its share."""
+GONE_S = 1.5
+"""An agent that does not report for so long is gone, and another may come; later than it has ended its share."""
+MOST_EVENTS = 16
+LONGEST_TEXT = 500
+
+
+class Measured(Struct, frozen=True, kw_only=True):
+    """What a capability has measured on its device, or a key frame that it has made: to be written down."""
+
+    name: str
+    calibration: dict[str, float] = {}
+    captured: CapturedFrame | None = None
+
+
+class HostReport(Struct, frozen=True, kw_only=True):
+    """How a share of the robot is: `agent` tells one run of an agent from others, `where` says which for people.
+
+    `share` is the mark of the share it has. `events` and `measured` are told until there is an answer.
+    """
+
+    agent: str
+    where: str
+    share: str = ""
+    states: tuple[CapabilityStatus, ...] = ()
+    events: tuple[Event, ...] = ()
+    measured: tuple[Measured, ...] = ()
+    leaving: bool = False
+
+
+class Placed(Struct, frozen=True, kw_only=True):
+    """A process of a share; `restarts` is how often somebody has asked for a restart of it."""
+
+    unit: Unit
+    restarts: int = 0
+
+
+class HostShare(Struct, frozen=True, kw_only=True):
+    """The answer: `units` are told if the agent has others. `ended`: the robot shuts down, and its processes end."""
+
+    accepted: bool
+    reason: str = ""
+    version: str = ""
+    ended: bool = False
+    share: str = ""
+    units: tuple[Placed, ...] | None = None
+
+
+def version() -> str:
+    """Return the version of lbr that both ends must have."""
+    return metadata.version("lbr")
+
+
+def mark(units: tuple[Placed, ...]) -> str:
+    """Return what tells a share from others."""
+    return blake2b(msgspec.json.encode(units), digest_size=8).hexdigest()
