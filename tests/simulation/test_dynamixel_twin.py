@@ -336,7 +336,7 @@ def test_limp_until_it_is_switched_on_and_then_it_goes_to_its_goal(bench):
     assert 0 < load < 1024
     assert bench.say(read(1, 46, 1)) == status(1, 0, b"\x01")
     bench.now += 2.0
-    assert bench.words(1, 36, 3) == [599, 0, 0]  # its margin is one step
+    assert bench.words(1, 36, 3) == [600, 0, 0]
     assert bench.say(read(1, 46, 1)) == status(1, 0, b"\x00")
 
 
