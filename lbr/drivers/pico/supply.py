@@ -49,6 +49,8 @@ class Supply:
 
     def exchange(self) -> UpsState | None:
         """Do one exchange; return the state when a sweep is through. Raise DeviceError if nothing is answered any more."""
+        if self._sweep.next is None:
+            return self._finish()
         try:
             if self._feed_is_due():
                 self._feed()
@@ -57,7 +59,7 @@ class Supply:
             elif len(self._versions) < 3:
                 self._ask_version()
             else:
-                return self._read()
+                self._read()
         except OSError as err:
             self._failed(err)
         else:
@@ -80,17 +82,15 @@ class Supply:
     def _begin(self) -> Sweep:
         return Sweep(list(items(self._settings, self._cell)), self._settings.retries)
 
-    def _read(self) -> UpsState | None:
-        item = self._sweep.next
-        if item is not None:
-            try:
-                address = self._commands if item.command else self._status
-                read = self._bus.read_word_data if item.word else self._bus.read_byte_data
-                self._sweep.take(read(address, item.register))
-            except OSError as err:
-                self._sweep.fail(err.strerror or str(err))
-                raise
-        return self._finish() if self._sweep.next is None else None
+    def _read(self) -> None:
+        item = self._sweep.left[0]
+        try:
+            address = self._commands if item.command else self._status
+            read = self._bus.read_word_data if item.word else self._bus.read_byte_data
+            self._sweep.take(read(address, item.register))
+        except OSError as err:
+            self._sweep.fail(err.strerror or str(err))
+            raise
 
     def _finish(self) -> UpsState:
         done, self._cell = self._sweep, self._sweep.found.get("chemistry", self._cell)
