@@ -1,4 +1,4 @@
-"""`lbr db`: init, check, diff, audit and restore."""
+"""`lbr db`: init, add, check, diff, audit and restore."""
 
 import time
 from pathlib import Path
@@ -36,6 +36,30 @@ def init(database: Path | None, sql: Path | None) -> int:
     path = database or home.default_database()
     store.create(path, sql)
     click.echo(f"created {path}")
+    return 0
+
+
+@command.command("add")
+@click.argument("robot")
+@_file
+@json_option
+def add(robot: str, database: Path | None, as_json: bool) -> int:
+    """Add the rows of ROBOT that ship with lbr and are not in the database yet; rows that are there stay as they are.
+
+    A database that is older than a robot, or than some of its rows, gets them this way.
+    """
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.database import shipped  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        added = shipped.add(rows, robot)
+    if as_json:
+        print_json(added)
+    elif added:
+        click.echo(f"added to {rows.path}: " + ", ".join(f"{count} of {table}" for table, count in added.items()))
+    else:
+        click.echo(f"all shipped rows of {robot} are in {rows.path}")
     return 0
 
 

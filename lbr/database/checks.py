@@ -51,7 +51,8 @@ def _robot(raw: Sequence[RawRow], robot: str, problems: list[Problem]) -> RobotR
     mine = [values for values in raw if values.get("name") == robot]
     if not mine:
         known = ", ".join(sorted(shown(values.get("name")) for values in raw)) or "none"
-        problems.append(Problem("robot", robot, "name", f"there is no robot of this name (there is: {known})"))
+        add = f"; if it ships with lbr, `lbr db add {shown(robot)}` adds its rows"
+        problems.append(Problem("robot", robot, "name", f"there is no robot of this name (there is: {known}){add}"))
     decoded = decode.decode("robot", mine, decode.robot, problems)
     return decoded[0] if decoded else RobotRow(name=robot)
 

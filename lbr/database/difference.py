@@ -1,17 +1,15 @@
 """What a robot's rows differ in from the shipped ones, for `lbr db diff`."""
 
-import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
 from typing import Any, Literal
 
 from msgspec import Struct
 
 from lbr.database.reader import json_strictly, shown
-from lbr.database.resources import robot_db_sql
+from lbr.database.shipped import shipped
 from lbr.database.store import Database
-from lbr.database.tables import KEYS, TABLES, WRITTEN_BY_LBR, RawRow, RawTables
+from lbr.database.tables import KEYS, WRITTEN_BY_LBR, RawRow, RawTables
 
 
 class Difference(Struct, frozen=True, kw_only=True):
@@ -29,18 +27,8 @@ class Difference(Struct, frozen=True, kw_only=True):
 
 def differences(database: Database, sql: Path | None = None) -> tuple[Difference, ...]:
     """Compare a database's rows with those of `sql` (the shipped robot.db.sql), table by table."""
-    shipped, here = _shipped(sql or robot_db_sql()), database.tables()
-    return tuple(found for table in KEYS for found in _in_table(table, shipped, here))
-
-
-def _shipped(sql: Path) -> RawTables:
-    with closing(sqlite3.connect(":memory:")) as connection:
-        connection.row_factory = sqlite3.Row
-        connection.executescript(sql.read_text(encoding="utf-8"))
-        return {
-            table.name: [dict(row) for row in connection.execute(f"SELECT * FROM {table.name}")]  # noqa: S608 - ours
-            for table in TABLES
-        }
+    before, here = shipped(sql), database.tables()
+    return tuple(found for table in KEYS for found in _in_table(table, before, here))
 
 
 def _in_table(table: str, shipped: RawTables, here: RawTables) -> Iterator[Difference]:

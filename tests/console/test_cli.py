@@ -85,7 +85,7 @@ def test_rows_are_made_checked_and_compared(lbr):
 def test_rows_that_are_there_are_kept_and_drawn(lbr):
     assert lbr("db", "init").returncode == 0
     assert lbr("db", "init").returncode == 2
-    graph = json.loads(lbr("graph", "--json").stdout)
+    graph = json.loads(lbr("graph", "--robot", "lbr", "--json").stdout)
     assert {"source": "drive.setpoint", "target": "motors.setpoint", "enabled": True, "rate_hz": None} in graph["edges"]
 
 

@@ -204,7 +204,9 @@ def test_a_latch_that_cannot_be_read_is_engaged(value):
 
 def test_a_robot_that_is_not_there_is_a_problem_naming_those_that_are():
     rows = check(SHIPPED, "lbr9")
-    assert [str(p) for p in rows.problems] == ["robot 'lbr9', name: there is no robot of this name (there is: lbr)"]
+    (problem,) = rows.problems
+    assert str(problem).startswith("robot 'lbr9', name: there is no robot of this name (there is: lbr); ")
+    assert "`lbr db add lbr9`" in str(problem)
     assert rows.robot == RobotRow(name="lbr9", estop_engaged=True)
     assert rows.capabilities == ()
 
