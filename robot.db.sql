@@ -517,7 +517,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The attitude: how the trunk lies and where it looks'),
     ('bioloid', 'ups', 'pico', '{"device": "ups"}', '[]',
      'The uninterruptible supply: where the power comes from, and the relay of the motors'' power'),
-    ('bioloid', 'power', 'power', '{"device": "ups"}', '["ups"]',
+    -- 3.5 and 3.3 V for each of three lithium-polymer cells; the servos want 9 V at least. Off until somebody says `arm`.
+    ('bioloid', 'power', 'power', '{"device": "ups", "warn_v": 10.5, "shutdown_v": 9.9, "park_motion": "sit"}', '["ups"]',
      'The power: shuts the computer down before the voltage is too low'),
     ('bioloid', 'world', 'humanoid_world', '{"model": "bioloid"}', '[]',
      'The simulated body and floor; runs only under a simulating launch profile');
@@ -538,6 +539,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'imu.sample', 'attitude.samples', 32),
     ('bioloid', 'ups.state', 'power.ups', 1),
     ('bioloid', 'power.park', 'motions.play', 1),
+    ('bioloid', 'power.halt', 'motions.stop', 1),
+    ('bioloid', 'motions.result', 'power.parked', 4),
     ('bioloid', 'power.let_go', 'joints.torque', 1);
 
 -- Ids as on the robot's drawing. Signs and zeros follow published descriptions of the Type A; limits are what the

@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 from lbr.capability.kind import Kind
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand, TorqueCommand
-from lbr.messages.leases import CommandReply
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.power import ArmCommand, CancelCommand, PowerState, UpsState, Volts
 from lbr.messages.speech import SayCommand
 from lbr.messages.units import Name
@@ -70,8 +70,8 @@ KIND = Kind(
     inputs={"ups": UpsState, "parked": GoalResult},
     outputs={"state": PowerState},
     commands={"arm": ArmCommand, "cancel": CancelCommand},
-    replies=dict.fromkeys(("arm", "cancel", "park", "let_go", "say"), CommandReply),
-    requests={"park": PlayCommand, "let_go": TorqueCommand, "say": SayCommand},
+    replies=dict.fromkeys(("arm", "cancel", "park", "halt", "let_go", "say"), CommandReply),
+    requests={"park": PlayCommand, "halt": StopCommand, "let_go": TorqueCommand, "say": SayCommand},
     roles={"arm": "admin"},
     calibrates="device",
 )

@@ -89,8 +89,8 @@ class Power(Capability[PowerSettings]):
         self._publish()
 
     def close(self) -> None:
-        """Stop asking; a motion that parks lapses by itself."""
-        self._parking = None
+        """Stop asking, and parking."""
+        self._stop_parking()
         for call, _ in self._waiting:
             call.reply(CommandReply(accepted=True, reason=self._summary()))
         self._waiting.clear()
@@ -123,7 +123,7 @@ class Power(Capability[PowerSettings]):
             case "park":
                 self._parking = Parking(self.ctx, self.ctx.settings)
             case "stop_parking":
-                self._parking = None
+                self._stop_parking()
             case "power_off" if self._pretends:
                 self._happen(Answered(pretended=True))
             case "power_off":
@@ -134,6 +134,11 @@ class Power(Capability[PowerSettings]):
             case "keep":
                 kept = {"armed": float(watch.armed), "warn_v": watch.warn_v, "shutdown_v": watch.shutdown_v}
                 self.ctx.keep_calibration(kept)
+
+    def _stop_parking(self) -> None:
+        parking, self._parking = self._parking, None
+        if parking is not None:
+            parking.stop()
 
     @property
     def _pretends(self) -> bool:

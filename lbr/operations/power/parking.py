@@ -1,23 +1,22 @@
 """Bringing the robot down before the power goes: a motion under a lease that is kept up, then its joints let go."""
 
-from typing import Any, Literal, Protocol
+from typing import Protocol
 
 from lbr.capability.context import Asked, Received
+from lbr.capability.loan import ANSWER_S, Asking, Lender, Loan
+from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand, TorqueCommand
 from lbr.messages.leases import CommandReply
 from lbr.operations.power import PowerSettings
 
-RENEW_S = 0.1
-ANSWER_S = 1.0
+MOTIONS = Lender("park", "halt", "player of motions", "the motions do not answer; the joints hold by themselves")
 AGAIN_S = 0.2
-MOST_WAITING = 8
+RESULT_S = 0.3
+"""How much later than a dead lease the result of a motion may be heard."""
 
 
-class Asking(Protocol):
+class Wired(Asking, Protocol):
     """What is needed of a context."""
-
-    def ask(self, request: str, message: Any, timeout_s: float) -> Asked:
-        """Ask by a request port."""
 
     def targets(self, request: str) -> tuple[str, ...]:
         """Return who is wired to it."""
@@ -25,84 +24,82 @@ class Asking(Protocol):
     def take(self, port: str) -> list[Received]:
         """Return what came on an input."""
 
-    def clock(self) -> float:
-        """Monotonic seconds."""
-
 
 class Parking:
     """One parking. `done` once nothing is left to do; `trouble` is what did not go well, in words."""
 
-    def __init__(self, ctx: Asking, settings: PowerSettings) -> None:
+    def __init__(self, ctx: Wired, settings: PowerSettings) -> None:
         self.done = False
         self.trouble = ""
         self._ctx = ctx
         self._settings = settings
-        self._stage: Literal["motion", "torque"] = "motion"
         self._until = ctx.clock() + settings.park_s
-        self._lease = self._goal = ""
-        self._asked: list[Asked] = []
-        self._next = 0.0
+        self._play = PlayCommand(motion=settings.park_motion or "none")
+        self._loan: Loan | None = None
+        self._ended_at: float | None = None
+        self._asked: Asked | None = None
+        self._ask_at = 0.0
         ctx.take("parked")
-        if not (settings.park_motion and ctx.targets("park")):
+        if settings.park_motion and ctx.targets(MOTIONS.motion):
+            self._loan = Loan(ctx, MOTIONS, PlayCommand(motion=settings.park_motion, take_over=True))
+        else:
             self._let_go()
 
     def step(self) -> None:
         """Go on; called often."""
-        now = self._ctx.clock()
-        if not self.done:
-            if self._stage == "motion":
-                self._play(now)
-            else:
-                self._release(now)
+        if self._loan is not None:
+            self._follow(self._loan, self._ctx.clock())
+        elif not self.done:
+            self._release(self._ctx.clock())
 
-    def _play(self, now: float) -> None:
-        ended = [one.message for one in self._ctx.take("parked") if self._goal and one.message.goal == self._goal]
-        if ended:
-            self._let_go("" if ended[-1].result == "reached" else ended[-1].reason or ended[-1].result)
-            return
-        for reply in self._replies():
-            if reply is None:
-                continue  # it is asked again anyway
-            if not reply.accepted:
-                # once it was accepted, a dead lease is how a motion's end is heard of
-                self._let_go("" if self._lease else reply.reason)
-                return
-            self._lease, self._goal = reply.lease or self._lease, reply.goal or self._goal
-        if now >= self._until:
-            self._let_go(f"'{self._settings.park_motion}' was not over within {self._settings.park_s:g} s")
-        elif now >= self._next and len(self._asked) < (MOST_WAITING if self._lease else 1):
-            self._next = now + RENEW_S
-            play = PlayCommand(motion=self._settings.park_motion, lease=self._lease, take_over=not self._lease)
-            self._asked.append(self._ctx.ask("park", play, ANSWER_S))
+    def stop(self) -> None:
+        """End it where it is; joints hold, or stay let go."""
+        if self._loan is not None:
+            self._loan.release("the shutdown is off")
+        self._loan, self.done = None, True
 
-    def _release(self, now: float) -> None:
-        """Let go; a holder whose lease has not lapsed yet refuses, so it is tried again until time is up."""
-        replies = self._replies()
-        refused = next((reply.reason for reply in replies if reply is not None and not reply.accepted), "")
-        if any(reply is not None and reply.accepted for reply in replies):
-            self.done = True
+    def _follow(self, loan: Loan, now: float) -> None:
+        loan.step()
+        result = self._result(loan)
+        if result is not None:
+            self._let_go("" if result.result == "reached" else result.reason or result.result)
+        elif loan.ended:
+            self._ended_at = now if self._ended_at is None else self._ended_at
+            if loan.granted is None or now - self._ended_at >= RESULT_S:
+                self._let_go(loan.ended)
         elif now >= self._until:
-            self._note(refused or "the joints were not let go in time")
-            self.done = True
-        elif not self._asked and now >= self._next:
-            self._next = now + AGAIN_S
-            self._asked.append(self._ctx.ask("let_go", TorqueCommand(on=False, confirmed=True), ANSWER_S))
+            loan.release("it took too long")
+            self._let_go(f"'{self._settings.park_motion}' was not over within {self._settings.park_s:g} s")
+        elif loan.due:
+            loan.send(self._play)
+
+    def _result(self, loan: Loan) -> GoalResult | None:
+        """Return how the motion ended."""
+        for received in self._ctx.take("parked"):
+            result = received.message
+            if isinstance(result, GoalResult) and loan.granted is not None and result.goal == loan.granted.goal:
+                return result
+        return None
 
     def _let_go(self, trouble: str = "") -> None:
         self._note(trouble)
-        self._stage, self._asked = "torque", []
-        self._until, self._next = self._ctx.clock() + self._settings.let_go_s, 0.0
+        self._loan = None
+        self._until = self._ctx.clock() + self._settings.let_go_s
         self.done = not self._ctx.targets("let_go")
+
+    def _release(self, now: float) -> None:
+        """Let go; whoever holds the joints a moment longer has it refused, so it is tried again until time is up."""
+        answers = self._asked.answers() if self._asked is not None else None
+        if answers is not None:
+            self._asked = None
+            replies = [reply if isinstance(reply, CommandReply) else None for reply in answers.values()]
+            self.done = all(reply is not None and reply.accepted for reply in replies)
+        if not self.done and now >= self._until:
+            self._note("the joints were not let go in time")
+            self.done = True
+        elif not self.done and self._asked is None and now >= self._ask_at:
+            self._ask_at = now + AGAIN_S
+            self._asked = self._ctx.ask("let_go", TorqueCommand(on=False, confirmed=True), ANSWER_S)
 
     def _note(self, trouble: str) -> None:
         self.trouble = "; ".join(filter(None, (self.trouble, trouble)))
-
-    def _replies(self) -> list[CommandReply | None]:
-        """Return the answers that came, None for each that gave none."""
-        found: list[CommandReply | None] = []
-        for asked in tuple(self._asked):
-            answers = asked.answers()
-            if answers is not None:
-                self._asked.remove(asked)
-                found += [reply if isinstance(reply, CommandReply) else None for reply in answers.values()]
-        return found
