@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.units import Vector
@@ -14,17 +17,23 @@ from lbr.simulation.physics import mujoco
 TIMESTEP_S = 0.002
 """500 steps a second: the stiffest servo swings at 30 Hz."""
 
+Mask = NDArray[np.bool_]
+
 HAND, FLOOR, IMU = "hand", "floor", "imu"
 _SHIPPED = Path(__file__).parent.parent / "models"
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A model that is ready to move; `positions` and `speeds` are where its joints are, in the order of the rows."""
+    """A model that is ready to move: its trunk's and its feet's bodies, and those of its geoms that things bump into.
+
+    `positions` and `speeds` are where its joints are, in the order of the rows.
+    """
 
     model: Any
     trunk: int
     feet: dict[str, int]
+    solid: Mask
     positions: list[int]
     speeds: list[int]
 
@@ -54,12 +63,14 @@ def load(path: Path, joints: Iterable[Joint], motor: Motor, field_ut: Vector) ->
         model = spec.compile()
     except (ValueError, mujoco.FatalError) as err:
         raise InputError(f"body {path}: {' '.join(str(err).split())}") from err
+    solid = (model.geom_contype != 0) & (model.geom_bodyid != 0)
     feet = {model.body(at).name: at for at in range(model.nbody) if model.body(at).name.endswith("foot")}
     found = [model.joint(row.name) for row in rows]
     return Body(
         model=model,
         trunk=model.body(trunk.name).id,
         feet=feet,
+        solid=solid,
         positions=[int(joint.qposadr[0]) for joint in found],
         speeds=[int(joint.dofadr[0]) for joint in found],
     )

@@ -22,6 +22,10 @@ _UPRIGHT = cos(radians(45.0))
 _STAND_M = 0.05
 """How far above the floor a stand has its feet."""
 
+_HAND_EVERY, _HAND_MPS = 10, 0.3
+_WELL_ABOVE = 0.4
+"""How far off the middle of its feet its weight may be, as a share of what they span."""
+
 
 class HumanoidEngine:
     """The world of one humanoid; the same steps with the same seed give the same run."""
@@ -50,10 +54,11 @@ class HumanoidEngine:
         return bool(self._data.eq_active[0])
 
     def pick_up(self) -> None:
-        """Put it upright where it is, its joints as they are, in a helper's hand that holds it until it has torque."""
+        """Put it upright where it is, limp joints at zero, in a helper's hand that holds it until it can stand."""
         data = self._data
         x, y, _ = data.qpos[:3]
         data.qpos[:7] = (x, y, 0.0, 1.0, 0.0, 0.0, 0.0)
+        data.qpos[self.body.positions] *= ~self._servos.limp
         data.qvel[:] = 0.0
         mujoco.mj_kinematics(self._model, data)
         data.qpos[2] = (_STAND_M if self.settings.stand else 0.0) - self._lowest_m()
@@ -117,9 +122,29 @@ class HumanoidEngine:
         self._imu.follow(self._data)
         self.battery.draw(self._servos.amps(), TIMESTEP_S)
         self._steps += 1
-        self._driven_s = self._driven_s + TIMESTEP_S if self._servos.driven else 0.0
-        if self._driven_s >= self.settings.hand_s and not self.settings.stand:
+        self._driven_s = 0.0 if self._servos.limp.any() else self._driven_s + TIMESTEP_S
+        if self._steps % _HAND_EVERY == 0 and self.held and not self.settings.stand:
+            self._hold()
+
+    def _hold(self) -> None:
+        """Move the helper's hand so that the feet are on the floor, and open it when all is well."""
+        if self._driven_s >= self.settings.hand_s and self._balanced():
             self._data.eq_active[0] = False
+            return
+        most = _HAND_MPS * TIMESTEP_S * _HAND_EVERY
+        self._data.mocap_pos[0, 2] += max(-most, min(most, -self._lowest_m()))
+
+    def _balanced(self) -> bool:
+        """Say whether it stands on all its feet, its weight well above them."""
+        if not set(self.body.feet) <= set(self._on_floor()):
+            return False
+        soles = np.flatnonzero(np.isin(self._model.geom_bodyid, list(self.body.feet.values())) & self.body.solid)
+        turned = np.abs(self._data.geom_xmat[soles].reshape(-1, 3, 3)[:, :2])
+        half = np.einsum("gij,gj->gi", turned, self._model.geom_aabb[soles, 3:])
+        middle = self._data.geom_xpos[soles, :2]
+        low, high = (middle - half).min(axis=0), (middle + half).max(axis=0)
+        off = np.abs(self._data.subtree_com[self.body.trunk][:2] - (low + high) / 2) / (high - low)
+        return bool((off < _WELL_ABOVE).all())
 
     def _on_floor(self) -> tuple[str, ...]:
         pairs = self._data.contact.geom[: self._data.ncon].tolist()
@@ -128,7 +153,7 @@ class HumanoidEngine:
 
     def _lowest_m(self) -> float:
         """Return how far the lowest part reaches down, from where everything is now."""
-        solid = np.flatnonzero((self._model.geom_contype != 0) & (self._model.geom_bodyid != 0))
+        solid = np.flatnonzero(self.body.solid)
         turned = self._data.geom_xmat[solid].reshape(-1, 3, 3)[:, 2]
         middle = self._data.geom_xpos[solid, 2] + (turned * self._model.geom_aabb[solid, :3]).sum(axis=1)
         lowest: Any = (middle - (np.abs(turned) * self._model.geom_aabb[solid, 3:]).sum(axis=1)).min()

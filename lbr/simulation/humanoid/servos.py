@@ -18,7 +18,10 @@ _ANY_SPEED_RPS = 1e6
 
 
 class Servos:
-    """The motors of the joints, in the joints' radians and in the order of the rows; limp until driven."""
+    """The motors of the joints, in the joints' radians and in the order of the rows.
+
+    `limp` are those without torque, all until they are driven; `load` is the torque of each as a share of its most.
+    """
 
     def __init__(self, joints: Sequence[Joint], motor: Motor) -> None:
         count = len(joints)
@@ -30,14 +33,9 @@ class Servos:
         self._goal, self._torque, self._target = np.zeros(count), np.zeros(count), np.zeros(count)
         self._speed, self._punch = np.full(count, _ANY_SPEED_RPS), np.zeros(count)
         self._margins, self._slopes = np.zeros((2, count)), np.ones((2, count))
-        self._off = np.full(count, True)
+        self.limp = np.full(count, True)
         self.damping_nms = np.full(count, _LIMP_NMS)
         self.load = np.zeros(count)
-
-    @property
-    def driven(self) -> bool:
-        """Say whether every motor has torque."""
-        return not self._off.any()
 
     def follow(self, drives: Mapping[int, ServoDrive]) -> bool:
         """Take over what the registers say; say whether that is anything new."""
@@ -53,22 +51,22 @@ class Servos:
         self._punch = np.array([drive.punch for drive in given])
         self._margins = self._sided([drive.margins_rad for drive in given])
         self._slopes = np.maximum(self._sided([drive.slopes_rad for drive in given]), 1e-3)
-        self._off = self._torque <= 0.0
-        self.damping_nms = np.where(self._off, _LIMP_NMS, self._motor.stall_nm / self._motor.no_load_rps)
+        self.limp = self._torque <= 0.0
+        self.damping_nms = np.where(self.limp, _LIMP_NMS, self._motor.stall_nm / self._motor.no_load_rps)
         return True
 
     def torques(self, position: Floats, speed: Floats, supply_v: float, dt_s: float) -> Floats:
         """Return what the motors do to their joints, without the braking of `damping_nms`, and keep their `load`."""
         most = self._speed * dt_s
-        self._target = np.where(self._off, position, self._target + np.clip(self._goal - self._target, -most, most))
+        self._target = np.where(self.limp, position, self._target + np.clip(self._goal - self._target, -most, most))
         error = self._target - position
         up, size = error > 0, np.abs(error)
         margin = np.where(up, self._margins[1], self._margins[0])
         slope = np.where(up, self._slopes[1], self._slopes[0])
         drive = np.minimum(self._torque, self._punch + (size - margin) / slope)
-        drive = np.where((size <= margin) | self._off, 0.0, np.copysign(drive, error))
+        drive = np.where((size <= margin) | self.limp, 0.0, np.copysign(drive, error))
         torque: Floats = drive * (self._motor.stall_nm * supply_v / self._motor.rated_v)
-        self.load = np.where(self._off, 0.0, (torque - self.damping_nms * speed) / self._motor.stall_nm)
+        self.load = np.where(self.limp, 0.0, (torque - self.damping_nms * speed) / self._motor.stall_nm)
         return torque
 
     def felt(self, position: Floats, speed: Floats) -> dict[int, ServoFelt]:

@@ -25,8 +25,9 @@ class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The simulated humanoid: `model` is a body, shipped or in `$LBR_HOME/models`, whose joints bear the rows' names.
 
-    It begins upright, every joint at zero, in a helper's hand that lets go once all servos have had torque for
-    `hand_s`. `seed` fixes all noise. `imu` has the site of the body for its mount.
+    It begins upright, every joint at zero, in a helper's hand. The hand lets go once all servos have had torque for
+    `hand_s` and its weight is above its feet; until then it keeps them on the floor. `seed` fixes all noise. Where the
+    inertial unit sits, the body says: the `mount` of `imu` counts for nothing.
     """
 
     model: Name
