@@ -13,6 +13,7 @@ from lbr.errors import InputError
 from lbr.simulation.dynamixel import AxServo, BusTiming, DynamixelBus, Usb2Ax
 from lbr.simulation.dynamixel.packets import Code, Fault, status
 from lbr.simulation.dynamixel.servo import OVERLOAD_S
+from lbr.simulation.dynamixel.timing import Rhythm
 from lbr.simulation.faults import DynamixelFaults, changed
 from lbr.simulation.measured import ServoFelt
 from lbr.simulation.twins import TWINS, ServoBus, Surroundings
@@ -244,13 +245,13 @@ def test_each_part_of_the_time_counts(parts, delay, said, us):
     [(0, 10, 140), (129, 10, 140), (130, 10, 140), (500, 500, 1000), (500, 501, 1131), (990, 1890, 3270)],
 )
 def test_interrupts_hold_a_servo_up(begun_us, work_us, done_us):
-    done = BusTiming().finished(begun_us * 1e-6, work_us * 1e-6 - 1e-12, 0.0)
+    done = BusTiming().finished(begun_us * 1e-6, work_us * 1e-6 - 1e-12, Rhythm())
     assert done * 1e6 == pytest.approx(done_us, abs=0.01)
 
 
 def test_jitter_averages_to_what_was_measured():
     timing = BusTiming()
-    late = [timing.finished(at * 1e-5, 142e-6, 0.0) - at * 1e-5 - 142e-6 for at in range(100)]
+    late = [timing.finished(at * 1e-5, 142e-6, Rhythm()) - at * 1e-5 - 142e-6 for at in range(100)]
     assert sum(late) / len(late) * 1e6 == pytest.approx(27, abs=1.5)
     assert max(late) * 1e6 <= 130.01
 

@@ -139,7 +139,7 @@ class DynamixelBus:
             reply = servo.execute(instruction, at)
             if reply is not None and instruction.id not in self._faults.silent and not self._hit(self._faults.drop):
                 replies.append(reply)
-                end = max(end, self.timing.finished(begin, len(reply) * self._byte_s, servo.phase_s))
+                end = max(end, self.timing.finished(begin, len(reply) * self._byte_s, servo.rhythm))
         if instruction.code > 2:
             self._index()
         if not replies:
@@ -148,7 +148,7 @@ class DynamixelBus:
 
     def _begins(self, servo: AxServo, instruction: Instruction, at: float) -> float:
         thinking_s = self.timing.thinking_s(instruction.code, max(0, len(instruction.parameters) - 1))
-        return self.timing.begins(at, thinking_s, servo.return_delay_s, servo.phase_s)
+        return self.timing.begins(at, thinking_s, servo.return_delay_s, servo.rhythm)
 
     def _hears(self, servo: AxServo, at: float) -> bool:
         off = abs(servo.baud - self.baud) > _BAUD_TOLERANCE * self.baud or servo.id in self._faults.other_baud

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from lbr.simulation.dynamixel import registers as reg
 from lbr.simulation.dynamixel.motion import MIDDLE, SPEED_RPS, STEP_RAD, as_position, as_signed, moved
 from lbr.simulation.dynamixel.packets import BROADCAST, RECEIVE_BYTES, Code, Fault, Instruction, status
+from lbr.simulation.dynamixel.timing import STEADY, Rhythm
 from lbr.simulation.measured import ServoDrive, ServoFelt
 
 Act = Callable[[Instruction, float], bytes | None]
@@ -30,9 +31,9 @@ class AxServo:
     """A servo from power-up on, in its own radians; a world moves it by `feel`, else it turns by itself."""
 
     def __init__(
-        self, number: int = 1, *, return_delay: int = 250, phase_s: float = 0.0, eeprom_s: float = 0.006
+        self, number: int = 1, *, return_delay: int = 250, rhythm: Rhythm = STEADY, eeprom_s: float = 0.006
     ) -> None:
-        self.phase_s = phase_s
+        self.rhythm = rhythm
         self.felt = ServoFelt(position_rad=0.0)
         self.supply_v = 11.1
         self.temperature_c = _AMBIENT_C

@@ -1,12 +1,29 @@
 """How long things take on a servo bus. All of it is simulated: a figure measured against it is none of a real robot."""
 
-from typing import Annotated
+from random import Random
+from typing import Annotated, NamedTuple
 
 from msgspec import Meta, Struct
 
 Us = Annotated[float, Meta(ge=0.0, le=100_000.0, description="microseconds")]
 
 _US = 1e-6
+_DRIFT = 0.005
+
+
+class Rhythm(NamedTuple):
+    """When a servo's motor control interrupts it: its phase, and how far its clock is off."""
+
+    phase_s: float = 0.0
+    drift: float = 0.0
+
+
+STEADY = Rhythm()
+
+
+def rhythm(random: Random) -> Rhythm:
+    """Return some servo's rhythm: no two keep step."""
+    return Rhythm(random.uniform(0.0, 0.1), random.uniform(-_DRIFT, _DRIFT))
 
 
 class BusTiming(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -35,18 +52,18 @@ class BusTiming(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
             return self.ping_us * _US
         return (self.read_us if code == 2 else self.write_us + self.write_byte_us * written) * _US
 
-    def begins(self, at: float, thinking_s: float, delay_s: float, phase_s: float) -> float:
-        """Return when the answer to a packet that ended `at` begins, of a servo whose interrupts come at `phase_s`."""
+    def begins(self, at: float, thinking_s: float, delay_s: float, rhythm: Rhythm) -> float:
+        """Return when the answer to a packet that ended `at` begins."""
         if self.delay_adds:
-            return self.finished(at + delay_s, thinking_s, phase_s)
-        return max(self.finished(at, thinking_s, phase_s), at + delay_s)
+            return self.finished(at + delay_s, thinking_s, rhythm)
+        return max(self.finished(at, thinking_s, rhythm), at + delay_s)
 
-    def finished(self, at: float, work_s: float, phase_s: float) -> float:
+    def finished(self, at: float, work_s: float, rhythm: Rhythm) -> float:
         """Return when work begun `at` is done, with the interrupts in between."""
-        period, busy = self.interrupt_period_us * _US, self.interrupt_us * _US
+        period, busy = self.interrupt_period_us * _US * (1.0 + rhythm.drift), self.interrupt_us * _US
         if busy == 0.0:
             return at + work_s
-        within = (at - phase_s) % period
+        within = (at - rhythm.phase_s) % period
         if within < busy:
             at, within = at + busy - within, busy
         left = period - within

@@ -6,6 +6,7 @@ from random import Random
 from lbr.capability.context import Device
 from lbr.simulation.dynamixel import AxServo, DynamixelBus, Usb2Ax
 from lbr.simulation.dynamixel.bus import Heard
+from lbr.simulation.dynamixel.timing import rhythm
 from lbr.simulation.faults import DynamixelFaults
 from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
 from lbr.simulation.port import PtyPort
@@ -58,11 +59,8 @@ class DynamixelTwin(PortTwin[PtyPort, DynamixelFaults]):
 
 
 def servos(settings: DynamixelRow, seed: int) -> list[AxServo]:
-    """Return the servos of a row, each with its motor control's own rhythm."""
+    """Return the servos of a row, each with a rhythm of its own."""
     random = Random(seed)
-    period_s, eeprom_s = settings.timing.interrupt_period_us * 1e-6, settings.timing.eeprom_us * 1e-6
+    eeprom_s = settings.timing.eeprom_us * 1e-6
     delay = settings.return_delay
-    return [
-        AxServo(number, return_delay=delay, phase_s=random.random() * period_s, eeprom_s=eeprom_s)
-        for number in settings.ids
-    ]
+    return [AxServo(number, return_delay=delay, rhythm=rhythm(random), eeprom_s=eeprom_s) for number in settings.ids]

@@ -1,0 +1,329 @@
+"""How fast servos can be read, by whom, at what cost, and whether every state is true; all on a simulated line.
+
+`python -m benchmarks.servo_bus [--rounds N] [--seconds S] [--json FILE]`. Eighteen emulated AX-12A at 1 Mbit/s on a pty,
+with the servos' own delays and jitter and no USB. In turns, so that other load meets all alike: (a) a loop in C, the
+floor; (b) lbr's block read; (c) the vendor's kit with three reads for each state; (d) the vendor's kit with a block
+read; at return delays of 0, 250 and 500 us. Then the USB2AX's sync read against what its line allows, and (b) and the
+sync read beside every fault of a line. Every state carries a counter: wrong is one that is not what the servo
+said, stale one that it said before. Exit code 1 if there was any.
+
+(c) and (d) need `pip install dynamixel-sdk`, (a) a C compiler as `cc`; without, they are left out. Rates depend on the
+machine: trust ratios and CPU time.
+"""
+
+import argparse
+import importlib.util
+import json
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from benchmarks.figures import machine
+from benchmarks.servo_bus_twin import bus as servo_bus
+
+SERVOS = 18
+DELAYS = {0: 0, 125: 250, 250: 500}
+"""Values of the return delay register, and what they are in microseconds."""
+
+FLOOR = Path(__file__).with_name("servo_bus_floor.c")
+NAMES = {
+    "floor": "(a) C: write, poll, read",
+    "block": "(b) lbr, block read",
+    "vendor_three": "(c) dynamixel-sdk, three reads",
+    "vendor_block": "(d) dynamixel-sdk, block read",
+    "together": "lbr, sync read of a USB2AX",
+}
+FAULTS: dict[str, dict[str, Any]] = {
+    "lost answers": {"drop": 0.05},
+    "wrong bits": {"bit_flip": 0.05},
+    "noise before answers": {"garbage": 0.05},
+    "stray packets": {"stray": 0.05},
+    "answers cut short": {"half": 0.05},
+    "answers in pieces": {"pieces": 0.2},
+    "late answers": {"late": 0.02},
+    "echo": {"echo": True},
+    "a silent servo": {"silent": [7]},
+    "two servos with one id": {"duplicate": [7]},
+    "babble": {"babbling": True},
+    "unplugged and back": {"unplug": True},
+    "no supply, and back": {"brown_out": True},
+}
+PASSING = {"unplug", "brown_out"}
+"""Faults that end halfway."""
+
+
+class Process:
+    """A process that answers each line with a line of JSON."""
+
+    def __init__(self, *argv: str) -> None:
+        self._popen = subprocess.Popen(argv, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.answer()
+
+    def tell(self, line: str) -> None:
+        """Give it a line."""
+        assert self._popen.stdin is not None
+        self._popen.stdin.write(line + "\n")
+        self._popen.stdin.flush()
+
+    def answer(self) -> dict[str, Any]:
+        """Wait for its line."""
+        assert self._popen.stdout is not None
+        line = self._popen.stdout.readline()
+        if not line:
+            raise SystemExit(f"{' '.join(map(str, self._popen.args))} ended")  # type: ignore[arg-type]
+        found: dict[str, Any] = json.loads(line)
+        return found
+
+    def close(self) -> None:
+        """End it."""
+        self._popen.communicate()
+
+
+class Line:
+    """The emulated bus, and clients that take turns on it."""
+
+    def __init__(self, folder: Path, stack: ExitStack) -> None:
+        self.path = str(folder / "bus")
+        self._stack = stack
+        self._twin = self._start("benchmarks.servo_bus_twin", self.path)
+        self._clients: dict[str, Process] = {}
+        self._floor = compiled(folder)
+
+    @property
+    def kinds(self) -> list[str]:
+        """Who can take part here."""
+        known = {"floor": self._floor is not None, "block": True}
+        sdk = importlib.util.find_spec("dynamixel_sdk") is not None
+        return [kind for kind, here in {**known, "vendor_three": sdk, "vendor_block": sdk}.items() if here]
+
+    def set(self, **order: Any) -> None:
+        """Make the bus anew, or with `faults` alone change those."""
+        self._twin.tell(json.dumps(order))
+        self._twin.answer()
+
+    def start(self, kind: str, seconds: float) -> Process:
+        """Let a client begin; its answer comes when it is done."""
+        if kind not in self._clients:
+            self._clients[kind] = self._start("benchmarks.servo_bus_client", kind, self.path, str(SERVOS))
+        self._clients[kind].tell(str(seconds))
+        return self._clients[kind]
+
+    def run(self, kind: str, seconds: float) -> dict[str, Any]:
+        """Let a client read for a while."""
+        if kind != "floor":
+            return self.start(kind, seconds).answer()
+        argv = [str(self._floor), self.path, str(seconds), str(SERVOS)]
+        found: dict[str, Any] = json.loads(subprocess.run(argv, check=True, capture_output=True).stdout)
+        return found
+
+    def _start(self, *module_and_arguments: str) -> Process:
+        process = Process(sys.executable, "-m", *module_and_arguments)
+        self._stack.callback(process.close)
+        return process
+
+
+class Figure(msgspec.Struct, kw_only=True):
+    """A client at a return delay: medians over the rounds, sums of what must not be."""
+
+    client: str
+    delay_us: int
+    rate_hz: float
+    of_wire: float
+    of_floor: float | None
+    cpu_us: float
+    states: int
+    lost: int
+    wrong: int
+    stale: int
+
+
+class Survived(msgspec.Struct, kw_only=True):
+    """A client beside a fault, and what it read per second once that had gone."""
+
+    client: str
+    fault: str
+    states: int
+    lost: int
+    wrong: int
+    stale: int
+    longest_ms: float
+    rate_hz: float
+    after_hz: float
+
+
+def main() -> int:
+    """Measure, print, judge."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--seconds", type=float, default=0.6, help="how long each client reads in each round")
+    parser.add_argument("--no-faults", action="store_true", help="leave the faults out")
+    parser.add_argument("--json", type=Path, help="write the figures into this file")
+    options = parser.parse_args()
+    with line() as under_test:
+        missing = {"floor", "vendor_three"} - set(under_test.kinds)
+        for kind in sorted(missing):
+            print(f"left out: {NAMES[kind]}; see --help")
+        figures = [figure for delay in DELAYS for figure in compare(under_test, delay, options.rounds, options.seconds)]
+        print(f"\n{machine()}; {options.rounds} rounds of {options.seconds:g} s\n\n{table(figures)}\n")
+        survived = [] if options.no_faults else list(survive(under_test, max(1.0, options.seconds)))
+    if survived:
+        print(fault_table(survived))
+    print("\n".join(verdicts(figures)))
+    bad = sum(found.wrong + found.stale for found in (*figures, *survived))
+    print(f"{bad} wrong or stale states")
+    if options.json:
+        found = {"machine": machine(), "figures": figures, "faults": survived}
+        options.json.write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
+    return 1 if bad else 0
+
+
+@contextmanager
+def line() -> Iterator[Line]:
+    """Start the emulated bus; end it, and all clients, at the end."""
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        yield Line(Path(folder), stack)
+
+
+def compiled(folder: Path) -> Path | None:
+    """Return the floor's program, None without a compiler."""
+    compiler = shutil.which("cc")
+    if compiler is None:
+        return None
+    program = folder / "floor"
+    subprocess.run([compiler, "-O2", "-Wall", "-Wextra", "-o", str(program), str(FLOOR)], check=True)
+    return program
+
+
+def compare(under_test: Line, delay: int, rounds: int, seconds: float) -> Iterator[Figure]:
+    """Let all clients read in turns at a return delay."""
+    runs: dict[str, list[dict[str, Any]]] = {kind: [] for kind in (*under_test.kinds, "together")}
+    for _ in range(rounds):
+        for kind, done in runs.items():
+            under_test.set(delay=delay, usb2ax=5 if kind == "together" else None)
+            done.append(under_test.run(kind, seconds))
+    for kind, done in runs.items():
+        rates = [run["states"] / run["wall_s"] for run in done]
+        floor = [run["states"] / run["wall_s"] for run in runs.get("floor", [])]
+        ratios = [own / least for own, least in zip(rates, floor, strict=False)]
+        yield Figure(
+            client=kind,
+            delay_us=DELAYS[delay],
+            rate_hz=statistics.median(rates),
+            of_wire=statistics.median(rates) / wire_hz(kind, delay),
+            of_floor=statistics.median(ratios) if ratios and kind != "together" else None,
+            cpu_us=statistics.median(run["cpu_s"] / max(1, run["states"]) * 1e6 for run in done),
+            **{name: sum(run[name] for run in done) for name in ("states", "lost", "wrong", "stale")},
+        )
+
+
+def wire_hz(kind: str, delay: int) -> float:
+    """Return how many states a second the line allows to a client that takes no time at all, by the timing model."""
+    bus, now, states = servo_bus(delay=delay, usb2ax=5 if kind == "together" else None), 100.0, 0
+    if kind == "together":
+        requests = [_packet(0xFD, 0x84, 36, 6, *range(1, SERVOS + 1))]
+    elif kind == "vendor_three":
+        requests = [_packet(1 + turn % SERVOS, 2, 36 + 2 * word, 2) for turn in range(SERVOS) for word in range(3)]
+    else:
+        requests = [_packet(1 + turn, 2, 36, 6) for turn in range(SERVOS)]
+    while now < 102.0:
+        for request in requests:
+            bus.feed(request, now)
+            while (due := bus.next_due()) is not None:
+                now = due
+                bus.poll(now)
+        states += SERVOS
+    return states / (now - 100.0)
+
+
+def survive(under_test: Line, seconds: float) -> Iterator[Survived]:
+    """Let lbr's clients read beside each fault, and once more when it has gone."""
+    for kind in ("block", "together"):
+        for fault, faults in FAULTS.items():
+            under_test.set(delay=0, usb2ax=5 if kind == "together" else None)
+            under_test.run(kind, 0.05)
+            passing = set(faults) & PASSING
+            client = under_test.start(kind, seconds)
+            time.sleep(seconds / 4)
+            under_test.set(faults=faults)
+            if passing:
+                time.sleep(seconds / 4)
+                under_test.set(faults={})
+            run = client.answer()
+            under_test.set(faults={})
+            after = under_test.run(kind, seconds / 2)
+            yield Survived(
+                client=kind,
+                fault=fault,
+                **{name: run[name] + after[name] for name in ("lost", "wrong", "stale")},
+                states=run["states"],
+                longest_ms=run["longest_s"] * 1e3,
+                rate_hz=run["states"] / run["wall_s"],
+                after_hz=after["states"] / after["wall_s"],
+            )
+
+
+def verdicts(figures: Sequence[Figure]) -> Iterator[str]:
+    """Say which targets are met."""
+    by = {(figure.client, figure.delay_us): figure for figure in figures}
+    for delay_us in DELAYS.values():
+        own, three, vendor = (by.get((kind, delay_us)) for kind in ("block", "vendor_three", "vendor_block"))
+        assert own is not None
+        said = [f"CPU {own.cpu_us:.0f} us per state ({_met(own.cpu_us < 80.0)}: < 80)"]
+        if own.of_floor is not None:
+            said.insert(0, f"{own.of_floor:.2f} of the floor ({_met(own.of_floor >= 0.85)}: >= 0.85)")
+        if three is not None and vendor is not None:
+            faster = own.rate_hz / three.rate_hz
+            said.append(f"{faster:.2f} x (c) ({_met(faster >= 2.5)}: >= 2.5)")
+            said.append(f"{own.cpu_us / vendor.cpu_us:.2f} of the CPU of (d)")
+        yield f"return delay {delay_us} us: lbr's block read is at " + ", ".join(said)
+
+
+def table(figures: Sequence[Figure]) -> str:
+    """Return a Markdown table of the clients."""
+    rows = [
+        "| return delay us | client | states/s | of the wire | of (a) | CPU us/state | lost | wrong | stale |",
+        "|--:|---|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for figure in figures:
+        floor = "" if figure.of_floor is None else f"{figure.of_floor:.2f}"
+        rows.append(
+            f"| {figure.delay_us} | {NAMES[figure.client]} | {figure.rate_hz:.0f} | {figure.of_wire:.2f} | {floor} "
+            f"| {figure.cpu_us:.0f} | {figure.lost} | {figure.wrong} | {figure.stale} |"
+        )
+    return "\n".join(rows)
+
+
+def fault_table(survived: Sequence[Survived]) -> str:
+    """Return a Markdown table of the faults."""
+    rows = [
+        "| client | fault | states/s | lost | wrong | stale | longest ms | states/s after |",
+        "|---|---|--:|--:|--:|--:|--:|--:|",
+    ]
+    rows += [
+        f"| {NAMES[found.client]} | {found.fault} | {found.rate_hz:.0f} | {found.lost} | {found.wrong} | {found.stale} "
+        f"| {found.longest_ms:.0f} | {found.after_hz:.0f} |"
+        for found in survived
+    ]
+    return "\n".join(rows) + "\n"
+
+
+def _packet(number: int, code: int, *parameters: int) -> bytes:
+    body = bytes((number, len(parameters) + 2, code, *parameters))
+    return b"\xff\xff" + body + bytes((~sum(body) & 0xFF,))
+
+
+def _met(met: bool) -> str:
+    return "met" if met else "missed"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,123 @@
+"""A servo bus on a pty in a process of its own, with answers to the microsecond, whose every state can be checked.
+
+`python -m benchmarks.servo_bus_twin PATH` takes one JSON object a line on standard input and answers `{"ready": true}`:
+`delay` (the return delay register), `usb2ax` (4, 5 or null), `faults` as in a device row, `servos`, how many there are.
+Each servo counts how often it was read, and says the count in its position, speed and load: see `counter_of`.
+"""
+
+import ctypes
+import json
+import select
+import sys
+import time
+from collections.abc import Sequence
+from random import Random
+from typing import Any
+
+import msgspec
+
+from lbr.simulation.dynamixel import AxServo, BusTiming, DynamixelBus, Usb2Ax
+from lbr.simulation.dynamixel import registers as reg
+from lbr.simulation.dynamixel.timing import rhythm
+from lbr.simulation.faults import DynamixelFaults
+from lbr.simulation.port import PtyPort
+
+BITS = 0x3FF
+SPREAD, STEP = 57, 300
+"""What tells servos apart, and the registers of one."""
+
+SPIN_S = 60e-6
+"""So long before something is due it no longer sleeps."""
+
+_PR_SET_TIMERSLACK = 29
+
+
+class CountingServo(AxServo):
+    """Measures nothing but how often it was asked."""
+
+    counter = 0
+
+    def measure(self) -> None:
+        super().measure()
+        self.counter += 1
+        for word in range(3):
+            value = (self.counter + SPREAD * self.id + STEP * word) & BITS
+            reg.put_word(self._table, reg.PRESENT + 2 * word, value)
+
+
+def counter_of(servo: int, values: Sequence[int], first: int = 0) -> int | None:
+    """Return the counter that the words from the `first` on carry; None if they do not belong together."""
+    found = {(value - SPREAD * servo - STEP * word) & BITS for word, value in enumerate(values, first)}
+    return found.pop() if len(found) == 1 else None
+
+
+def bus(
+    *, delay: int = 0, usb2ax: int | None = None, servos: int = 18, faults: dict[str, Any] | None = None
+) -> DynamixelBus:
+    """Return a bus whose only delays are the line's and the servos' own."""
+    timing, random = BusTiming(usb_us=0.0), Random(1)
+    return DynamixelBus(
+        [
+            CountingServo(number, return_delay=delay, rhythm=rhythm(random), eeprom_s=0.0)
+            for number in range(1, servos + 1)
+        ],
+        dongle=Usb2Ax(5 if usb2ax == 5 else 4) if usb2ax else None,
+        timing=timing,
+        faults=msgspec.convert(faults or {}, DynamixelFaults),
+        seed=1,
+    )
+
+
+def main() -> None:
+    """Serve until standard input ends."""
+    ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
+    emulated = bus()
+    with PtyPort(sys.argv[1]) as port:
+        print(json.dumps({"ready": True}), flush=True)
+        while True:
+            ready = _wait(port, emulated.next_due())
+            if 0 in ready:
+                order = sys.stdin.buffer.readline()
+                if not order:
+                    return
+                emulated = _obey(json.loads(order), emulated, port)
+                print(json.dumps({"ready": True}), flush=True)
+            else:
+                _serve(port, emulated)
+
+
+def _obey(order: dict[str, Any], emulated: DynamixelBus, port: PtyPort) -> DynamixelBus:
+    if set(order) == {"faults"}:
+        emulated.faults = msgspec.convert(order["faults"], DynamixelFaults)
+    else:
+        emulated = bus(**order)
+    if emulated.faults.unplug:
+        port.unplug()
+    else:
+        port.plug()
+    return emulated
+
+
+def _wait(port: PtyPort, due: float | None) -> list[int]:
+    """Wait until something is due, or somebody wants something; return who."""
+    watched = [0, port.fileno()] if port.plugged else [0]
+    if due is None:
+        return select.select(watched, [], [])[0]
+    left_s = due - time.monotonic()
+    if left_s > SPIN_S and (ready := select.select(watched, [], [], left_s - SPIN_S)[0]):
+        return ready
+    while time.monotonic() < due:
+        pass
+    return []
+
+
+def _serve(port: PtyPort, emulated: DynamixelBus) -> None:
+    heard = port.read()
+    now = time.monotonic()
+    said = emulated.feed(heard, now, port.baud()) if heard else emulated.poll(now)
+    if said:
+        port.write(said)
+
+
+if __name__ == "__main__":
+    main()
