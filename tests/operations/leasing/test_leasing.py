@@ -1,0 +1,230 @@
+"""Borrowing something that moves and has no wheels: what each function of the package promises."""
+
+from math import inf, nan
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from lbr.operations.leasing import acceptance, ending, holding
+from lbr.operations.leasing.state import Ask, Ended, EstopChanged, Happened, Holding, Stop, Words, confirmed, first
+
+WORDS = Words(noun="the hand", verb="move", rest="pause before moving again", idle="nobody moves it")
+TTL_S = 0.3
+
+
+class Hand:
+    """The smallest kernel there is: its motion is a word."""
+
+    def __init__(self) -> None:
+        self.holding: Holding[str] = first(WORDS, TTL_S, ahead_s=0.01)
+        self.now = 100.0
+        self.said: list[Ended[str] | Happened] = []
+        self._ids = 0
+
+    def ask(self, what: str = "wave", *, source: str = "console", **more) -> str:
+        """Decide a command; return why it is refused, or nothing."""
+        self._ids += 1
+        known = {"role": "operate", "lease": "", "received": self.now, "new_lease": f"lease{self._ids}"} | more
+        ask = Ask(source=source, what=what, moves=bool(what), **known)
+        self._take(*ending.lapse(self.holding, self.now))
+        wanted = acceptance.intent(self.holding, ask)
+        if wanted == "stop":
+            return self.stop(source)
+        if why := self._refusal(ask):
+            self.holding, _ = holding.refuse(self.holding, ask, why, self.now)
+        elif wanted == "renewal":
+            self.holding = holding.renew(self.holding, ask, self.now)
+        elif wanted == "new" and ask.remote:
+            self._take(*holding.offer(self.holding, ask, what, self.now))
+        else:
+            go = holding.change if wanted == "change" else holding.begin
+            self._take(*go(self.holding, ask, what, self.now))
+        return why
+
+    def stop(self, source: str = "phone") -> str:
+        self._take(*holding.stop(self.holding, Stop(source=source, received=self.now), self.now))
+        return ""
+
+    def latch(self, *, engaged: bool) -> None:
+        self._take(*holding.latch(self.holding, EstopChanged(engaged=engaged, reason="button"), self.now))
+
+    def wait(self, seconds: float) -> None:
+        self.now += seconds
+        self._take(*ending.lapse(self.holding, self.now))
+
+    @property
+    def motion(self) -> str:
+        return self.holding.hold.motion if self.holding.hold else ""
+
+    @property
+    def ends(self) -> list[tuple[str, str, bool]]:
+        return [(one.hold.motion, one.how, one.held) for one in self.said if isinstance(one, Ended)]
+
+    def _refusal(self, ask: Ask) -> str:
+        held = self.holding
+        return (
+            acceptance.form(held, ask, self.now)
+            or acceptance.rights(held, ask)
+            or acceptance.holder(held, ask, self.now)
+            or acceptance.at_rest(held, ask, self.now)
+        )
+
+    def _take(self, held: Holding[str], said: tuple[Ended[str] | Happened, ...]) -> None:
+        self.holding = held
+        self.said += said
+
+
+@pytest.fixture
+def hand():
+    return Hand()
+
+
+def test_one_holder_at_a_time_unless_somebody_takes_over(hand):
+    assert hand.ask() == ""
+    hand.wait(0.01)
+    assert hand.ask("clap", source="phone") == "held by console"
+    assert hand.ask("clap", source="phone", take_over=True) == ""
+    assert hand.motion == "clap"
+    assert hand.ends == [("wave", "superseded", True)]
+    assert hand.said[-1].text == "phone took the hand from console"
+
+
+def test_a_lease_that_is_not_renewed_lapses_a_little_early_and_is_dead(hand):
+    hand.ask()
+    hand.wait(TTL_S - 0.02)
+    assert hand.motion
+    hand.wait(0.011)
+    assert not hand.motion
+    assert hand.ends == [("wave", "lapsed", True)]
+    assert hand.ask(lease="lease1") == "lease is dead: it lapsed, not renewed within 0.3 s"
+
+
+def test_the_same_again_renews_and_another_motion_changes_under_one_lease(hand):
+    hand.ask()
+    for what in ("wave", "wave", "clap", "clap"):
+        hand.wait(0.2)
+        assert hand.ask(what, lease="lease1") == ""
+    assert (hand.motion, hand.holding.hold.lease) == ("clap", "lease1")
+    assert hand.ends == [("wave", "superseded", False)]
+
+
+def test_what_was_sent_before_a_stop_begins_nothing(hand):
+    sent = hand.now
+    hand.wait(0.1)
+    hand.stop()
+    assert hand.ask(received=sent) == "a stop came after this command"
+    hand.wait(0.01)
+    assert hand.ask() == ""
+
+
+def test_rest_is_asked_for_by_anybody_and_moves_nothing(hand):
+    hand.ask()
+    assert hand.ask("", source="a stranger") == ""
+    assert not hand.motion
+
+
+def test_from_afar_nothing_moves_until_the_offer_is_quoted(hand):
+    assert hand.ask(remote=True, source="page") == ""
+    assert not hand.motion
+    hand.wait(0.05)
+    assert hand.ask(remote=True, source="page", lease="lease1") == ""
+    assert hand.motion == "wave"
+    assert hand.ends == [], "what confirms an offer goes on with it"
+
+
+def test_an_offer_that_is_answered_with_something_else_is_superseded(hand):
+    hand.ask(remote=True, source="page")
+    hand.wait(0.05)
+    ask = Ask(source="page", role="operate", lease="lease1", what="clap", moves=True, received=hand.now, new_lease="x")
+    assert confirmed(hand.holding, ask) is None
+    hand.ask("clap", remote=True, source="page", lease="lease1")
+    assert (hand.motion, hand.ends) == ("clap", [("wave", "superseded", False)])
+
+
+def test_the_emergency_stop_refuses_all_and_whoever_insisted_has_to_pause(hand):
+    hand.ask()
+    hand.latch(engaged=True)
+    hand.wait(0.01)
+    assert hand.ask() == "emergency stop: button; 'reset' releases it"
+    hand.latch(engaged=False)
+    hand.wait(0.1)
+    assert hand.ask() == "commands went on through the emergency stop: pause before moving again"
+    hand.wait(0.3)
+    assert hand.ask() == ""
+
+
+def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
+    hand.ask()
+    hand._take(*ending.lose_time(hand.holding, "the clock went back", hand.now, 5.0))
+    hand.now = 5.0
+    assert not hand.motion
+    hand.wait(0.01)
+    assert hand.ask() == ""
+
+
+@pytest.mark.parametrize(
+    ("fields", "why"),
+    [
+        ({"ttl_s": 2.0}, "ttl_s 2 is outside 0 to 1"),
+        ({"ttl_s": nan}, "ttl_s nan is outside 0 to 1"),
+        ({"ttl_s": 0.0}, "ttl_s 0 is no life; leave it out or give up to 1"),
+        ({"role": "view"}, "role 'view' may stop the robot but not move it"),
+        ({"received": nan}, "this command has no date that makes sense"),
+        ({"received": 99.0}, "this command came 1.0 s after it was sent; send it again"),
+        ({"received": -inf}, "this command came inf s after it was sent; send it again"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_words(hand, fields, why):
+    assert hand.ask(**fields) == why
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from(["wave", "clap", "", "stop", "wait", "latch", "reset"]),
+            st.sampled_from(["console", "phone"]),
+            st.integers(0, 6),
+            st.booleans(),
+            st.booleans(),
+        ),
+        max_size=40,
+    )
+)
+def test_every_hold_that_began_ends_once_and_no_dead_lease_moves(steps):
+    hand = Hand()
+    for what, source, lease, take_over, remote in steps:
+        hand.now += 0.05
+        match what:
+            case "stop":
+                hand.stop(source)
+            case "wait":
+                hand.wait(0.3)
+            case "latch" | "reset":
+                hand.latch(engaged=what == "latch")
+            case _:
+                quoted = f"lease{lease}" if lease else ""
+                before = dict(hand.holding.dead)
+                refused = hand.ask(what, source=source, lease=quoted, take_over=take_over, remote=remote)
+                assert refused or quoted not in before
+        held = hand.holding.hold
+        assert not (hand.holding.estop and held)
+        assert held is None or held.lease not in dict(hand.holding.dead)
+        assert len(hand.holding.offers) <= holding.MOST_OFFERS
+    began = [one.data["took"] for one in hand.said if isinstance(one, Happened) and "took" in one.data]
+    over = [one for one in hand.said if isinstance(one, Ended) and one.held]
+    untold = hand.holding.tally.untold
+    assert untold or len(began) == len(over) + (hand.holding.hold is not None)
+
+
+def test_changes_of_holder_in_a_flood_are_counted_and_not_told(hand):
+    hand.holding = replace(hand.holding, tally=replace(hand.holding.tally, left=1.0, at=hand.now))
+    for _ in range(3):
+        hand.ask()
+        hand.stop()
+        hand.now += 0.001
+    assert sum(isinstance(one, Happened) for one in hand.said) == 1
+    hand.wait(1.0)
+    hand.ask()
+    assert hand.said[-1].text.endswith("(and 5 changes of holder before that)")
