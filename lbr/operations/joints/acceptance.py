@@ -55,8 +55,10 @@ def refusal(state: State, ask: Ask, now: float, *, renewal: bool) -> str:
 
 def _form(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
     """It says what is to move where, in joints that there are, within their limits, with numbers that are some."""
-    del ask, now
-    if empty(command):
+    del now
+    if empty(command) and ask.lease:
+        return ""  # its lease is dead, as the next link says
+    if not (command.positions or command.append or any(frame.positions for frame in command.frames)):
         return "there is nothing to move: give positions or frames"
     if command.positions and command.frames:
         return "give positions or frames, not both"

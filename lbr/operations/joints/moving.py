@@ -107,7 +107,8 @@ def _fault(state: State, name: str, now: float) -> str:
 
 def _arrival(state: State, move: Move, targets: dict[str, float], now: float) -> tuple[Ending, str] | None:
     """Return that every joint is where it was to be, or that the time for it is over."""
-    worst_rad, name = max((_away_rad(state, name, target), name) for name, target in targets.items())
+    away = ((_away_rad(state, name, target), name) for name, target in targets.items())
+    worst_rad, name = max(away, default=(0.0, ""))
     if worst_rad <= state.settings.tolerance_rad:
         return "reached", f"reached in {now - move.begun:.2f} s"
     if now - move.arrived < state.settings.settle_s:

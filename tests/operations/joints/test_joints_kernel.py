@@ -1,0 +1,444 @@
+"""The joints kernel: who may move what, how motions begin, go on and end, and what the servos are told."""
+
+import pytest
+from joints_bench import DT, NAMES, START, Bench, frame
+
+from lbr.messages.servos import ServosState
+
+SLOW = {"left_knee": -1.0}
+
+
+@pytest.fixture
+def bench():
+    return Bench().standing()
+
+
+def last(bench):
+    return bench.results[-1].result, bench.results[-1].reason
+
+
+# starting
+
+
+def test_start_up_moves_nothing_and_switches_nothing_on():
+    bench = Bench()
+    bench.run(0.1)
+    assert {goal.torque for goal in bench.setpoint.goals} == {0.0}
+    assert not bench.setpoint.lost
+
+
+def test_nothing_is_said_to_servos_that_were_never_heard():
+    bench = Bench().run(0.5, hear=False)
+    assert bench.setpoint is None
+    assert bench.command(SLOW).reason == "the servo driver was not heard yet"
+
+
+def test_servos_that_hold_when_the_process_begins_anew_go_on_holding_where_they_are_until_somebody_cares(bench):
+    bench.command({"left_knee": -1.0}, duration_s=1.0)
+    bench.run(0.1)
+    bench.servos.phase = "holding"
+    where = dict(bench.servos.at)
+    bench.restart()
+    bench.run(0.2)
+    assert bench.setpoint.lost
+    assert bench.goals == pytest.approx({name: bench.measured(name) for name in NAMES})
+    assert bench.servos.at == where
+    assert bench.command({"left_knee": 0.0}).accepted
+    assert not bench.setpoint.lost
+
+
+# commands
+
+
+def test_positions_are_reached_smoothly_and_the_result_says_so(bench):
+    reply = bench.command({"left_knee": -1.0, "head_yaw": 0.5}, duration_s=2.0)
+    assert (reply.accepted, reply.reason, reply.ttl_s) == (True, "", 0.3)
+    bench.run(1.0, reply.lease)
+    assert bench.goals["left_knee"] == pytest.approx(-0.5, abs=0.02)
+    assert bench.goals["right_knee"] == 0.0
+    bench.run(1.1, reply.lease)
+    assert bench.measured("left_knee") == pytest.approx(-1.0)
+    (result,) = bench.results
+    assert (result.goal, result.result) == (reply.goal, "reached")
+    assert result.elapsed_s == pytest.approx(2.0, abs=2 * DT)
+    assert bench.state.holding.hold is None
+    assert not bench.setpoint.lost
+
+
+def test_speed_decides_how_long_it_takes_and_the_rows_speed_is_never_passed(bench):
+    slow = bench.command({"left_knee": -1.0}, speed_rps=0.5)
+    assert slow.reason == ""
+    bench.run(2.9, slow.lease)
+    assert bench.results == []
+    bench.run(0.2, slow.lease)
+    assert last(bench)[0] == "reached"
+    fast = bench.command({"left_knee": 0.0}, duration_s=0.1)
+    assert fast.reason == "takes 0.75 s instead of 0.10: left_knee goes no faster than 2 rad/s"
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ({}, "there is nothing to move: give positions or frames"),
+        ({"frames": (frame(),)}, "there is nothing to move: give positions or frames"),
+        ({"positions": SLOW, "frames": (frame(left_knee=0.0),)}, "give positions or frames, not both"),
+        ({"positions": {"left_kne": 0.0}}, "there is no joint 'left_kne'; did you mean left_knee or right_knee?"),
+        ({"positions": {"head_yaw": 0.9}}, "head_yaw 0.9 rad (52 degrees) is outside its limits (-1 to 0.8 rad"),
+        ({"positions": {"head_yaw": float("nan")}}, "head_yaw is to go to nan, which is no angle"),
+        ({"positions": SLOW, "duration_s": float("nan")}, "duration_s nan is outside 0 to 60"),
+        ({"positions": SLOW, "speed_rps": float("inf")}, "speed_rps inf is no speed"),
+        ({"positions": SLOW, "ttl_s": float("nan")}, "ttl_s nan is outside 0 to 1"),
+        ({"frames": (frame(-1.0, left_knee=0.0),)}, "duration_s -1 is outside 0 to 60"),
+        ({"positions": SLOW, "role": "view"}, "role 'view' may stop the robot but not move it"),
+        ({"positions": SLOW, "received": START - 1.0}, "this command came 1.1 s after it was sent; send it again"),
+        ({"positions": SLOW, "lease": "old"}, "lease is dead: it is not known here"),
+        ({"positions": {"right_grip": 0.5}, "mirror": True}, "right_grip has no joint on the other side to mirror it"),
+        ({"positions": {"head_yaw": -0.9}, "mirror": True}, "head_yaw 0.9 rad (52 degrees) is outside its limits"),
+        ({"frames": (frame(left_knee=0.0),), "append": True}, "append follows a motion under way: quote its lease"),
+    ],
+)
+def test_a_command_that_makes_no_sense_is_refused_with_a_sentence(bench, command, said):
+    reply = bench.command(**command)
+    assert not reply.accepted
+    assert reply.reason.startswith(said)
+    assert bench.state.move is None
+
+
+def test_joints_without_torque_are_refused_by_name():
+    bench = Bench().run(0.05)
+    bench.torque("right_knee", on=True)
+    assert bench.command({"left_knee": -0.1}).reason == "left_knee has no torque: torque on first (/torque/on)"
+    assert bench.command({"left_knee": -0.1, "head_yaw": 0.0}).reason == (
+        "left_knee, head_yaw have no torque: torque on first (/torque/on)"
+    )
+    assert bench.command({"right_knee": -0.1}).accepted
+
+
+def test_a_second_sender_is_told_who_holds_the_joints_and_may_take_over(bench):
+    first = bench.command(SLOW, duration_s=2.0)
+    assert bench.command({"head_yaw": 0.1}, source="pad").reason == "held by console"
+    bench.run(0.5, first.lease)
+    before = bench.goals["left_knee"]
+    second = bench.command({"head_yaw": 0.1}, source="pad", take_over=True)
+    assert second.accepted
+    assert last(bench) == ("superseded", "taken over by pad")
+    bench.run(0.1, second.lease)
+    assert bench.goals["left_knee"] == before
+    assert bench.command(lease=first.lease).reason == "lease is dead: taken over by pad"
+
+
+def test_another_command_under_the_same_lease_goes_on_from_where_the_joint_was_told_to_be(bench):
+    first = bench.command(SLOW, duration_s=2.0)
+    bench.run(1.0, first.lease)
+    told = bench.goals["left_knee"]
+    second = bench.command({"left_knee": 0.0}, duration_s=2.0, lease=first.lease)
+    assert (second.lease, last(bench)[0]) == (first.lease, "superseded")
+    assert second.goal != first.goal
+    bench.run(DT, second.lease)
+    assert bench.goals["left_knee"] == pytest.approx(told, abs=0.02)
+
+
+def test_the_same_command_again_is_a_renewal_and_so_is_the_lease_alone(bench):
+    first = bench.command(SLOW, duration_s=1.0)
+    for again in ({}, SLOW, {}):
+        bench.run(0.2)
+        more = {"duration_s": 1.0} if again else {}
+        assert bench.command(again, lease=first.lease, **more).goal == first.goal
+    bench.run(0.42, first.lease)
+    assert last(bench)[0] == "reached"
+
+
+def test_a_remote_command_moves_nothing_before_its_lease_was_quoted(bench):
+    offer = bench.command(SLOW, source="far", remote=True, sender_s=5.0)
+    assert offer.accepted
+    bench.run(0.1)
+    assert bench.goals["left_knee"] == 0.0
+    confirmed = bench.command(source="far", remote=True, sender_s=5.1, lease=offer.lease)
+    assert (confirmed.accepted, confirmed.goal) == (True, offer.goal)
+    bench.run(0.1)
+    assert bench.goals["left_knee"] < 0.0
+
+
+# key frames
+
+
+def test_key_frames_are_passed_in_turn_and_counted(bench):
+    frames = (frame(0.5, left_knee=-0.4, right_knee=-0.4), frame(0.5, left_knee=-0.8))
+    reply = bench.command(frames=frames)
+    bench.run(0.5, reply.lease)
+    assert bench.goals["left_knee"] == pytest.approx(-0.4, abs=0.02)
+    bench.run(0.55, reply.lease)
+    assert (bench.goals["left_knee"], bench.goals["right_knee"]) == (-0.8, -0.4)
+    assert last(bench)[0] == "reached"
+
+
+def test_frames_that_are_appended_follow_under_the_same_goal_without_a_stop(bench):
+    first = bench.command(frames=(frame(0.5, left_knee=-0.4),))
+    bench.run(0.25, first.lease)
+    more = bench.command(frames=(frame(0.5, left_knee=-0.8),), append=True, lease=first.lease)
+    bench.run(DT)
+    again = bench.command(frames=(frame(0.5, left_knee=-1.2),), append=True, lease=first.lease)
+    assert more.goal == again.goal == first.goal
+    bench.run(0.25, first.lease)
+    before = bench.goals["left_knee"]
+    bench.run(0.05, first.lease)
+    assert before - bench.goals["left_knee"] > 0.03
+    bench.run(1.0, first.lease)
+    assert bench.goals["left_knee"] == -1.2
+    assert [each.result for each in bench.results] == ["reached"]
+
+
+def test_a_mirrored_motion_is_done_by_the_other_side(bench):
+    reply = bench.command({"left_knee": -0.4, "head_yaw": 0.2}, duration_s=0.5, mirror=True)
+    bench.run(0.6, reply.lease)
+    assert bench.goals["right_knee"] == pytest.approx(-0.4)
+    assert bench.goals["head_yaw"] == pytest.approx(-0.2)
+    assert bench.goals["left_knee"] == 0.0
+
+
+# ends
+
+
+def test_a_lease_that_lapses_ends_the_motion_and_says_that_the_mover_is_lost(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    bench.run(0.5)
+    assert last(bench) == ("lapsed", "it lapsed, not renewed within 0.3 s")
+    assert bench.setpoint.lost
+    where = bench.goals
+    bench.run(1.0)
+    assert bench.goals == where
+    assert not bench.command(lease=reply.lease).accepted
+    bench.servos.let_go()
+    bench.run(0.1)
+    assert bench.goals == {}
+    assert "torque on first" in bench.command(SLOW).reason
+
+
+def test_a_holder_whose_process_is_gone_is_lost(bench):
+    bench.command(SLOW, duration_s=2.0)
+    bench.lose_holder("pad")
+    assert bench.results == []
+    bench.lose_holder("console")
+    assert last(bench) == ("lapsed", "the process of console is gone")
+    assert bench.setpoint.lost
+
+
+def test_anybody_stops_every_joint_where_it_was_measured(bench):
+    bench.command(SLOW, duration_s=2.0)
+    bench.run(0.25)
+    bench.push("left_knee", -0.2)
+    bench.hear()
+    halts = bench.setpoint.halt
+    assert bench.stop().accepted
+    assert bench.goals["left_knee"] == pytest.approx(-0.2)
+    assert bench.setpoint.halt > halts
+    assert not bench.setpoint.lost
+    assert last(bench) == ("stopped", "stopped by phone: test")
+
+
+def test_a_stop_of_what_stands_leaves_a_joint_that_sags_a_little_its_goal(bench):
+    bench.push("left_knee", -0.03)
+    bench.push("right_knee", -0.3)
+    bench.hear()
+    bench.stop()
+    assert bench.goals["left_knee"] == 0.0
+    assert bench.goals["right_knee"] == pytest.approx(-0.3)
+
+
+def test_what_was_sent_before_a_stop_moves_nothing_after_it(bench):
+    sent = bench.now
+    bench.run(0.05)
+    bench.stop()
+    assert bench.command(SLOW, received=sent).reason == "a stop came after this command"
+
+
+def test_the_emergency_stop_ends_everything_and_its_reset_moves_nothing(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    bench.run(0.2, reply.lease)
+    bench.estop()
+    where = bench.goals
+    assert last(bench) == ("fault", "emergency stop: test")
+    assert bench.command({"head_yaw": 0.1}).reason == "emergency stop: test; 'reset' releases it"
+    bench.run(0.3)
+    bench.estop(engaged=False)
+    bench.run(0.3)
+    assert bench.goals == where
+
+
+def test_servos_that_an_emergency_stop_let_go_stay_without_torque(bench):
+    bench.estop()
+    bench.servos.let_go()
+    bench.servos.armed, bench.servos.estop, bench.servos.reason = False, True, "emergency stop"
+    bench.run(0.1)
+    bench.servos.armed, bench.servos.estop = True, False
+    bench.estop(engaged=False)
+    bench.run(0.1)
+    assert bench.goals == {}
+
+
+def test_a_driver_that_is_gone_ends_the_motion_and_back_again_is_taken_as_it_is(bench):
+    bench.command(SLOW, duration_s=2.0)
+    bench.run(0.25)
+    bench.lose_servos()
+    assert last(bench) == ("fault", "the servo driver (servos) is gone")
+    bench.setpoint = None
+    bench.run(0.1, hear=False)
+    assert bench.setpoint is None
+    bench.push("left_knee", -0.5)
+    bench.run(0.02)
+    assert bench.goals["left_knee"] == pytest.approx(-0.5)
+    assert not bench.setpoint.lost
+
+
+def test_a_silent_driver_ends_the_motion(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    bench.run(0.28, reply.lease, hear=False)
+    assert bench.results == []
+    bench.run(0.1, reply.lease, hear=False)
+    assert last(bench) == ("fault", "the servo driver has been silent for more than 0.3 s")
+
+
+def test_a_joint_of_the_motion_that_latches_a_fault_ends_it_and_needs_its_torque_switched_on_again(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    bench.run(0.1, reply.lease)
+    bench.servos.latched = {14: ("overload",)}
+    bench.run(0.02, reply.lease)
+    assert last(bench) == ("fault", "left_knee has latched overload: remove the cause, then recover it")
+    assert "left_knee" not in bench.goals
+    assert "right_knee" in bench.goals
+    bench.servos.latched = {}
+    bench.run(0.1)
+    assert "left_knee" not in bench.goals
+    assert bench.torque("left_knee", on=True).accepted
+    assert "left_knee" in bench.goals
+
+
+def test_a_fault_of_a_joint_that_does_not_move_is_nobodys_business(bench):
+    reply = bench.command(SLOW, duration_s=1.0)
+    bench.servos.latched = {13: ("overheating",)}
+    bench.servos.missing = {20}
+    bench.run(1.1, reply.lease)
+    assert last(bench)[0] == "reached"
+
+
+def test_a_servo_that_is_not_measured_any_more_ends_the_motion_and_holds_where_it_comes_back(bench):
+    reply = bench.command(SLOW, duration_s=5.0)
+    bench.run(0.3, reply.lease)
+    bench.servos.missing = {14}
+    bench.run(0.05, reply.lease)
+    assert last(bench) == ("fault", "left_knee is not measured: servo 14 does not answer")
+    assert bench.goals["left_knee"] is None
+    assert "left_knee is not measured" in bench.command(SLOW).reason
+    bench.push("left_knee", -0.7)
+    bench.servos.missing = set()
+    bench.run(0.05)
+    assert bench.goals["left_knee"] == pytest.approx(-0.7)
+
+
+def test_joints_that_do_not_arrive_are_named_with_how_far_they_are_away(bench):
+    bench.servos.stuck = {14}
+    reply = bench.command({"left_knee": -0.5, "head_yaw": 0.2}, duration_s=0.5)
+    bench.run(0.9, reply.lease)
+    assert bench.results == []
+    bench.run(0.2, reply.lease)
+    result, reason = last(bench)
+    assert result == "reached"
+    assert reason.endswith("but left_knee is 0.50 rad away from its goal")
+
+
+def test_a_clock_that_goes_back_ends_everything(bench):
+    bench.command(SLOW, duration_s=2.0)
+    bench.now -= 10.0
+    bench.run(DT, hear=False)
+    assert last(bench) == ("fault", "the clock went back")
+
+
+def test_a_loop_that_was_held_up_goes_on_from_where_it_was(bench):
+    reply = bench.command({"left_knee": -1.9}, duration_s=1.0, ttl_s=1.0)
+    bench.run(0.3, reply.lease)
+    before = bench.goals["left_knee"]
+    bench.now += 0.25
+    bench.run(DT)
+    assert abs(bench.goals["left_knee"] - before) <= 2.0 * 0.051
+
+
+# torque
+
+
+def test_torque_comes_on_where_the_joints_are(bench):
+    bench.torque(on=False, confirmed=True)
+    bench.push("left_knee", -1.2)
+    bench.run(0.05)
+    assert bench.torque("left_knee", on=True).accepted
+    assert bench.goals == {"left_knee": pytest.approx(-1.2)}
+    bench.torque(on=True)
+    assert set(bench.goals) == set(NAMES)
+
+
+def test_all_torque_off_is_refused_unless_it_is_meant(bench):
+    assert not bench.torque(on=False).accepted
+    assert not bench.torque(*NAMES, on=False).accepted
+    assert set(bench.goals) == set(NAMES)
+    assert bench.torque("left_knee", on=False).accepted
+    assert "left_knee" not in bench.goals
+    assert bench.torque(on=False, confirmed=True).accepted
+    assert bench.goals == {}
+
+
+def test_torque_is_not_switched_by_others_while_somebody_moves_the_joints(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    assert bench.torque("head_yaw", on=False, source="pad").reason == "held by console; stop it first"
+    assert bench.torque("head_yaw", on=False).accepted
+    assert bench.torque("right_knee", on=False, source="pad", lease=reply.lease).accepted
+    assert bench.torque("left_knee", on=False).accepted
+    assert last(bench) == ("fault", "left_knee has no torque any more")
+
+
+@pytest.mark.parametrize(
+    ("joints", "more", "said"),
+    [
+        (("left_kne",), {}, "there is no joint 'left_kne'"),
+        (("left_knee",), {"role": "view"}, "role 'view' may stop the robot but not switch its torque"),
+        (("left_knee",), {"lease": "old"}, "lease is dead"),
+        (("left_knee",), {}, "left_knee is at -2.30 rad, outside its limits (-2 to 0.1 rad)"),
+        (("right_knee",), {}, "right_knee has latched overload"),
+        (("head_yaw",), {}, "head_yaw is not measured"),
+    ],
+)
+def test_a_joint_that_cannot_be_held_stays_without_torque(joints, more, said):
+    bench = Bench()
+    bench.push("left_knee", -2.3)
+    bench.servos.latched, bench.servos.missing = {13: ("overload",)}, {20}
+    bench.run(0.05)
+    reply = bench.torque(*joints, on=True, **more)
+    assert not reply.accepted
+    assert reply.reason.startswith(said)
+    others = bench.torque(on=True)
+    assert others.accepted
+    assert "head_yaw" in others.reason
+    assert set(bench.goals) == set(NAMES) - {"left_knee", "right_knee", "head_yaw"}
+
+
+def test_no_torque_comes_on_under_the_emergency_stop(bench):
+    bench.torque("left_knee", on=False)
+    bench.estop()
+    assert bench.torque("left_knee", on=True).reason.startswith("emergency stop")
+
+
+def test_servos_that_were_let_go_slowly_are_held_again_where_they_sank_to(bench):
+    bench.command(SLOW, duration_s=2.0)
+    bench.run(0.5)
+    bench.servos.phase = "releasing"
+    bench.push("left_knee", -0.9)
+    bench.hear()
+    bench.torque(on=True)
+    assert bench.goals["left_knee"] == pytest.approx(-0.9)
+    assert not bench.setpoint.lost
+
+
+def test_a_sweep_of_nothing_is_one_too(bench):
+    empty = ServosState(sweep=1, measured_s=bench.now, armed=True, phase="holding", servos=())
+    bench.servos.state = lambda now: empty
+    bench.command(SLOW)
+    bench.run(0.05)
+    assert last(bench) == ("fault", "left_knee: the servo driver does not know servo 14")

@@ -1,0 +1,105 @@
+"""Ways through key frames: they go where they should, stay between what they connect, and are never too fast."""
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from joints_bench import frame
+
+from lbr.operations.joints import trajectory
+from lbr.operations.joints.trajectory import plan, positions, speeds
+
+angles = st.floats(-3.0, 3.0)
+pose = st.fixed_dictionaries({"a": angles, "b": angles})
+frames = st.lists(
+    st.builds(
+        lambda joints, duration_s: frame(duration_s, **joints), st.one_of(pose, st.just({})), st.floats(0.02, 5.0)
+    ),
+    min_size=1,
+    max_size=6,
+).filter(lambda found: any(each.positions for each in found))
+ways = st.builds(
+    lambda start, through, limits, how, begun: plan(start, through, limits, how, begun),
+    pose,
+    frames,
+    st.fixed_dictionaries({"a": st.floats(0.1, 5.0), "b": st.floats(0.1, 5.0)}),
+    st.sampled_from(["smooth", "linear"]),
+    st.none() | pose,
+)
+few = settings(max_examples=60, deadline=None)
+LIMITS = {"a": 2.0, "b": 2.0}
+
+
+@few
+@given(ways)
+def test_it_passes_through_every_key_frame_exactly(way):
+    for at, time_s in enumerate(way.times_s):
+        found = positions(way, time_s)
+        assert found == pytest.approx({name: values[at] for name, values in way.knots.items()}, abs=1e-9)
+    assert positions(way, way.duration_s) == way.targets == positions(way, way.duration_s + 9.0)
+
+
+@few
+@given(ways, st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
+def test_it_stays_between_neighbouring_key_frames(way, shares):
+    for at, (begin_s, end_s) in enumerate(pairwise(way.times_s)):
+        for share in shares:
+            found = positions(way, begin_s + share * (end_s - begin_s))
+            for name, values in way.knots.items():
+                low, high = sorted(values[at : at + 2])
+                assert low - 1e-9 <= found[name] <= high + 1e-9
+
+
+@few
+@given(pose, frames, st.floats(0.1, 5.0), st.sampled_from(["smooth", "linear"]), st.none() | pose)
+def test_no_joint_is_ever_faster_than_its_limit(start, through, limit_rps, how, begun):
+    begun = begun and {name: max(-limit_rps, min(limit_rps, speed)) for name, speed in begun.items()}
+    way = plan(start, through, {"a": limit_rps, "b": 3.0}, how, begun)
+    times_s = [way.duration_s * at / 200 for at in range(201)]
+    assert max(abs(speeds(way, time_s)["a"]) for time_s in times_s) <= limit_rps * (1 + 1e-6)
+    for before_s, after_s in pairwise(times_s):
+        gone = abs(positions(way, after_s)["a"] - positions(way, before_s)["a"])
+        assert gone <= limit_rps * (after_s - before_s) + 1e-9
+
+
+@few
+@given(pose, frames, st.none() | pose)
+def test_a_smooth_way_has_no_jumps_in_its_speed(start, through, begun):
+    way = plan(start, through, LIMITS, "smooth", begun)
+    for time_s in way.times_s[1:]:
+        before, after = speeds(way, time_s - 1e-9), speeds(way, time_s + 1e-9)
+        assert before == pytest.approx(after, abs=1e-3)
+
+
+def test_a_smooth_way_does_not_stop_at_a_frame_it_passes_and_does_where_it_turns():
+    way = plan({"a": 0.0}, [frame(1.0, a=0.5), frame(1.0, a=1.0), frame(1.0, a=0.0)], LIMITS)
+    assert speeds(way, 1.0)["a"] > 0.4
+    assert speeds(way, 2.0)["a"] == 0.0
+    assert way.stretch == 1.0
+
+
+def test_all_of_it_takes_longer_when_one_joint_would_be_too_fast():
+    way = plan({"a": 0.0, "b": 0.0}, [frame(1.0, a=1.0), frame(0.5, b=4.0)], LIMITS, "linear")
+    assert way.times_s == pytest.approx((0.0, 4.0, 6.0))
+    assert (way.stretch, way.slowest) == (pytest.approx(4.0), "b")
+
+
+def test_it_goes_on_as_fast_as_the_joint_goes_already():
+    way = plan({"a": 0.0}, [frame(1.0, a=1.0)], LIMITS, "smooth", {"a": 1.3})
+    assert speeds(way, 0.0)["a"] == pytest.approx(1.3)
+    against = plan({"a": 0.0}, [frame(1.0, a=1.0)], LIMITS, "smooth", {"a": -1.3})
+    assert speeds(against, 0.0)["a"] == 0.0
+
+
+def test_a_joint_that_is_left_out_stays_and_one_that_is_never_named_is_none_of_it():
+    way = plan({"a": 0.0, "b": 1.0, "c": 2.0}, [frame(1.0, a=1.0), frame(1.0, b=0.5)], LIMITS, "linear")
+    assert positions(way, 1.5) == pytest.approx({"a": 1.0, "b": 0.75})
+
+
+def test_what_lies_ahead_goes_on_where_it_was():
+    way = plan({"a": 0.0}, [frame(1.0, a=0.5), frame(1.0, a=1.0)], LIMITS, "linear")
+    assert [trajectory.passed(way, time_s) for time_s in (0.0, 0.9, 1.0, 1.9, 2.0)] == [0, 0, 1, 1, 2]
+    (left,) = trajectory.ahead(way, 1.25)
+    assert (left.positions, left.duration_s) == ({"a": 1.0}, 0.75)
+    assert trajectory.ahead(way, 2.0) == ()
