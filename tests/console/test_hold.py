@@ -117,6 +117,8 @@ def test_the_end_is_told_once_however_many_end_it(robot, hold, ended):
     ("fields", "told"),
     [
         ({"result": "reached", "range_cm": 40.0}, "range reached at 40 cm after 2.0 s"),
+        ({"result": "reached"}, "what it says"),
+        ({"result": "reached", "reason": ""}, "done after 2.0 s"),
         ({"result": "interval"}, "time is over after 2.0 s"),
         ({"result": "reached", "turned_deg": 90.6, "error_deg": 0.6}, "what it says"),
         ({"result": "fault", "turned_deg": 45.0}, "fault after 2.0 s, turned 45.0 degrees: what it says"),

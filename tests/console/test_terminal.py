@@ -134,6 +134,20 @@ def test_a_line_is_said_and_its_result_shown(robot, screen):
     assert said(robot) == ["s"]
 
 
+def test_what_needs_a_yes_is_asked_for_and_enter_is_no(robot, screen):
+    robot.lines["/torque/off"] = ConsoleResult(code=1, text="The robot falls.", confirm="/torque/off/all")
+    robot.lines["/torque/off/all"] = ConsoleResult(code=0, text="all are let go")
+    screen.types("/torque/off\r")
+    screen.sees("Do it? y/N")
+    screen.types("\r")
+    screen.sees("Nothing was done.")
+    assert said(robot) == ["/torque/off"]
+    screen.types("/torque/off\r")
+    wait_for(lambda: screen.text.count("Do it? y/N") == 2)
+    screen.types("y\r")
+    screen.sees("all are let go")
+
+
 def test_tab_completes_words_and_choices(robot, screen):
     robot.lines["/report/health"] = ConsoleResult(code=0, text="all is well")
     buffer = screen.terminal._session.default_buffer
