@@ -1,0 +1,168 @@
+"""The running world of a humanoid as a driver and a bus client meet it: real ttys and sockets, real time."""
+
+import threading
+import time
+from math import radians
+
+import pytest
+import serial
+from humanoid_bench import rows
+from PIL import Image
+from world_bench import FakeCall, FakeContext
+
+from lbr.capability.context import Device
+from lbr.simulation.humanoid import KIND
+from lbr.simulation.humanoid.capability import HumanoidWorld
+from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+from lbr.simulation.requests import FaultRequest, PickUpRequest, PictureRequest
+from lbr.simulation.rows import DEVICE_ROWS
+from lbr.simulation.twins import TWINS
+
+STEP_RAD = radians(300.0 / 1023.0)
+LEFT_ARM = 4
+
+
+class Bench:
+    def __init__(self, folder, **settings):
+        self.bus_path = folder / "servo_bus"
+        devices = (
+            Device("servo_bus", "dynamixel", str(self.bus_path), {}),
+            Device("imu", "phidget_spatial", f"unix:{folder}/imu", {}),
+            Device("ups", "pico", f"unix:{folder}/ups", {}),
+        )
+        self.ctx = FakeContext(HumanoidWorldSettings(**{"model": "bioloid", "hand_s": 0.2, **settings}), devices)
+        self.ctx.robot, self.ctx.home, self.ctx.joints = "bioloid", str(folder), rows()[0]
+        self.world = HumanoidWorld(self.ctx)
+
+    @property
+    def pose(self):
+        return self.ctx.published["pose"][-1]
+
+    def ask(self, name, message, **more):
+        call = FakeCall(name, message, **more)
+        self.world.command(call)
+        return call
+
+    def until(self, condition, seconds=4.0):
+        """Step as the runtime would until something is true."""
+        pause, end = threading.Event(), time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.world.step()
+            if condition():
+                return True
+            pause.wait(0.01)
+        return False
+
+
+class Client:
+    """A host of the bus, packet by packet as the manual has them."""
+
+    def __init__(self, path):
+        self.tty = serial.Serial(str(path), 1_000_000, timeout=1, exclusive=True)
+
+    def write_all(self, address, values):
+        """A sync write of two bytes to each servo; no answer."""
+        data = bytes(byte for number, value in values.items() for byte in (number, value & 255, value >> 8))
+        self._send(0xFE, 0x83, bytes([address, 2]) + data)
+
+    def read(self, number, address):
+        """Two bytes of a servo."""
+        self._send(number, 0x02, bytes([address, 2]))
+        header, _, length, _ = self.tty.read(2), self.tty.read(1), self.tty.read(1)[0], self.tty.read(1)
+        assert header == b"\xff\xff"
+        return int.from_bytes(self.tty.read(length - 1)[:2], "little")
+
+    def _send(self, number, instruction, parameters):
+        body = bytes([number, len(parameters) + 2, instruction]) + parameters
+        self.tty.write(b"\xff\xff" + body + bytes([~sum(body) & 255]))
+
+
+@pytest.fixture
+def bench(tmp_path):
+    made = Bench(tmp_path)
+    made.world.open()
+    yield made
+    made.world.close()
+
+
+@pytest.fixture
+def servos(bench):
+    client = Client(bench.bus_path)
+    yield client
+    client.tty.close()
+
+
+def stand(bench, servos):
+    goals = {joint.device_id: round(joint.zero_rad / STEP_RAD) + 512 for joint in rows()[0]}
+    servos.write_all(30, goals)
+    servos.write_all(24, dict.fromkeys(goals, 1))
+    assert bench.until(lambda: not bench.pose.held)
+
+
+def test_servos_with_torque_stand_it_up_and_positions_on_the_bus_follow_the_world(bench, servos):
+    assert bench.until(lambda: bench.ctx.published["pose"])
+    assert bench.pose.held
+    stand(bench, servos)
+    assert ("let_go", "the helper's hand has let go: bioloid stands by itself") in bench.ctx.events
+    servos.write_all(30, {LEFT_ARM: 663})
+    assert bench.until(lambda: bench.pose.joints["left_shoulder_roll"] > 0.7), "it counts the other way round"
+
+    def world_raw():
+        return 512 + (1.5708 - bench.pose.joints["left_shoulder_roll"]) / STEP_RAD
+
+    assert bench.until(lambda: abs(servos.read(LEFT_ARM, 36) - world_raw()) < 2 and abs(world_raw() - 663) < 12)
+    assert servos.read(LEFT_ARM, 42) & 255 == pytest.approx(bench.pose.supply_v * 10, abs=1.5)
+    assert bench.pose.upright
+
+
+def test_who_loses_all_torque_in_a_knees_bend_falls_is_told_of_and_picked_up(bench, servos):
+    stand(bench, servos)
+    bent = {"hip_pitch": 60, "knee": -160, "ankle_pitch": 20}
+    goals = {
+        joint.device_id: 512 + joint.sign * steps
+        for joint in rows()[0]
+        for name, steps in bent.items()
+        if joint.name.endswith(name)
+    }
+    servos.write_all(30, goals)
+    assert bench.until(lambda: any(kind == "fallen" for kind, _ in bench.ctx.events))
+    servos.write_all(24, dict.fromkeys(range(1, 19), 0))
+    call = bench.ask("pick_up", PickUpRequest())
+    assert call.answer.accepted
+    assert bench.until(lambda: bench.pose.held and bench.pose.upright)
+
+
+def test_a_picture_shows_it_from_two_sides(bench, tmp_path):
+    assert bench.until(lambda: bench.ctx.published["pose"])
+    path = tmp_path / "it.png"
+    call = bench.ask("picture", PictureRequest(path=str(path), width_px=600, height_px=400))
+    assert bench.until(lambda: call.answer is not None)
+    with Image.open(path) as picture:
+        assert picture.size == (600, 400)
+        paper = picture.getpixel((5, 40))
+        halves = (picture.crop((0, 60, 300, 350)), picture.crop((300, 60, 600, 350)))
+        for half in halves:
+            drawn = sum(count for count, colour in half.getcolors(100_000) if colour != paper)
+            assert 0.03 < drawn / (300 * 290) < 0.5
+
+
+def test_faults_reach_the_devices_and_lookers_may_only_look(bench):
+    call = bench.ask("fault", FaultRequest(device="servo_bus", name="unplug"))
+    assert call.answer.faults["unplug"] is True
+    assert bench.until(lambda: not bench.bus_path.is_symlink())
+    assert "no emulated device 'leg'" in bench.ask("fault", FaultRequest(device="leg", name="unplug")).refusal
+    assert "needs the role operate" in bench.ask("pick_up", PickUpRequest(), role="view").refusal
+    assert bench.ask("picture", PictureRequest(), role="view").refusal is None
+
+
+def test_every_device_of_the_robot_has_its_twin_and_what_its_row_may_set_is_known(bench):
+    assert bench.ctx.warnings == []
+    assert set(DEVICE_ROWS) == set(TWINS)
+    assert KIND.device_settings is DEVICE_ROWS
+
+
+def test_when_the_world_ends_its_devices_are_gone(bench, tmp_path):
+    assert bench.until((tmp_path / "imu").is_socket)
+    bench.world.close()
+    assert not (tmp_path / "imu").exists()
+    assert not bench.bus_path.is_symlink()
