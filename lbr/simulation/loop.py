@@ -73,7 +73,7 @@ class WorldLoop:
 
     def _run(self) -> None:
         try:
-            with selectors.DefaultSelector() as selector:
+            with selectors.SelectSelector() as selector:  # others wait in whole milliseconds; a servo answers sooner
                 self._live(selector)
         except BaseException as err:  # noqa: BLE001  whoever owns the thread raises it again
             self.failure = err
