@@ -1,19 +1,22 @@
 """The guard's program: waits until the driver dies or falls silent while a motor turns, then writes zero. Imports little.
 
-Run by path, without the project: `zero_on_death.py TTY_FD PIPE_FD DRIVER_PIDFD SILENCE_MS STOP_HEX [WORDS_FD WORDS_HEX]`.
-The driver writes `m` to the pipe while a motor may turn, `z` while none does, and `q` to dismiss. Before the guard ends
-a silent driver it writes the words to their descriptor.
+Run by path, without what is installed: `zero_on_death.py TTY_FD PIPE_FD DRIVER_PIDFD SILENCE_MS STOP_HEX [WORDS_FD WORDS_HEX]`.
+See `lbr.drivers.watch` for what the driver says. Before the guard ends a silent driver it writes the words to their
+descriptor.
 """
 
 import os
 import select
-import signal
 import sys
 import termios
 import time
 from contextlib import suppress
 
-TURNING, RESTING, DISMISSED = b"m", b"z", b"q"
+if __name__ == "__main__":
+    sys.path.insert(0, os.path.abspath(f"{__file__}/../../../.."))  # noqa: PTH100  importing pathlib takes too long
+
+from lbr.drivers.watch import outlast
+
 TRIES = 10
 AT_LEAST = 2  # the first may end a line that the driver left half written, and be refused with it
 ANSWER_S = 0.03
@@ -23,34 +26,13 @@ def main(
     tty: int, pipe: int, driver: int, silence_ms: int, stop: bytes, words_fd: int = -1, words: bytes = b""
 ) -> None:
     """Return when dismissed; otherwise stop the motors first."""
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)
-    end = watch(pipe, silence_ms)
-    if end == DISMISSED:
+    if not outlast(pipe, driver, silence_ms, words_fd, words):
         return
-    if end == TURNING:
-        with suppress(OSError):
-            os.write(words_fd, words)
-        with suppress(OSError):
-            signal.pidfd_send_signal(driver, signal.SIGKILL)
     for attempt in range(1, TRIES + 1):
         if stopped(tty, stop) and attempt >= AT_LEAST:
             return
     with suppress(OSError, termios.error):
         termios.tcflush(tty, termios.TCOFLUSH)  # closing a line waits for its output, for half a minute
-
-
-def watch(pipe: int, silence_ms: int) -> bytes:
-    """Return `q` when dismissed, nothing when the driver is dead, `m` when it is silent while a motor may turn."""
-    poll = select.poll()
-    poll.register(pipe, select.POLLIN)
-    said = RESTING
-    while poll.poll(silence_ms if said == TURNING else None):
-        heard = os.read(pipe, 4096)
-        if not heard or DISMISSED in heard:
-            return heard and DISMISSED
-        said = heard[-1:]
-    return said
 
 
 def stopped(tty: int, stop: bytes) -> bool:

@@ -1,0 +1,38 @@
+"""What every guard process begins with: waiting until its driver dies, or falls silent while something may move.
+
+The driver writes `m` to the pipe while something may move, `z` while nothing does, and `q` to dismiss. Imports little:
+guards that run without the project use it.
+"""
+
+import os
+import select
+import signal
+from contextlib import suppress
+
+TURNING, RESTING, DISMISSED = b"m", b"z", b"q"
+
+
+def outlast(pipe: int, driver: int, silence_ms: int, words_fd: int, words: bytes) -> bool:
+    """Return False when dismissed, True when the driver is dead; one that hangs is ended, after its last words."""
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    end = watch(pipe, silence_ms)
+    if end == TURNING:
+        with suppress(OSError):
+            os.write(words_fd, words)
+        with suppress(OSError):
+            signal.pidfd_send_signal(driver, signal.SIGKILL)
+    return end != DISMISSED
+
+
+def watch(pipe: int, silence_ms: int) -> bytes:
+    """Return `q` when dismissed, nothing when the driver is dead, `m` when it is silent while something may move."""
+    poll = select.poll()
+    poll.register(pipe, select.POLLIN)
+    said = RESTING
+    while poll.poll(silence_ms if said == TURNING else None):
+        heard = os.read(pipe, 4096)
+        if not heard or DISMISSED in heard:
+            return heard and DISMISSED
+        said = heard[-1:]
+    return said
