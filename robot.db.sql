@@ -616,6 +616,8 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
      'Let the countdown to the shutdown come to nothing, until the voltage is low anew'),
     ('bioloid', 'picture', 'picture', 'world.picture', NULL, 'view',
      'Simulation: save a picture of the robot from its front and its left'),
+    ('bioloid', 'pick_up', 'pick_up', 'world.pick_up', NULL, 'operate',
+     'Simulation: put the robot back on its feet, in a hand that holds it until its joints have torque'),
     ('bioloid', 'fault', '/fault/{device}/{name}', 'world.fault', '{"value": true}', 'operate',
      'Simulation: let an emulated device fail, such as /fault/servo_bus/unplug'),
     ('bioloid', 'fault', '/fault/{device}/{name}/off', 'world.fault', '{"value": null}', 'operate',

@@ -8,6 +8,8 @@ from lbr.messages.system import Event
 
 TOLD_S = 3.0
 FOR_THE_RECORD = frozenset({"holder"})
+MOVERS = frozenset({"drive", "joints", "motions"})
+"""How an own motion of theirs ended is told by whoever held it."""
 
 
 class News:
@@ -34,7 +36,7 @@ class News:
 
     def _is_news(self, event: Event) -> bool:
         own = event.text.startswith(self._own)
-        if event.kind in FOR_THE_RECORD or (own and (event.subject == "drive" or event.kind == "python")):
+        if event.kind in FOR_THE_RECORD or (own and (event.subject in MOVERS or event.kind == "python")):
             return False
         text = event.text.removeprefix(self._own)
         if event.kind == "external" and any(text.startswith(f"'{line.split()[0]}'") for line in self._of(self._said)):

@@ -25,6 +25,8 @@ from lbr.messages.system import RANKS, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 MAX_RUN_S = 30.0
+BOUNDED_RUN_S = 86_400.0
+"""What knows its own end is held until then, unless its capability sets a limit."""
 MOST_LEASES = 256
 LEASED = (DriveCommand, TurnCommand, HeadingCommand, JointsCommand, JointMove, PlayCommand)
 """Commands that are held: whoever says one goes on saying it under its lease."""
@@ -153,13 +155,13 @@ class Dispatcher:
             result_key=keys.port(robot, name, "result"),
             payload=payload | {"lease": lease},
             goal=str(answer.get("goal", "")),
-            max_run_s=self._max_run_s(name),
+            max_run_s=self._max_run_s(name, bounded=bool(answer.get("goal"))),
         )
         return ConsoleResult(code=DONE, text=reason or "accepted", hold=hold, data=answer)
 
-    def _max_run_s(self, name: str) -> float:
+    def _max_run_s(self, name: str, *, bounded: bool) -> float:
         settings = self._robot.plan.kinds[name].parse(self._robot.plan.units[name].config.settings)
-        return float(getattr(settings, "max_run_s", MAX_RUN_S))
+        return float(getattr(settings, "max_run_s", BOUNDED_RUN_S if bounded else MAX_RUN_S))
 
     def _query(self, call: VerbCall, payload: dict[str, Any], by: _Speaker) -> dict[str, Any] | None:
         key = keys.port(self._robot.plan.robot, call.capability, call.command)
