@@ -1,5 +1,6 @@
 """Fixtures that start whole robots; the heavy one is shared by all tests of a module that leave it as it was."""
 
+import os
 import signal
 import tempfile
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ import pytest
 
 from tests.robot import Robot, prepare, running
 
+os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = "unix:path=/nonexistent"  # no test may power this machine off
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
 
 

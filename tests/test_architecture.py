@@ -45,6 +45,7 @@ OWNERS = {
     "numpy": {"operations", "simulation"},
     "imufusion": {"operations"},
     "matplotlib": {"operations"},
+    "dbus_fast": {"operations"},
     "smbus2": {"drivers"},
     "Phidget22": {"drivers"},
     "linuxpy": {"drivers"},
@@ -78,6 +79,7 @@ HEAVY = (
     "psutil",
     "argon2",
     "cryptography",
+    "dbus_fast",
 )
 NUMERIC = ("lbr.operations.attitude",)
 """Families of operations that compute with arrays; no driver is among them."""
