@@ -7,6 +7,7 @@ from collections.abc import Callable
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.capability.config import ProcessConfig
+from lbr.capability.dating import Dates
 from lbr.errors import MalformedError
 from lbr.messages.system import EstopAcknowledgement, EstopRequest
 
@@ -26,6 +27,7 @@ class EstopLatch:
         self._again = False
         self._noticed = False
         self._lock = threading.Lock()
+        self._releases = Dates()
         self._pressed_ns = self._released_ns = time.monotonic_ns()
         self._session = session.open_client(config.endpoints, config.credentials, certificate=config.certificate)
         self._ack_key = keys.estop_acknowledgement(config.robot, config.name)
@@ -70,11 +72,12 @@ class EstopLatch:
         found = stamp.read(request.attachment)
         if found is None or not stamp.genuine(found, request.payload, self._release_key):
             return "only the executive releases"
-        if found.mono_ns <= max(self._released_ns, self._pressed_ns):
+        sent_ns = int(stamp.sent_s(found, request.arrived) * 1e9)
+        if not self._releases.newer(found) or sent_ns <= max(self._released_ns, self._pressed_ns):
             return "it was pressed again meanwhile"
         if self.engaged and not self._noticed:  # a stop is never so short that nobody stopped
             return "it has not stopped yet"
-        self._released_ns = found.mono_ns
+        self._released_ns = sent_ns
         return ""
 
 

@@ -25,7 +25,7 @@ from lbr.errors import BusError
 from lbr.executive.mainthread import MainThread
 from lbr.executive.stay import Stay
 
-AGAIN_S = 1.0
+AGAIN_S = 0.5
 Say = Callable[[str], None]
 
 

@@ -206,15 +206,15 @@ class Executive:
         self.dispatcher = Dispatcher(self, bus, namespace)
         self._service = Service(bus, robot, self.dispatcher, reset=self.estop_reset)
         self._hosts = Hosts(
-            bus,
-            robot,
-            self._profile.hosts,
+            {
+                name: wire.Served(bus, keys.host(robot, name), self._main.wake, puts=False, source="executive")
+                for name in self._profile.hosts
+            },
             version=hosting.version(),
             happened=self._happened,
             measured=self._measured,
             begun=self._begun_elsewhere,
             ways=self._lan,
-            wake=self._main.wake,
         )
         self._emergency = Emergency(
             robot,

@@ -1,14 +1,12 @@
 """The other machines that a robot's processes run on, as the executive sees them: who is there, and how its share is."""
 
-import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from math import inf
 
 from msgspec.structs import replace
 
-from lbr.bus import keys, wire
+from lbr.bus import wire
 from lbr.bus.codec import Decoder
-from lbr.bus.session import Session
 from lbr.errors import MalformedError
 from lbr.executive.hosting import GONE_S, HostReport, HostShare, Measured, Placed, mark
 from lbr.executive.units import Unit
@@ -34,38 +32,30 @@ class Host:
 
 
 class Hosts:
-    """Answers agents from the executive's thread. `happened(kind, subject, text, level)` hears what people should know.
+    """Answers agents, at the key that `served` has for each host, from one thread.
 
-    `measured` is told what is to be written down, `begun(name)` that a process there is a new one; `ways()` are the
-    endpoints that other machines come in at.
+    `happened(kind, subject, text, level)` hears what people should know, `measured` what is to be written down, and
+    `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines come in at.
     """
 
     def __init__(
         self,
-        bus: Session,
-        robot: str,
-        names: Iterable[str],
+        served: Mapping[str, wire.Served],
         *,
         version: str,
         happened: Callable[[str, str, str, str], None],
         measured: Callable[[Measured], None],
         begun: Callable[[str], None],
         ways: Callable[[], tuple[str, ...]],
-        wake: Callable[[], None],
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._version = version
         self._happened = happened
         self._measured = measured
         self._begun = begun
         self._ways = ways
-        self._clock = clock
         self._restarts: dict[str, int] = {}
         self._ended = False
-        self._hosts = {
-            name: Host(name, wire.Served(bus, keys.host(robot, name), wake, puts=False, source="executive"))
-            for name in names
-        }
+        self._hosts = {name: Host(name, one) for name, one in served.items()}
 
     def adopt(self, units: Iterable[Unit]) -> None:
         """Take over a plan's processes; each host gets its share with the answer to its next report."""
