@@ -63,6 +63,8 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     A joint never goes faster than its row says: then all take longer. `smooth` passes through key frames without
     stopping; `linear` goes straight from one to the next. `append` has `frames` follow those under way, which go on, so
     that a motion longer than a message may be flows; the goal stays the same. A lease with nothing to move is renewed.
+    `asked_s` is when somebody asked for this who had it passed on, on the robot's own monotonic clock: what was asked
+    for before a stop does not begin after it.
     """
 
     positions: dict[str, JointRad] = {}
@@ -72,6 +74,7 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     interpolation: Interpolation = "smooth"
     mirror: bool = False
     append: bool = False
+    asked_s: float | None = None
     lease: LeaseId = ""
     ttl_s: TtlS | None = None
     take_over: bool = False
@@ -131,7 +134,8 @@ class JointState(Struct, frozen=True, kw_only=True):
 class JointsState(Struct, frozen=True, kw_only=True):
     """All joints out of one sweep of the bus, who moves them, and why they stand still.
 
-    `passed` counts the key frames of the goal under way that lie behind, since it began.
+    `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before `stopped_s`,
+    monotonic, begins nothing any more: then somebody stopped all.
     """
 
     sequence: int
@@ -142,6 +146,7 @@ class JointsState(Struct, frozen=True, kw_only=True):
     holder: str | None = None
     goal: str | None = None
     passed: int = 0
+    stopped_s: float | None = None
     reason: str = ""
     estop: bool = False
     loop: LoopStatistics | None = None

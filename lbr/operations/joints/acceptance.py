@@ -28,7 +28,7 @@ def asks(state: State, event: Command) -> Ask:
         lease=command.lease,
         what=asked(command, event.new_goal),
         moves=True,
-        received=event.received,
+        received=event.received if command.asked_s is None else min(event.received, command.asked_s),
         new_lease=event.new_lease,
         take_over=command.take_over,
         ttl_s=command.ttl_s,

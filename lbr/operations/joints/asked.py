@@ -30,7 +30,7 @@ def of_move(move: JointMove) -> JointsCommand:
 
 def asked(command: JointsCommand, token: str) -> Asked:
     """Return what a command asks for; `token` is one of its own."""
-    bare = replace(command, lease="", ttl_s=None, take_over=False)
+    bare = replace(command, lease="", ttl_s=None, take_over=False, asked_s=None)
     return Asked(command=bare, token=token if command.append else "")
 
 

@@ -1,5 +1,7 @@
 """What the world may know of the joints."""
 
+from math import isfinite
+
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.servos import ServoState
@@ -20,6 +22,7 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
         holder=hold.source if hold else None,
         goal=move.goal if move else None,
         passed=_passed(move),
+        stopped_s=state.holding.stopped if isfinite(state.holding.stopped) else None,
         reason="" if hold is not None else _why_at_rest(state, now),
         estop=state.holding.estop,
         loop=loop,
