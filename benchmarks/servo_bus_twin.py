@@ -1,8 +1,10 @@
 """A servo bus on a pty in a process of its own, with answers to the microsecond, whose every state can be checked.
 
 `python -m benchmarks.servo_bus_twin PATH` takes one JSON object a line on standard input and answers `{"ready": true}`:
-`delay` (the return delay register), `usb2ax` (4, 5 or null), `faults` as in a device row, `servos`, how many there are.
-Each servo counts how often it was read, and says the count in its position, speed and load: see `counter_of`.
+`delay` (the return delay register), `usb2ax` (4, 5 or null), `usb_us`, `faults` as in a device row, `servos`, how many
+there are. Each servo counts how often it was read, and says the count in its position, speed and load: see `counter_of`.
+With `positions_rad` they are servos that turn as they are told, and begin there; `log` names a file that gets each packet
+for all of them, as a line of when it was over and its bytes.
 """
 
 import ctypes
@@ -10,7 +12,8 @@ import json
 import select
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from random import Random
 from typing import Any
 
@@ -18,6 +21,7 @@ import msgspec
 
 from lbr.simulation.dynamixel import AxServo, BusTiming, DynamixelBus, Usb2Ax
 from lbr.simulation.dynamixel import registers as reg
+from lbr.simulation.dynamixel.packets import BROADCAST, Instruction
 from lbr.simulation.dynamixel.timing import rhythm
 from lbr.simulation.faults import DynamixelFaults
 from lbr.simulation.port import PtyPort
@@ -52,20 +56,41 @@ def counter_of(servo: int, values: Sequence[int], first: int = 0) -> int | None:
 
 
 def bus(
-    *, delay: int = 0, usb2ax: int | None = None, servos: int = 18, faults: dict[str, Any] | None = None
+    *,
+    delay: int = 0,
+    usb2ax: int | None = None,
+    usb_us: float = 0.0,
+    servos: int = 18,
+    faults: dict[str, Any] | None = None,
+    positions_rad: Sequence[float] = (),
+    log: str = "",
 ) -> DynamixelBus:
-    """Return a bus whose only delays are the line's and the servos' own."""
-    timing, random = BusTiming(usb_us=0.0), Random(1)
+    """Return a bus whose only delays are the line's, the servos' own, and `usb_us`."""
+    random = Random(1)
+    places = positions_rad or (0.0,) * servos
     return DynamixelBus(
         [
-            CountingServo(number, return_delay=delay, rhythm=rhythm(random), eeprom_s=0.0)
-            for number in range(1, servos + 1)
+            (AxServo if positions_rad else CountingServo)(
+                number, return_delay=delay, position_rad=at_rad, rhythm=rhythm(random)
+            )
+            for number, at_rad in enumerate(places, 1)
         ],
         dongle=Usb2Ax(5 if usb2ax == 5 else 4) if usb2ax else None,
-        timing=timing,
+        timing=BusTiming(usb_us=usb_us),
         faults=msgspec.convert(faults or {}, DynamixelFaults),
         seed=1,
+        heard=_logger(Path(log)) if log else None,
     )
+
+
+def _logger(path: Path) -> Callable[[Instruction, float], None]:
+    log = path.open("a", buffering=1)
+
+    def heard(instruction: Instruction, end: float) -> None:
+        if instruction.id == BROADCAST:
+            log.write(f"{end:.6f} {instruction.code:02x} {instruction.parameters.hex()}\n")
+
+    return heard
 
 
 def main() -> None:

@@ -31,10 +31,16 @@ class AxServo:
     """A servo from power-up on, in its own radians; a world moves it by `feel`, else it turns by itself."""
 
     def __init__(
-        self, number: int = 1, *, return_delay: int = 250, rhythm: Rhythm = STEADY, eeprom_s: float = 0.006
+        self,
+        number: int = 1,
+        *,
+        return_delay: int = 250,
+        position_rad: float = 0.0,
+        rhythm: Rhythm = STEADY,
+        eeprom_s: float = 0.006,
     ) -> None:
         self.rhythm = rhythm
-        self.felt = ServoFelt(position_rad=0.0)
+        self.felt = ServoFelt(position_rad=position_rad)
         self.supply_v = 11.1
         self.temperature_c = _AMBIENT_C
         self.deaf_until = 0.0
@@ -42,6 +48,7 @@ class AxServo:
         self._table = reg.factory()
         self._table[reg.ID] = number
         self._table[reg.RETURN_DELAY] = return_delay
+        reg.put_word(self._table, reg.GOAL, as_position(position_rad))
         self._eeprom_s = eeprom_s
         self._powered = True
         self._hot = self._strained = self._overloaded = False
