@@ -22,7 +22,7 @@ KIND = Kind(
         "recover": RecoverCommand,
         "stop": StopCommand,
     },
-    replies=dict.fromkeys(("command", "move", "torque", "recover", "stop"), CommandReply),
+    replies=dict.fromkeys(("command", "move", "torque", "recover", "stop", "servos_recover"), CommandReply),
     requests={"servos_recover": RecoverServos},
     moves=True,
     rows=("joint",),
