@@ -1,4 +1,20 @@
-"""A bus of Dynamixel AX-12A servos, protocol 1.0: its kind and its settings."""
+"""A bus of Dynamixel AX-12A servos, protocol 1.0: its kind and its settings.
+
+The bus is of use without a robot, too:
+
+    from lbr.drivers.dynamixel import table
+    from lbr.drivers.dynamixel.bus import open_bus
+
+    with open_bus("/dev/ttyACM0") as bus:
+        servos = bus.scan(range(1, 19))
+        bus.find_adapter()                                   # a USB2AX reads all of them at once
+        for servo, motion in zip(servos, bus.read_motions(servos)):
+            print(servo, motion and (motion.position_rad, motion.speed_rps, motion.load_fraction))
+        bus.put(1, table.LED, 1)
+        bus.write_all(table.GOAL_POSITION.address, {servo: (512).to_bytes(2, "little") for servo in servos})
+
+`packet` is the codec alone, `table` the control table, `owner` a thread that lets many share a bus. See docs/servo_bus.md.
+"""
 
 from typing import Annotated, Literal
 
@@ -9,6 +25,9 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
 from lbr.messages.units import Name
 
+AlarmName = Literal["voltage", "angle_limit", "overheat", "range", "checksum", "overload", "instruction"]
+SupplyV = Annotated[float, Meta(ge=5.0, le=16.0, description="volts")]
+
 
 class DynamixelSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `dynamixel` may set."""
@@ -16,6 +35,7 @@ class DynamixelSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields
     device: Name
     baud: Annotated[int, Meta(ge=7843, le=1_000_000)] = 1_000_000
     sweep_hz: Annotated[float, Meta(ge=1.0, le=250.0, description="sweeps per second at most")] = 100.0
+    setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
     hold_s: Annotated[float, Meta(ge=0.0, le=3600.0, description="how long servos hold whose mover is lost")] = 30.0
     release_s: Annotated[
         float, Meta(ge=0.1, le=60.0, description="how long letting go takes then; their torque fades")
@@ -23,6 +43,35 @@ class DynamixelSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields
     on_estop: Annotated[
         Literal["hold", "release"], Meta(description="what the emergency stop does: hold still, or let go at once")
     ] = "hold"
+    on_close: Annotated[
+        Literal["hold", "release"],
+        Meta(description="when the driver ends in order: hold, then let go slowly; or at once"),
+    ] = "hold"
+    reply_margin_s: Annotated[
+        float, Meta(ge=0.001, le=0.1, description="an answer so much later than wire and servo explain is lost")
+    ] = 0.01
+    sync_read: Annotated[bool, Meta(description="let a USB2AX read all servos at once")] = True
+    write_eeprom: Annotated[bool, Meta(description="set what servos keep without power, where it differs")] = True
+    return_delay_us: Annotated[int, Meta(ge=0, le=508)] = 0
+    lowest_v: SupplyV = 6.0
+    highest_v: SupplyV = 14.0
+    alarms: Annotated[
+        tuple[AlarmName, ...], Meta(description="what lights a servo's LED, and what takes its torque")
+    ] = (
+        "overload",
+        "overheat",
+    )
+    guard: bool = True
+    guard_silence_ms: Annotated[
+        int, Meta(ge=60, le=2000, description="while a servo has torque, a driver silent for longer is killed")
+    ] = 250
+
+    def __post_init__(self) -> None:
+        """Refuse what would take a servo its protection."""
+        if not {"overload", "overheat"} <= set(self.alarms):
+            raise ValueError("alarms must hold `overload` and `overheat`: they are what protects a servo")
+        if self.lowest_v >= self.highest_v:
+            raise ValueError(f"lowest_v {self.lowest_v:g} is not below highest_v {self.highest_v:g}")
 
 
 KIND = Kind(

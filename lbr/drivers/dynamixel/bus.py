@@ -34,6 +34,7 @@ ADAPTER_SILENCE_S = 0.0012
 """What a USB2AX waits for each servo that does not answer."""
 MOST_BYTES = 4096
 _GOOD_SUM = 0xFD
+_REFUSALS = packet.error_mask("angle_limit", "range", "instruction", "checksum")
 _MOTION = Struct("<4xB3Hx")
 _MOTION_DATA = Struct("<3H")
 _PADDING = b"\xff" * MOTION_BYTES
@@ -114,9 +115,9 @@ class Bus:
         return self.write(servo, register.address, register.encode(value))
 
     def write(self, servo: int, address: int, data: bytes, *, tries: int | None = None) -> bool:
-        """Write bytes and say whether the servo acknowledged them, without complaining of their range."""
+        """Write bytes and say whether the servo acknowledged them, without complaining of them."""
         status = _status(self.ask(self._question(servo, packet.write(servo, address, data), 0), tries))
-        return status is not None and not status.error & packet.error_mask("range", "instruction", "checksum")
+        return status is not None and not status.error & _REFUSALS
 
     def write_all(self, address: int, blocks: Mapping[int, bytes]) -> None:
         """Give each servo its block at the same time; nobody answers that."""

@@ -34,7 +34,7 @@ class Setup:
     def __init__(
         self,
         wanted: Sequence[tuple[Register, int]],
-        told: Callable[[str, str], None] = lambda _kind, _text: None,
+        told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         self.kept: dict[int, Kept] = {}
@@ -46,11 +46,12 @@ class Setup:
 
     def prepare(self, bus: Bus, servo: int) -> str:
         """Say what keeps a servo from being used, or nothing; a servo that is silent may be prepared again later."""
+        strays = bus.strays[servo]
         block = self._eeprom(bus, servo)
         if block is None:
             return self._why_not(bus, servo)
         self._garbled[servo] = 0
-        wrong = self._wrong(bus, servo, block)
+        wrong = self._wrong(bus, servo, block, twice=bus.strays[servo] > strays)
         if wrong:
             self._warn(servo, wrong)
             return wrong
@@ -79,11 +80,11 @@ class Setup:
         self._warn(servo, wrong)
         return wrong
 
-    def _wrong(self, bus: Bus, servo: int, block: bytes) -> str:
+    def _wrong(self, bus: Bus, servo: int, block: bytes, *, twice: bool) -> str:
         model = table.MODEL_NUMBER.decode(block)
         if model != table.MODEL:
             return f"is a model {model}, not an AX-12A ({table.MODEL})"
-        if any(status.id == servo for status in bus.leftover()):
+        if twice or any(status.id == servo for status in bus.leftover()):
             return f"answers twice: there are two servos with id {servo}; give one of them another"
         if table.CW_LIMIT.decode(block) == table.CCW_LIMIT.decode(block) == 0:
             return "is set to turn endlessly; give it angle limits"
@@ -106,14 +107,14 @@ class Setup:
         if any(register.decode(block) != value for register, value in other):
             self._warn(servo, f"does not take {names}")
         else:
-            self._told("servo_set_up", f"servo {servo}: set {names}")
+            self._told("servo_set_up", f"servo {servo}: set {names}", "info")
         return block
 
     def _warn(self, servo: int, wrong: str) -> None:
         """Tell it once, not at each look."""
         if self._warned.get(servo) != wrong:
             self._warned[servo] = wrong
-            self._told("servo_wrong", f"servo {servo} {wrong}")
+            self._told("servo_wrong", f"servo {servo} {wrong}", "warning")
 
 
 def find_servos(

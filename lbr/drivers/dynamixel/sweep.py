@@ -81,7 +81,7 @@ class Sweeper:
         clock: Callable[[], float],
         period_s: float = 0.0,
         prepare: Callable[[Bus, int], str] = lambda _bus, _servo: "",
-        told: Callable[[str, str], None] = lambda _kind, _text: None,
+        told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
     ) -> None:
         self.snapshot = Snapshot(0, -inf, {servo: Seen() for servo in servos})
         self.heard = -inf
@@ -156,7 +156,9 @@ class Sweeper:
         self._sync_failures += 1
         if self._sync_failures >= SYNC_READ_FAILURES:
             bus.adapter = None
-            self._told("sync_read", "the adapter's sync read gets no answers; the servos are read one by one")
+            self._told(
+                "sync_read", "the adapter's sync read gets no answers; the servos are read one by one", "warning"
+            )
 
     def _read_motion(self, bus: Bus, servo: _Servo) -> None:
         motion = bus.read_motion(servo.id)
@@ -204,12 +206,12 @@ class Sweeper:
             servo.misses += 1
             if servo.misses == MISSES:
                 servo.again = now + servo.pause_s
-                self._told("servo_silent", f"servo {servo.id} {trouble}; check its cable and power")
+                self._told("servo_silent", f"servo {servo.id} {trouble}; check its cable and power", "warning")
             if servo.silent:
                 self._see(servo, reason=trouble)
             return
         if servo.silent and servo.seen.at > -inf:
-            self._told("servo_back", f"servo {servo.id} answers again")
+            self._told("servo_back", f"servo {servo.id} answers again", "info")
         servo.misses, servo.pause_s = 0, AGAIN_FIRST_S
         self.heard = now
         self._states += 1

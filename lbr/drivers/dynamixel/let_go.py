@@ -1,0 +1,114 @@
+"""The guard's program: after the driver's death the servos hold where they are, then their torque fades, then it is off.
+
+`python -m lbr.drivers.dynamixel.let_go TTY_FD PIPE_FD DRIVER_PIDFD SILENCE_MS WORDS_FD WORDS_HEX BAUD MARGIN_S HOLD_S
+RELEASE_S ID...`. It keeps the line locked only while it speaks: the moment a new driver has it, it is done.
+"""
+
+import fcntl
+import sys
+import termios
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager, suppress
+
+from lbr.drivers.dynamixel import table
+from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.dynamixel.line import ServoLine
+from lbr.drivers.watch import outlast
+
+STEP_S = 0.05
+SURE = 3
+"""So often the torque is switched off in the end: nobody answers that."""
+
+
+class TakenError(Exception):
+    """Another driver has the line."""
+
+
+class LastMover:
+    """Holds, fades and lets go. `sleep` and `clock` are for tests."""
+
+    def __init__(
+        self,
+        bus: Bus,
+        tty: int,
+        servos: Collection[int],
+        sleep: Callable[[float], None] = time.sleep,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._bus = bus
+        self._tty = tty
+        self._servos = servos
+        self._sleep = sleep
+        self._clock = clock
+
+    def act(self, hold_s: float, release_s: float) -> None:
+        """Return when nothing has torque any more, or another driver took the line."""
+        with suppress(OSError, termios.error):
+            fcntl.ioctl(self._tty, termios.TIOCNXCL)
+        with suppress(TakenError, OSError, termios.error):
+            limits = self._hold()
+            if limits:
+                self._wait(hold_s)
+                self._fade(limits, release_s)
+
+    def _hold(self) -> dict[int, int]:
+        """Give each servo with torque the place where it is for its goal; return their torque limits."""
+        limits, goals = {}, {}
+        with self._line():
+            for servo in self._servos:
+                status = self._bus.read(servo, table.TORQUE_ENABLE.address, 20, tries=1)
+                if status is not None and table.TORQUE_ENABLE.decode(status.params, 24):
+                    limits[servo] = table.TORQUE_LIMIT.decode(status.params, 24)
+                    goals[servo] = status.params[12:14]
+            self._bus.write_all(table.GOAL_POSITION.address, goals)
+        return limits
+
+    def _wait(self, hold_s: float) -> None:
+        until = self._clock() + hold_s
+        while (left_s := until - self._clock()) > 0.0:
+            with self._line():
+                pass
+            self._sleep(min(STEP_S, left_s))
+
+    def _fade(self, limits: Mapping[int, int], release_s: float) -> None:
+        began = self._clock()
+        while (strength := 1.0 - (self._clock() - began) / release_s) > 0.0:
+            faded = {servo: max(1, round(limit * strength)) for servo, limit in limits.items() if limit}
+            with self._line():
+                blocks = {servo: table.TORQUE_LIMIT.encode(limit) for servo, limit in faded.items()}
+                self._bus.write_all(table.TORQUE_LIMIT.address, blocks)
+            self._sleep(STEP_S)
+        for _ in range(SURE):
+            with self._line():
+                self._bus.write_all(table.TORQUE_ENABLE.address, dict.fromkeys(limits, b"\0"))
+            self._sleep(STEP_S / SURE)
+
+    @contextmanager
+    def _line(self) -> Iterator[None]:
+        """Have the line alone, or be done."""
+        try:
+            fcntl.flock(self._tty, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise TakenError from None
+        try:
+            yield
+        finally:
+            fcntl.flock(self._tty, fcntl.LOCK_UN)
+
+
+def main(words: list[str]) -> None:
+    """Run as the docstring of this module says."""
+    tty, pipe, driver, silence_ms, words_fd = (int(word) for word in words[:5])
+    last = bytes.fromhex(words[5]) if words[5] != "-" else b""
+    baud, margin_s, hold_s, release_s = int(words[6]), *(float(word) for word in words[7:10])
+    servos = [int(word) for word in words[10:]]
+    line = ServoLine(tty, "of the servos", baud, margin_s=margin_s)
+    if outlast(pipe, driver, silence_ms, words_fd, last):
+        LastMover(Bus(line), tty, servos).act(hold_s, release_s)
+        with suppress(OSError, termios.error):
+            termios.tcflush(tty, termios.TCOFLUSH)  # closing a line waits for its output, for half a minute
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,44 @@
+"""Taking a servo out of a fault that it has latched: only where the cause is gone, and it stays without torque."""
+
+from collections.abc import Callable
+
+from lbr.drivers.dynamixel import table
+from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.dynamixel.packet import error_names
+from lbr.drivers.dynamixel.setup import Kept
+from lbr.drivers.dynamixel.sweep import SLOW_ADDRESS, SLOW_BYTES
+
+COOLER_C = 5
+"""So far below its limit a servo must be before it is believed to have cooled down."""
+
+
+def recovery(servo: int, kept: Kept) -> Callable[[Bus], str]:
+    """Return the job that recovers a servo, and returns why it did not; nothing if it did."""
+
+    def job(bus: Bus) -> str:
+        status = bus.read(servo, SLOW_ADDRESS, SLOW_BYTES)
+        if status is None:
+            return bus.trouble
+        if wrong := _cause(status.error, status.params, kept):
+            return wrong
+        if not bus.put(servo, table.TORQUE_ENABLE, 0) or not bus.put(servo, table.TORQUE_LIMIT, kept.max_torque):
+            return "does not acknowledge"
+        if not bus.get(servo, table.TORQUE_LIMIT):
+            return "latches again at once"
+        return ""
+
+    return job
+
+
+def _cause(error: int, block: bytes, kept: Kept) -> str:
+    """Return what is still wrong. An overload shows only under torque; its bit stays until the torque limit is set."""
+    names = set(error_names(error & kept.shutdown))
+    temperature = table.PRESENT_TEMPERATURE.decode(block, SLOW_ADDRESS)
+    tenths = table.PRESENT_VOLTAGE.decode(block, SLOW_ADDRESS)
+    if "overheat" in names or temperature > kept.temperature_limit - COOLER_C:
+        limit = kept.temperature_limit - COOLER_C
+        return f"is still too hot: {temperature} degrees C, and {limit} are allowed; let it cool down"
+    if "voltage" in names:
+        allowed = f"{kept.lowest_voltage / 10:g} to {kept.highest_voltage / 10:g} V"
+        return f"has {tenths / 10:g} V, outside {allowed}; look at its supply"
+    return ""

@@ -1,0 +1,89 @@
+"""What lives as long as the line of a servo bus is open: the bus, its owner, the sweep, what was told, the guard."""
+
+from collections.abc import Callable
+from math import inf
+
+from lbr.capability.context import Context
+from lbr.drivers.dynamixel import DynamixelSettings, table
+from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.dynamixel.guard import Guard
+from lbr.drivers.dynamixel.line import ServoLine
+from lbr.drivers.dynamixel.outputs import Outputs
+from lbr.drivers.dynamixel.owner import Owner
+from lbr.drivers.dynamixel.packet import error_mask
+from lbr.drivers.dynamixel.setup import Setup
+from lbr.drivers.dynamixel.sweep import Sweeper
+from lbr.drivers.dynamixel.table import Register
+from lbr.errors import DeviceError
+
+CLOSING_S = 0.3
+Tell = Callable[[str, str, str], None]
+
+
+class Session:
+    """All that lives as long as the line is open."""
+
+    def __init__(self, ctx: Context[DynamixelSettings], line: ServoLine, servos: list[int], tell: Tell) -> None:
+        self._ctx, self._line, self._servos = ctx, line, servos
+        settings = ctx.settings
+        self.opened = ctx.clock()
+        self.guard: Guard | None = None
+        self.bus = Bus(line, clock=ctx.clock, urgent=self._urgent)
+        self.setup = Setup(_wanted(settings), tell)
+        period_s = 1.0 / settings.sweep_hz
+        self.sweeper = Sweeper(servos, ctx.clock, period_s, self.setup.prepare, tell)
+        self._looked = not settings.sync_read
+        self.owner = Owner(self.bus, self._turn)
+        self.outputs = Outputs(servos, self.owner, ctx.clock, self.setup.kept.get, tell)
+
+    def beat(self) -> None:
+        """Feed the guard, which is there as soon as a servo was heard."""
+        if self.guard is None and self._ctx.settings.guard and self.sweeper.heard > -inf:
+            try:
+                self.guard = Guard(self._line, self._ctx.settings, self._servos, self._ctx.clock)
+            except OSError as err:
+                device = self._ctx.settings.device
+                raise DeviceError(
+                    f"device '{device}': its guard process does not start: {err}; free some memory"
+                ) from err
+        if self.guard is not None:
+            self.guard.beat(turning=self.outputs.turning)
+
+    def close(self, *, release: bool) -> None:
+        """Say the last word, and let go; what still has torque then is the guard's."""
+        turning, alive = self.outputs.turning, self.owner.failure is None
+        if alive and release:
+            self.outputs.release("the driver ended")
+        elif alive:
+            self.outputs.hold(self.sweeper.snapshot)
+        self.owner.join(CLOSING_S)
+        if self.guard is not None and turning and alive and not release:
+            self.guard.leave()
+        elif self.guard is not None:
+            self.guard.dismiss()
+        self.bus.close()
+
+    def _urgent(self) -> bool:
+        return self.owner.urgent()
+
+    def _turn(self, bus: Bus) -> float:
+        if not self._looked:
+            self._looked = True
+            bus.find_adapter()
+            return 0.0
+        return self.sweeper.turn(bus)
+
+
+def _wanted(settings: DynamixelSettings) -> list[tuple[Register, int]]:
+    """Return what servos are to keep without power. Temperature limits stay as they are."""
+    if not settings.write_eeprom:
+        return []
+    alarms = error_mask(*settings.alarms)
+    return [
+        (table.RETURN_LEVEL, 2),
+        (table.RETURN_DELAY, settings.return_delay_us // 2),
+        (table.MIN_VOLTAGE, round(settings.lowest_v * 10)),
+        (table.MAX_VOLTAGE, round(settings.highest_v * 10)),
+        (table.ALARM_LED, alarms),
+        (table.SHUTDOWN, alarms),
+    ]

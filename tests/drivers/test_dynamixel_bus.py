@@ -1,0 +1,267 @@
+import threading
+from itertools import cycle
+
+import pytest
+from peers import until
+from servo_peers import Chain, status
+
+from lbr.drivers.dynamixel import table
+from lbr.drivers.dynamixel.bus import open_bus
+from lbr.drivers.dynamixel.owner import READ, STOP, WRITE, Owner
+from lbr.drivers.dynamixel.setup import Setup
+from lbr.errors import DeviceError
+
+
+@pytest.fixture
+def chain(tmp_path):
+    chain = Chain(tmp_path / "ttyServos")
+    yield chain
+    chain.finish()
+
+
+@pytest.fixture
+def bus(chain):
+    with open_bus(str(chain.path), margin_s=0.05) as bus:
+        yield bus
+
+
+def once(change):
+    """Change the first answer only."""
+    left = [change]
+
+    def answer(request, usual):
+        return left.pop()(request, usual) if left and usual else None
+
+    return answer
+
+
+def test_it_finds_reads_and_writes_servos(chain, bus):
+    chain.dead.add(2)
+    assert bus.scan(range(1, 4)) == [1, 3]
+    assert bus.get(1, table.MODEL_NUMBER) == 12
+    assert bus.put(1, table.LED, 1)
+    assert chain.servos[1].table[25] == 1
+    assert [motion and motion.position for motion in bus.read_motions((1, 3))] == [513, 515]
+    bus.write_all(table.TORQUE_ENABLE.address, {1: b"\1", 3: b"\1"})
+    until(lambda: chain.servos[1].torque == chain.servos[3].torque == 1023)
+
+
+FAULTS = {
+    "lost reply": lambda _request, _usual: b"",
+    "corrupt sum": lambda _request, usual: usual[:-1] + bytes((usual[-1] ^ 1,)),
+    "wrong id": lambda _request, usual: status(77, usual[5:-1]),
+    "half a packet": lambda _request, usual: usual[:5],
+    "a stray byte before it": lambda _request, usual: b"\x07" + usual,
+    "a slipped header": lambda _request, usual: b"\xff" + usual,
+    "a stray packet of the adapter before it": lambda _request, usual: status(0xFD, error=8) + usual,
+    "an echo": lambda request, usual: request + usual,
+    "too few bytes": lambda request, _usual: status(request[2], error=0x10),
+    "babble": lambda _request, usual: bytes(range(256)) * 8 + usual,
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_of_one_answer_costs_no_state_and_never_gives_a_wrong_one(chain, bus, fault):
+    chain.answer = once(FAULTS[fault])
+    for servo in (1, 2, 3, 1, 2, 3):
+        assert bus.read_motion(servo).position == 512 + servo
+
+
+def test_what_goes_wrong_is_counted(chain, bus):
+    for fault in ("lost reply", "corrupt sum", "wrong id"):
+        chain.answer = once(FAULTS[fault])
+        bus.read_motion(1)
+    assert (bus.counts.timeouts, bus.counts.corrupt, bus.counts.retries) == (1, 2, 3)
+    assert bus.strays[77] == 1
+
+
+def test_an_answer_that_comes_too_late_does_not_pass_for_another(chain, bus):
+    held = []
+    chain.answer = lambda _request, usual: held.append(usual) or b""
+    assert bus.read(1, 30, 6) is None
+    chain.answer = lambda _request, usual: held[0] + usual if held and held.clear() is None else None
+    chain.servos[1].put(36, 700)
+    late = held[0]
+    chain.answer = once(lambda _request, usual: late + usual)
+    positions = {bus.read_motion(2).position, bus.read_motion(1).position}
+    assert positions == {514, 700}
+
+
+def test_an_adapter_that_hears_itself_passes_for_no_servo(chain, bus):
+    chain.echo = True
+    chain.dead.add(2)
+    assert bus.get(1, table.TORQUE_LIMIT) == 1023
+    assert bus.echo
+    assert bus.scan(range(1, 4)) == [1, 3]
+    assert bus.get(2, table.TORQUE_LIMIT) is None
+    assert bus.put(3, table.LED, 1)
+
+
+def test_a_servo_that_complains_of_its_voltage_answers_a_ping_like_an_echo(chain, bus):
+    chain.servos[1].error = 1
+    assert bus.ping(1).error == 1
+
+
+def test_a_value_that_the_servo_would_refuse_does_not_reach_the_wire(chain, bus):
+    with pytest.raises(ValueError, match=r"goal position 1024 is outside 0\.\.1023"):
+        bus.put(1, table.GOAL_POSITION, 1024)
+    assert not chain.log
+
+
+def test_a_refused_write_is_told(chain, bus):
+    chain.answer = lambda request, _usual: status(request[2], error=2)
+    assert not bus.put(1, table.GOAL_POSITION, 3)
+
+
+def test_the_adapter_reads_all_at_once_and_the_silent_are_none(tmp_path):
+    chain = Chain(tmp_path / "ttyServos", 18, adapter=True)
+    with open_bus(str(chain.path), margin_s=0.05) as bus:
+        assert bus.find_adapter() == 5
+        chain.dead.add(7)
+        chain.log.clear()
+        positions = [motion and motion.position for motion in bus.read_motions(range(1, 19))]
+        assert positions == [None if servo == 7 else 512 + servo for servo in range(1, 19)]
+        assert len(chain.log) == 1
+    chain.finish()
+
+
+def test_a_line_is_for_one_process_alone_and_says_where_it_went(chain, bus):
+    with pytest.raises(DeviceError, match="busy"):
+        open_bus(str(chain.path))
+    chain.unplug()
+    with pytest.raises(DeviceError, match="went away"):
+        bus.read_motion(1)
+    with pytest.raises(DeviceError, match="missing"):
+        open_bus(str(chain.path))
+    chain.plug()
+    with open_bus(str(chain.path), margin_s=0.05) as other:
+        assert other.read_motion(1).position == 513
+
+
+def test_a_stop_goes_before_writes_and_writes_before_reads(bus):
+    order, gate = [], threading.Event()
+    owner = Owner(bus)
+    owner.start()
+    blocked = owner.submit(lambda _bus: gate.wait(5.0), READ)
+    until(blocked.running)
+    jobs = [
+        owner.submit(lambda _bus, name=name: order.append(name), priority)
+        for name, priority in (("read", READ), ("write", WRITE), ("stop", STOP))
+    ]
+    gate.set()
+    for job in jobs:
+        job.result(5.0)
+    assert order == ["stop", "write", "read"]
+    assert owner.join(5.0)
+
+
+def test_a_newer_job_takes_the_place_of_one_that_waits_under_its_key(bus):
+    gate, done = threading.Event(), []
+    owner = Owner(bus)
+    owner.start()
+    blocked = owner.submit(lambda _bus: gate.wait(5.0), READ)
+    until(blocked.running)
+    first, last = (owner.submit(lambda _bus, n=n: done.append(n), WRITE, key="goals") for n in (1, 2))
+    gate.set()
+    last.result(5.0)
+    assert first.cancelled()
+    assert done == [2]
+    assert owner.join(5.0)
+
+
+def test_a_stop_is_on_the_wire_within_a_transaction_whatever_the_traffic(chain):
+    chain.dead.add(2)
+    servos = cycle((1, 2, 3))
+
+    def background(bus):
+        bus.read_motion(next(servos))
+        return 0.0
+
+    with open_bus(str(chain.path), margin_s=0.02) as bus:
+        owner = Owner(bus, background)
+        owner.start()
+        until(lambda: len(chain.log) > 10)
+        owner.submit(lambda bus: bus.write_all(30, {1: b"\0\2"}), STOP).result(5.0)
+        stop = next(place for place, request in enumerate(chain.log) if request[4] == 0x83)
+        assert stop > 10
+        assert owner.join(5.0)
+
+
+def test_a_job_that_fails_hurts_nobody_but_a_lost_line_ends_the_owner(chain, bus):
+    owner = Owner(bus)
+    owner.start()
+    with pytest.raises(ZeroDivisionError):
+        owner.submit(lambda _bus: 1 // 0, READ).result(5.0)
+    chain.unplug()
+    with pytest.raises(DeviceError):
+        owner.submit(lambda bus: bus.read_motion(1), READ).result(5.0)
+    until(lambda: owner.failure is not None)
+    assert owner.submit(lambda _bus: None, READ).cancelled()
+    chain.plug()
+
+
+WANTED = [(table.RETURN_DELAY, 0), (table.SHUTDOWN, 36)]
+
+
+def test_setting_up_writes_only_what_differs_and_moves_nothing(chain, bus):
+    told, slept = [], []
+    setup = Setup(WANTED, lambda *event: told.append(event), slept.append)
+    assert setup.prepare(bus, 1) == ""
+    assert chain.servos[1].table[5] == 0
+    assert [request[5] for request in chain.log if request[4] == 3] == [5]
+    assert slept == [pytest.approx(0.01)]
+    assert setup.prepare(bus, 1) == ""
+    assert len(told) == 1
+    assert setup.kept[1].temperature_limit == 70
+    assert chain.servos[1].torque == 0
+
+
+def test_what_a_servo_keeps_is_not_written_while_it_has_torque(chain, bus):
+    told = []
+    chain.servos[1].write(24, b"\1")
+    assert Setup(WANTED, lambda *event: told.append(event)).prepare(bus, 1) == ""
+    assert chain.servos[1].table[5] == 250
+    assert "it has torque" in told[0][1]
+
+
+def test_a_servo_that_answers_nothing_but_pings_is_taught_to_answer(chain, bus):
+    chain.servos[1].table[16] = 0
+    assert Setup([], sleep=lambda _s: None).prepare(bus, 1) == ""
+    assert chain.servos[1].table[16] == 2
+
+
+def doubled(request, usual):
+    return usual + usual if request[2] == 1 else None
+
+
+def garbled(request, usual):
+    return bytes(byte & 0x5F for byte in usual) if request[2] == 1 else None
+
+
+@pytest.mark.parametrize(
+    ("answer", "wrong"),
+    [
+        (doubled, "answers twice: there are two servos with id 1"),
+        (garbled, "two servos with id 1, or its cable is bad"),
+    ],
+)
+def test_two_servos_with_one_id_are_found_out(chain, bus, answer, wrong):
+    chain.answer = answer
+    setup = Setup([])
+    said = [setup.prepare(bus, 1) for _ in range(3)]
+    assert wrong in said[-1]
+    assert setup.prepare(bus, 2) == ""
+
+
+def test_another_model_and_an_endless_servo_are_named(chain, bus):
+    chain.servos[1].table[0] = 29
+    chain.servos[2].put(8, 0)
+    setup = Setup(WANTED)
+    assert setup.prepare(bus, 1) == "is a model 29, not an AX-12A (12)"
+    assert setup.prepare(bus, 2).startswith("is set to turn endlessly")
+    assert not [request for request in chain.log if request[4] == 3]
+
+
+def test_a_silent_servo_is_told_apart_from_a_bad_one(chain, bus):
+    chain.dead.add(1)
+    assert Setup([]).prepare(bus, 1) == "does not answer"
