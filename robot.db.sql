@@ -567,9 +567,9 @@ INSERT INTO joint (robot, name, device_id, side, sign, zero_rad, lower_rad, uppe
     ('bioloid', 'right_ankle_roll', 17, 'right', 1, 0.0000, -0.256, 0.189, 3.0),
     ('bioloid', 'left_ankle_roll', 18, 'left', -1, 0.0000, -0.256, 0.189, 3.0);
 
--- Ours, found by experiment with the simulated body, which stands and walks by them. Nobody has tried them on a robot yet: hang yours up first,
--- and mind that its weight and its feet are others. Walking is a rhythm: much slower than at speed 0.8 or faster than 1.2 it
--- stumbles. Arms are left out of walking; they stay where its lead-in has put them.
+-- Ours, found by experiment with the simulated body, which stands and walks by them. Nobody has tried
+-- them on a robot yet: hang yours up first; its weight and its feet are others. Walking is a rhythm: slower than at
+-- speed 0.7 it stumbles. It leaves out the arms, which stay where its lead-in has put them.
 INSERT INTO motion (robot, name, help, lead_in, lead_out) VALUES
     ('bioloid', 'initial', 'Stand upright, arms hanging a little away from the body', '', ''),
     ('bioloid', 'ready', 'Stand with knees bent and hands ahead, ready for anything', '', ''),

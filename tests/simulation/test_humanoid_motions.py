@@ -1,0 +1,72 @@
+"""The motions of the rows, played on the simulated body: they stay within the limits, on their feet and off each other's."""
+
+import pytest
+from humanoid_bench import Player, frames_of, rows
+
+from lbr.operations.joints.trajectory import plan
+
+JOINTS, MOTIONS = rows()
+LEGS = {"left_foot", "right_foot"}
+POSES = ("initial", "ready", "walk_ready")
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_a_motion_keeps_to_the_limits_of_its_joints_and_no_way_has_to_be_stretched(name):
+    limits = {joint.name: joint for joint in JOINTS}
+    for frame in MOTIONS[name].frames:
+        for joint, angle in frame.positions.items():
+            assert limits[joint].lower_rad <= angle <= limits[joint].upper_rad, joint
+    upright = {**dict.fromkeys(limits, 0.0), **MOTIONS["initial"].frames[0].positions}
+    way = plan(upright, frames_of(MOTIONS[name], 3), {joint.name: joint.speed_rps for joint in JOINTS})
+    assert (way.stretch, way.slowest) == (1.0, "")
+
+
+@pytest.mark.parametrize("name", [name for name in MOTIONS if not name.startswith(("sit", "walk"))])
+def test_it_ends_upright_and_at_rest(name):
+    player = Player()
+    before = player.play(name)
+    after = player.play(name)
+    assert (after.upright, set(after.on_floor)) == (True, LEGS)
+    assert max(abs(pose.roll_rad) for pose in player.seen) < 0.05
+    assert max(abs(pose.pitch_rad) for pose in player.seen) < 0.25
+    assert abs(after.x_m - before.x_m) < 0.01
+
+
+@pytest.mark.parametrize("name", POSES)
+def test_a_pose_names_every_joint(name):
+    assert set(MOTIONS[name].frames[-1].positions) == {joint.name for joint in JOINTS}
+
+
+def test_it_sits_down_and_stands_up_again():
+    player = Player()
+    stood = player.play("initial")
+    sat = player.play("sit")
+    assert stood.z_m - sat.z_m > 0.08
+    assert (sat.upright, set(sat.on_floor)) == (True, LEGS)
+    back = player.play("stand_up")
+    assert back.z_m == pytest.approx(stood.z_m, abs=0.005)
+    assert back.upright
+
+
+def test_waving_raises_the_hand():
+    player = Player()
+    player.go(MOTIONS["wave"].frames[:3])
+    engine = player.engine
+    hand, head = (engine._data.body(name).xpos[2] for name in ("right_forearm", "trunk"))
+    assert hand - head > 0.08, "its elbow is above its shoulder"
+
+
+@pytest.mark.parametrize("interpolation", ["smooth", "linear"])
+def test_walking_lifts_each_foot_in_turn_and_does_not_fall(interpolation):
+    player = Player()
+    cycles = 8
+    end = player.play("walk", cycles, interpolation)
+    assert end.upright
+    assert cycles <= player.lifted("left_foot") <= cycles + 3
+    assert cycles <= player.lifted("right_foot") <= cycles + 3
+    assert max(abs(pose.roll_rad) for pose in player.seen) < 0.2
+    alone = [pose.on_floor[0] for pose in player.seen if len(pose.on_floor) == 1]
+    turns = [foot for foot, before in zip(alone, [None, *alone], strict=False) if foot != before]
+    assert len(turns) >= 2 * cycles
+    assert len(alone) / len(player.seen) > 0.2
+    assert abs(end.yaw_rad) < 0.1
