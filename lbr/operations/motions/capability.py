@@ -171,7 +171,11 @@ class Motions(Capability[MotionsSettings]):
 
     def _send(self, output: Send, call: Call | None) -> None:
         command = JointsCommand(
-            frames=output.frames, mirror=output.mirror, append=output.append, take_over=output.take_over
+            frames=output.frames,
+            mirror=output.mirror,
+            append=output.append,
+            asked_s=output.asked_s,
+            take_over=output.take_over,
         )
         if output.append:
             self._follower.append(command)

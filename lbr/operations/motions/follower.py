@@ -1,6 +1,7 @@
 """Joints operation as motions sees it: borrowed for one motion after another, and what became of it."""
 
 from collections.abc import Callable
+from math import inf
 from typing import Protocol
 
 from lbr.capability.context import Asked, Received
@@ -8,7 +9,7 @@ from lbr.capability.loan import Asking, Lender, Loan
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
 from lbr.messages.leases import CommandReply
-from lbr.operations.motions.state import Event, Granted, JointsEnded, Lost, Passed
+from lbr.operations.motions.state import Event, Granted, JointsEnded, JointsStopped, Lost, Passed
 
 JOINTS = Lender("move", "halt", "joints operation", "joints operation does not answer; the joints hold by themselves")
 RENEWAL = JointsCommand()
@@ -38,8 +39,10 @@ class Follower:
         self._happened = happened
         self._loan: Loan | None = None
         self._asked: Asked | None = None
-        self._first = False
+        self._first: JointsCommand | None = None
+        self._wanted: JointsCommand | None = None
         self._passed = ("", 0)
+        self._stopped_s = -inf
 
     @property
     def trouble(self) -> str:
@@ -50,13 +53,12 @@ class Follower:
 
     def follow(self, command: JointsCommand) -> None:
         """Go this way from now on; `Granted` or `Lost` follows."""
-        if self._loan is not None and self._loan.holds:
+        self._wanted = command
+        if self._loan is None:
+            self._first = command
+            self._loan = Loan(self._ctx, JOINTS, command)
+        elif self._first is None:
             self._asked = self._loan.send(command)
-            if self._asked is not None:
-                return
-        self.halt("another motion begins")
-        self._loan = Loan(self._ctx, JOINTS, command)
-        self._first = True
 
     def append(self, command: JointsCommand) -> None:
         """Go on so afterwards."""
@@ -72,7 +74,7 @@ class Follower:
     def let_go(self) -> None:
         """Leave the joints to themselves, or to others."""
         self._loan = self._asked = None
-        self._first = False
+        self._first = self._wanted = None
 
     def step(self) -> None:
         """Read what the joints say, and renew."""
@@ -90,24 +92,30 @@ class Follower:
         if loan.ended or self.trouble:
             self.let_go()
             self._happened(Lost(why=loan.ended or f"{self.trouble}; the joints hold by themselves"))
-        elif self._first and loan.granted is not None:
-            self._first = False
-            self._grant(loan.granted)
+        elif self._first is not None and loan.granted is not None:
+            self._granted_first(loan, loan.granted)
         elif self._asked is not None and (answers := self._asked.answers()) is not None:
             self._asked = None
             reply = next(iter(answers.values()), None)
-            self._grant(reply if isinstance(reply, CommandReply) else CommandReply(accepted=False))
+            if isinstance(reply, CommandReply):
+                self._happened(Granted(goal=reply.goal, reason=reply.reason))
 
-    def _grant(self, reply: CommandReply) -> None:
-        if reply.accepted:
+    def _granted_first(self, loan: Loan, reply: CommandReply) -> None:
+        """Tell that it is granted, or go on at once with what was wanted instead in the meantime."""
+        first, self._first = self._first, None
+        if self._wanted is first or self._wanted is None:
             self._happened(Granted(goal=reply.goal, reason=reply.reason))
         else:
-            self.halt("another motion began, and the joints did not answer")
-            self._happened(Lost(why="joints operation does not answer"))
+            self._asked = loan.send(self._wanted)
 
     def _look(self) -> None:
         newest = self._ctx.latest("joints")
         state = newest.message if newest is not None else None
-        if isinstance(state, JointsState) and state.goal is not None and (state.goal, state.passed) != self._passed:
+        if not isinstance(state, JointsState):
+            return
+        if state.goal is not None and (state.goal, state.passed) != self._passed:
             self._passed = (state.goal, state.passed)
             self._happened(Passed(goal=state.goal, frames=state.passed))
+        if state.stopped_s is not None and state.stopped_s > self._stopped_s:
+            self._stopped_s = state.stopped_s
+            self._happened(JointsStopped(at=state.stopped_s, why=state.reason or "the joints were stopped"))

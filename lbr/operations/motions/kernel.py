@@ -14,6 +14,7 @@ from lbr.operations.motions.state import (
     Granted,
     Halt,
     JointsEnded,
+    JointsStopped,
     LetGo,
     Lost,
     Outputs,
@@ -84,6 +85,8 @@ def _handle(state: State, event: Event, now: float) -> Decision:
             decision = _lost(state, event, now)
         case JointsEnded(result=result):
             decision = _joints_ended(state, result, now)
+        case JointsStopped():
+            decision = _joints_stopped(state, event, now)
         case Passed():
             decision = _passed(state, event), ()
         case Tick():
@@ -143,8 +146,14 @@ def _begin(state: State, event: Play, playing: Playing, now: float, *, change: b
         outputs = (*outputs, Answer(message=CommandReply(accepted=False, reason=holding.ANOTHER)))
     frames = playing.programme.portion(0)
     state = _with(state, replace(playing, sent=len(frames)), expires=now + ANSWER_S)
-    mirror, take_over = playing.programme.mirror, event.ask.take_over
-    return state, (*outputs, Send(frames=frames, append=False, mirror=mirror, take_over=take_over))
+    send = Send(
+        frames=frames,
+        append=False,
+        mirror=playing.programme.mirror,
+        asked_s=event.ask.received,
+        take_over=event.ask.take_over,
+    )
+    return state, (*outputs, send)
 
 
 def _granted(state: State, event: Granted, now: float) -> Decision:
@@ -184,6 +193,19 @@ def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
         return _end(state, "fault", "the joints came to the end of what was sent before more of it was", now)
     state = _with(state, replace(playing, passed=playing.sent))
     return _end(state, "reached", _played(playing.programme, result.reason), now)
+
+
+def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
+    """Take back what was promised before; the joints say themselves how what they did has ended."""
+    held = state.holding
+    earlier = tuple(offer for offer in held.offers if not offer.said > event.at)
+    held = replace(held, stopped=max(held.stopped, min(event.at, now)))
+    held, said = ending.drop_offers(held, earlier, "stopped", event.why)
+    state, outputs = _told(replace(state, holding=held), said, now)
+    hold = state.hold
+    if hold is not None and not hold.said > event.at and not hold.motion.lost and not hold.motion.asked:
+        state = _with(state, replace(hold.motion, lost=event.why, lost_at=now))
+    return state, outputs
 
 
 def _played(programme: Programme, reason: str) -> str:

@@ -47,6 +47,13 @@ class JointsEnded(Struct, frozen=True, kw_only=True):
     result: GoalResult
 
 
+class JointsStopped(Struct, frozen=True, kw_only=True):
+    """Somebody stopped the joints themselves: what was asked for by `at` does not begin any more."""
+
+    at: float
+    why: str
+
+
 class Passed(Struct, frozen=True, kw_only=True):
     """So many key frames of a goal of joints operation lie behind."""
 
@@ -58,7 +65,7 @@ class Tick(Struct, frozen=True, kw_only=True):
     """Time goes by."""
 
 
-Event = Play | Stop | EstopChanged | Granted | Lost | JointsEnded | Passed | Tick
+Event = Play | Stop | EstopChanged | Granted | Lost | JointsEnded | JointsStopped | Passed | Tick
 
 
 class Answer(Struct, frozen=True, kw_only=True):
@@ -68,11 +75,15 @@ class Answer(Struct, frozen=True, kw_only=True):
 
 
 class Send(Struct, frozen=True, kw_only=True):
-    """Key frames for the joints: instead of what they do, or after it. Whoever asked waits for their answer."""
+    """Key frames for the joints: instead of what they do, or after it. Whoever asked waits for their answer.
+
+    `asked_s` is when that was; what is appended bears none.
+    """
 
     frames: tuple[KeyFrame, ...]
     append: bool
     mirror: bool
+    asked_s: float | None = None
     take_over: bool = False
 
 

@@ -90,6 +90,7 @@ class FakeJoints:
         self.commands: list[Any] = []
         self.halts: list[str] = []
         self.results: list[GoalResult] = []
+        self.stopped_s: float | None = None
         self._numbers = count(1)
 
     def move(self, message, now):
@@ -99,6 +100,8 @@ class FakeJoints:
                 return CommandReply(accepted=False, reason=f"{DEAD_LEASE}{self.why_dead}")
         elif self.holder and not message.take_over:
             return CommandReply(accepted=False, reason=f"held by {self.holder}")
+        if None not in (message.asked_s, self.stopped_s) and message.asked_s <= self.stopped_s:
+            return CommandReply(accepted=False, reason="a stop came after this command")
         if self.refusal:
             return CommandReply(accepted=False, reason=self.refusal)
         if not message.lease or (message.frames and not message.append):
@@ -129,6 +132,11 @@ class FakeJoints:
             self.end("lapsed", "it lapsed, not renewed within 0.3 s")
         elif now >= self.ends[-1]:
             self.end("reached", "")
+
+    def stop(self, now, why):
+        self.stopped_s = now
+        if self.holder:
+            self.end("stopped", why)
 
     def passed(self, now):
         return sum(end <= now for end in self.ends)
@@ -186,6 +194,8 @@ class World:
             joints=joints | missing,
             goal=self.body.goal or None,
             passed=self.body.passed(self.now),
+            stopped_s=self.body.stopped_s,
+            reason=self.body.why_dead,
         )
         return Received(state, None, self.now, "joints")
 

@@ -213,6 +213,36 @@ def test_from_another_machine_nothing_moves_before_the_lease_is_quoted(stage, wo
     assert world.body.holder == "motions"
 
 
+def test_a_stop_of_the_joints_takes_back_what_was_offered_before(stage, world):
+    offered = stage.play("wave", source="laptop", remote=True, sender_s=7.0)
+    world.body.why_dead = "stopped by phone"
+    world.body.stop(world.now, "stopped by phone")
+    stage.run(0.1)
+    confirmed = stage.play("wave", source="laptop", remote=True, sender_s=7.101, lease=offered.answer.lease)
+    assert confirmed.answer.reason == "lease is dead: stopped by phone"
+    assert world.body.commands == []
+    assert stage.begun("wave").answer.accepted
+
+
+def test_what_was_asked_for_before_a_stop_of_the_joints_does_not_begin_after_it(stage, world):
+    world.told = False  # motions do not know of the stop yet
+    world.body.stop(world.now + 0.005, "stopped by phone")
+    assert stage.begun("wave").answer.reason == "a stop came after this command"
+    world.now += 0.1
+    assert stage.begun("wave").answer.accepted
+    world.told = True
+    stage.run(0.1)
+    assert world.state.playing
+
+
+def test_a_stop_of_the_joints_is_the_end_of_what_is_played(stage, world):
+    call = stage.begun("wave")
+    stage.run(0.2, call)
+    world.body.stop(world.now, "stopped by phone")
+    stage.run(0.1, call)
+    assert [(one.result, one.reason) for one in world.said("result")] == [("stopped", "stopped by phone")]
+
+
 @pytest.mark.parametrize(
     ("command", "why"),
     [
