@@ -37,7 +37,7 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case Command():
             decision = _command(state, event, now)
         case Torque():
-            decision = torque.switch(state, event, now)
+            decision = torque.switch(moving.advance(state, now), event, now)
         case Stop():
             state, said = still(state, holding.stop(state.holding, event, now), now)
             decision = state, (*said, holding.STOPPED)

@@ -13,6 +13,8 @@ from lbr.operations.leasing.state import Ending
 
 LONGEST_STEP_S = 0.05
 """A loop that was held up goes on from where it was, it does not jump."""
+FOLLOWING_S = 0.3
+"""The driver says within this time that the servos follow."""
 NOTABLE_STRETCH = 1.01
 
 
@@ -64,9 +66,19 @@ def ending(state: State, trouble: str, now: float) -> tuple[Ending, str] | None:
     move = state.move
     if move is None or move.trajectory is None:
         return None
-    if why := trouble or next((why for name in move.joints if (why := _fault(state, name, now))), ""):
+    why = trouble or next((why for name in move.joints if (why := _fault(state, name, now))), "")
+    if why or (why := _not_followed(state, move, now)):
         return "fault", why
     return None if isnan(move.arrived) else _arrival(state, move, move.trajectory.targets, now)
+
+
+def followed(state: State) -> State:
+    """Return the state in which it is known that the servos follow the motion, if the driver says so."""
+    hold = state.holding.hold
+    if hold is None or hold.motion.followed or state.servos is None or state.servos.phase != "following":
+        return state
+    move = replace(hold.motion, followed=True)
+    return replace(state, holding=replace(state.holding, hold=replace(hold, motion=move)))
 
 
 def setpoint(state: State) -> Setpoint:
@@ -103,6 +115,14 @@ def held_again(state: State) -> State:
 
 def _fault(state: State, name: str, now: float) -> str:
     return joint_trouble(state, name, now) or ("" if name in state.on else f"{name} has no torque any more")
+
+
+def _not_followed(state: State, move: Move, now: float) -> str:
+    """Say that the driver holds the servos, although it is told otherwise."""
+    servos = state.servos
+    if servos is None or servos.phase == "following" or not (move.followed or now - move.begun > FOLLOWING_S):
+        return ""
+    return f"the servos do not follow: {servos.reason or f'their driver says {servos.phase}'}"
 
 
 def _arrival(state: State, move: Move, targets: dict[str, float], now: float) -> tuple[Ending, str] | None:

@@ -9,6 +9,11 @@ from lbr.operations.joints.ending import Decision, end_what_is_over
 from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, joint_trouble
 from lbr.operations.leasing.state import Happened
 
+UNREAD_S = 3.0
+"""A driver that has not said by then whether a servo has torque never does."""
+SWITCHING_S = 1.0
+"""So long a servo may take to have the torque that it was given."""
+
 
 def seen(state: State, event: ServosSeen, now: float) -> Decision:
     """Take in a sweep; what was overtaken, or came from a driver that is gone, changes nothing."""
@@ -17,10 +22,12 @@ def seen(state: State, event: ServosSeen, now: float) -> Decision:
     by_id = {servo.id: servo for servo in event.servos.servos}
     found = {name: by_id[joint.device_id] for name, joint in state.body.joints.items() if joint.device_id in by_id}
     arrived = min(event.arrived, now)  # this way round, NaN stays NaN
-    state = replace(state, servos=event.servos, seen=found, servos_at=arrived)
-    state, ended = end_what_is_over(_followed(_adopted(state, now)), now)
-    state, told = _without_latched(state)
-    return _without_unmeasured(state, now), ended + told
+    heard = arrived if state.servos is None else state.heard
+    state = unlearnt(replace(state, servos=event.servos, seen=found, servos_at=arrived, heard=heard), now)
+    state = moving.followed(_let_go(_adopted(state, now)))
+    state, told = _without_torque(state, now)
+    state, ended = end_what_is_over(state, now)
+    return _without_unmeasured(state, now), told + ended
 
 
 def gone(state: State, event: ServosLost, now: float) -> Decision:
@@ -38,7 +45,7 @@ def unlearnt(state: State, now: float) -> State:
 def _known(state: State, now: float) -> bool:
     """Say whether the driver does as it is told, or the servos are known to be without torque."""
     servos = state.servos
-    if servos is None or not now - state.servos_at <= state.settings.servos_max_age_s:
+    if servos is None or not state.seen or not now - state.servos_at <= state.settings.servos_max_age_s:
         return False
     return servos.phase == "released" or servos.armed or servos.estop or state.lost
 
@@ -46,38 +53,46 @@ def _known(state: State, now: float) -> bool:
 def _adopted(state: State, now: float) -> State:
     """Take over servos as they are, when it was not known: those with torque are held where they were measured.
 
-    Whoever moved them before this process began is lost; a driver that was away meanwhile lost nobody.
+    Whoever moved them before this process began is lost; a driver that was away meanwhile lost nobody. A driver that has
+    just begun itself needs a moment to know which have torque.
     """
     if state.adopted or not _known(state, now):
         return state
-    assert state.servos is not None
-    released = state.servos.phase == "released"
-    on = frozenset(() if released else (name for name, servo in state.seen.items() if servo.torque != 0.0))
+    unread = any(servo.torque is None and servo.position_rad is not None for servo in state.seen.values())
+    if unread and now - state.heard < UNREAD_S:
+        return state
+    on = frozenset(name for name, servo in state.seen.items() if servo.torque)
     goals = {name: moving.measured(state, name) for name in on}
     lost = bool(on) and (state.lost or not state.begun)
-    return replace(state, adopted=True, begun=True, on=on, goals=goals, lost=lost)
+    halt = state.halt + 1
+    return replace(state, adopted=True, begun=True, on=on, goals=goals, lost=lost, halt=halt, switched=now)
 
 
-def _followed(state: State) -> State:
+def _let_go(state: State) -> State:
     """Take in that the driver has let go, where that is for the driver to decide."""
     servos = state.servos
     decides = servos is not None and (state.lost or servos.estop or not servos.armed)
-    if servos is None or not (decides and servos.phase == "released"):
+    if servos is None or not (state.adopted and decides and servos.phase == "released"):
         return state
     return replace(state, on=frozenset(), goals={})
 
 
-def _without_latched(state: State) -> Decision:
-    """A servo that has latched a fault is without torque, also after it was recovered, until that is switched on."""
-    latched = {name: state.seen[name].latched for name in state.on if name in state.seen and state.seen[name].latched}
-    if not latched:
+def _without_torque(state: State, now: float) -> Decision:
+    """A servo that let go by itself is without torque until that is switched on again, whatever becomes of its fault."""
+    late = now - state.switched >= SWITCHING_S
+    gone = {}
+    for name in state.on & state.seen.keys():
+        servo = state.seen[name]
+        if servo.latched or (late and servo.torque == 0.0):
+            gone[name] = f"it has latched {', '.join(servo.latched)}" if servo.latched else servo.reason
+    if not gone:
         return state, ()
     told: Outputs = tuple(
-        Happened(kind="latched", text=f"{name} has latched {', '.join(faults)} and is without torque", level="warning")
-        for name, faults in latched.items()
+        Happened(kind="let_go", text=f"{name} is without torque: {why or 'its servo let go'}", level="warning")
+        for name, why in gone.items()
     )
-    goals = {name: goal for name, goal in state.goals.items() if name not in latched}
-    return replace(state, on=state.on - latched.keys(), goals=goals), told
+    goals = {name: goal for name, goal in state.goals.items() if name not in gone}
+    return replace(state, on=state.on - gone.keys(), goals=goals), told
 
 
 def _without_unmeasured(state: State, now: float) -> State:

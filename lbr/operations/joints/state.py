@@ -93,6 +93,7 @@ class Move(Struct, frozen=True, kw_only=True):
     """A motion under way, `elapsed_s` after the start of its trajectory; what was only offered has none yet.
 
     `passed` key frames lay behind when the trajectory began. `arrived` is when its end was commanded (NaN: not yet).
+    `followed`: the driver said that the servos follow.
     """
 
     goal: str
@@ -101,6 +102,7 @@ class Move(Struct, frozen=True, kw_only=True):
     elapsed_s: float = 0.0
     passed: int = 0
     arrived: float = nan
+    followed: bool = False
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -113,7 +115,9 @@ class State(Struct, frozen=True, kw_only=True):
 
     `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is).
     Nothing is known of either until the driver was heard (`adopted`; `begun`: it once was); until then it is told nothing.
-    `lost`: whoever moved them is gone, and the driver decides. `halt` counts the stops.
+    `heard` is since when the driver was there, `switched` when torque was last switched on.
+    `lost`: whoever moved them is gone, and the driver decides. `halt` counts how often all were to hold where
+    they were measured.
     """
 
     settings: JointsSettings
@@ -130,6 +134,8 @@ class State(Struct, frozen=True, kw_only=True):
     servos: ServosState | None = None
     seen: Mapping[str, ServoState] = {}
     servos_at: float = nan
+    heard: float = nan
+    switched: float = -inf
     servos_lost: float = -inf
     servos_gone: str = "the servo driver was not heard yet"
 

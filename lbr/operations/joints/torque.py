@@ -34,7 +34,7 @@ def _on(state: State, event: Torque, names: tuple[str, ...], now: float) -> Deci
     state = moving.held_again(state)
     new = fit - state.on
     goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}
-    state = replace(state, on=state.on | fit, goals=goals)
+    state = replace(state, on=state.on | fit, goals=goals, switched=now)
     outputs = (*setpoint(state), *_told(state, event, new), _reply(told + more))
     return state, outputs
 

@@ -44,9 +44,10 @@ DT = 0.01
 
 
 class Servos:
-    """What the servos' driver would say: each servo is where it was told to be, if it has torque and is well."""
+    """What the servos' driver would say: each servo goes a share of its way, if it has torque and is well."""
 
-    def __init__(self):
+    def __init__(self, share=1.0):
+        self.share = share
         self.at = {joint.device_id: joint.zero_rad for joint in ROWS}
         self.torque = dict.fromkeys(self.at, 0.0)
         self.latched = {}
@@ -64,7 +65,7 @@ class Servos:
             self.torque[goal.id] = 0.0 if goal.id in self.latched else goal.torque
             moves = self.torque[goal.id] > 0.0 and goal.position_rad is not None and goal.id not in self.stuck
             if moves:
-                self.at[goal.id] = goal.position_rad
+                self.at[goal.id] += (goal.position_rad - self.at[goal.id]) * self.share
         self.phase = "following" if any(self.torque.values()) else "released"
 
     def let_go(self):

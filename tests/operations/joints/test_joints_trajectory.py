@@ -20,7 +20,7 @@ frames = st.lists(
     max_size=6,
 ).filter(lambda found: any(each.positions for each in found))
 ways = st.builds(
-    lambda start, through, limits, how, begun: plan(start, through, limits, how, begun),
+    plan,
     pose,
     frames,
     st.fixed_dictionaries({"a": st.floats(0.1, 5.0), "b": st.floats(0.1, 5.0)}),

@@ -1,0 +1,190 @@
+"""Histories that Hypothesis chooses: whatever happens, one holder, within limits and speed, and nothing moves by itself."""
+
+from math import inf, nan
+
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+from joints_bench import BODY, DT, NAMES, Bench, Servos, frame
+
+from lbr.operations.joints.state import Tick
+
+SOURCES = ("console", "pad", "far")
+IDS = {joint.device_id: name for name, joint in BODY.joints.items()}
+sources = st.sampled_from(SOURCES)
+angles = st.floats(-2.6, 2.6) | st.just(nan) | st.just(inf)
+poses = st.dictionaries(st.sampled_from([*NAMES, "tail"]), angles, max_size=3)
+good = st.sampled_from([name for name in NAMES if name != "right_grip"]).flatmap(
+    lambda name: st.floats(BODY.joints[name].lower_rad, BODY.joints[name].upper_rad).map(lambda angle: {name: angle})
+)
+durations = st.none() | st.floats(0.05, 2.0) | st.just(nan)
+
+
+class Motion(RuleBasedStateMachine):
+    """What the kernel says is held against what anybody may expect of it."""
+
+    def __init__(self):
+        super().__init__()
+        self.bench = Bench()
+        self.bench.servos = Servos(share=0.3)
+        self.told = self.bench.setpoint
+        self.told_at, self.halt = self.bench.now, 0
+        self.leases = {}
+        self.renewed = -inf
+        self.bench.standing()
+        self._look()
+
+    def _look(self):
+        """Hold the newest setpoint against the one before."""
+        bench = self.bench
+        after = bench.setpoint
+        if after is None or after is self.told:
+            return
+        elapsed_s = min(bench.now - self.told_at, 0.05)
+        before = {} if self.told is None else {goal.id: goal for goal in self.told.goals}
+        for goal in after.goals:
+            self._goal(before.get(goal.id), goal, elapsed_s)
+        self.told, self.told_at, self.halt = after, bench.now, bench.state.halt
+
+    def _goal(self, before, goal, elapsed_s):
+        name = IDS[goal.id]
+        joint = BODY.joints[name]
+        if goal.position_rad is None:
+            return
+        position = BODY.joint_rad(name, goal.position_rad)
+        assert joint.lower_rad - 1e-9 <= position <= joint.upper_rad + 1e-9
+        assert goal.speed_rps <= joint.speed_rps
+        began = before is None or before.torque == 0.0 or before.position_rad is None
+        if began or self.bench.state.halt != self.halt:
+            allowed = inf
+        elif self.bench.state.holding.hold is None and not self._just_ended():
+            allowed = 0.0
+        else:
+            allowed = joint.speed_rps * max(elapsed_s, 0.0)
+        if not began:
+            assert abs(goal.position_rad - before.position_rad) <= allowed + 1e-6, name
+
+    def _just_ended(self):
+        return self.bench.results and self.bench.results[-1].result == "reached"
+
+    def _pass(self):
+        self.bench.now = round(self.bench.now + 0.0005, 6)
+
+    @rule(rounds=st.integers(1, 30), hear=st.booleans() | st.just(True))
+    def time_passes(self, rounds, hear):
+        for _ in range(rounds):
+            self.bench.now = round(self.bench.now + DT, 6)
+            if hear:
+                self.bench.hear()
+                self._look()
+            self.bench.give(Tick())
+            self._look()
+
+    @rule(gap_s=st.floats(0.05, 1.0))
+    def the_loop_is_held_up(self, gap_s):
+        self.bench.now = round(self.bench.now + gap_s, 6)
+        self.time_passes(1, hear=True)
+
+    def _ask(self, source, command):
+        self._pass()
+        before, offers = self.bench.state.holding.hold, self.bench.state.holding.offers
+        taking = {offer.lease for offer in offers if offer.take_over}
+        reply = self.bench.command(source=source, **command)
+        self._look()
+        if not reply.accepted:
+            return
+        if before is not None and self.bench.now < before.expires and command.get("lease") != before.lease:
+            assert command.get("take_over") or command.get("lease") in taking
+        assert not self.bench.state.holding.estop
+        self.leases[source] = reply.lease
+        hold = self.bench.state.holding.hold
+        if hold is not None and hold.lease == reply.lease:
+            self.renewed = self.bench.now
+
+    @rule(source=sources, positions=poses | good, duration_s=durations, take_over=st.booleans(), mirror=st.booleans())
+    def somebody_commands(self, source, positions, duration_s, take_over, mirror):
+        more = {"remote": True, "sender_s": self.bench.now + 3.0} if source == "far" else {}
+        command = {"positions": positions, "duration_s": duration_s, "take_over": take_over, "mirror": mirror, **more}
+        self._ask(source, command)
+
+    @rule(source=sources, through=st.lists(good, min_size=1, max_size=3), append=st.booleans(), smooth=st.booleans())
+    def somebody_goes_through_frames(self, source, through, append, smooth):
+        frames = tuple(frame(0.2, **positions) for positions in through)
+        lease = self.leases.get(source, "") if append or smooth else ""
+        how = "smooth" if smooth else "linear"
+        self._ask(source, {"frames": frames, "append": append, "lease": lease, "interpolation": how})
+
+    @rule(source=sources)
+    def somebody_renews(self, source):
+        more = {"remote": True, "sender_s": self.bench.now + 3.0} if source == "far" else {}
+        self._ask(source, {"lease": self.leases.get(source, "none"), **more})
+
+    @rule()
+    def anybody_stops(self):
+        self._pass()
+        self.bench.stop()
+        self._look()
+        assert self.bench.state.move is None
+
+    @rule(engaged=st.booleans())
+    def the_emergency_stop_changes(self, engaged):
+        self._pass()
+        self.bench.estop(engaged=engaged)
+        self._look()
+        assert self.bench.state.move is None
+
+    @rule(servo=st.sampled_from(sorted(IDS)), how=st.sampled_from(["latched", "missing", "well"]))
+    def a_servo_changes(self, servo, how):
+        servos = self.bench.servos
+        servos.latched.pop(servo, None)
+        servos.missing.discard(servo)
+        if how == "latched":
+            servos.latched[servo] = ("overload",)
+            servos.torque[servo] = 0.0
+        elif how == "missing":
+            servos.missing.add(servo)
+
+    @rule(name=st.sampled_from(NAMES), by_rad=st.floats(-0.5, 0.5))
+    def somebody_pushes(self, name, by_rad):
+        self.bench.push(name, self.bench.measured(name) + by_rad)
+
+    @rule(source=sources, names=st.lists(st.sampled_from(NAMES), max_size=2), on=st.booleans(), sure=st.booleans())
+    def somebody_switches(self, source, names, on, sure):
+        self._pass()
+        self.bench.torque(*names, on=on, source=source, confirmed=sure)
+        self._look()
+
+    @rule()
+    def the_driver_goes(self):
+        self.bench.lose_servos()
+        self._look()
+
+    @precondition(lambda self: self.bench.setpoint is not None and self.bench.setpoint.lost)
+    @rule()
+    def the_driver_lets_go(self):
+        self.bench.servos.let_go()
+
+    @invariant()
+    def a_holder_has_renewed_in_time(self):
+        hold = self.bench.state.holding.hold
+        if hold is not None and self.bench.state.clock == self.bench.now:
+            assert self.bench.now - self.renewed < hold.ttl_s
+
+    @invariant()
+    def what_is_stopped_does_not_move(self):
+        if self.bench.state.holding.estop:
+            assert self.bench.state.move is None
+
+    @invariant()
+    def each_goal_ends_once(self):
+        goals = [result.goal for result in self.bench.results]
+        assert len(goals) == len(set(goals))
+
+
+TestMotion = Motion.TestCase
+TestMotion.settings = settings(
+    max_examples=60,
+    stateful_step_count=30,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+)
