@@ -38,6 +38,8 @@ class News:
         own = event.text.startswith(self._own)
         if event.kind in FOR_THE_RECORD or (own and (event.subject in MOVERS or event.kind == "python")):
             return False
+        if event.subject in MOVERS and event.level == "info" and event.text.partition(": ")[0] in MOVERS:
+            return False  # one that moves for somebody by another tells it itself
         text = event.text.removeprefix(self._own)
         if event.kind == "external" and any(text.startswith(f"'{line.split()[0]}'") for line in self._of(self._said)):
             return False

@@ -54,6 +54,9 @@ def state_of(status: Status) -> tuple[str, str]:
     degraded = [one.name for one in status.capabilities if one.phase == "degraded"]
     if degraded:
         return DOUBTFUL, f"degraded: {', '.join(degraded)}"
+    absent = sorted({one.host for one in status.capabilities if one.host and one.phase == "waiting"})
+    if absent:
+        return DOUBTFUL, f"{'ready' if status.ready else 'starting'}, without host {', '.join(absent)}"
     return (GOOD, "ready") if status.ready else (DOUBTFUL, "starting")
 
 

@@ -40,6 +40,13 @@ def test_the_start_of_a_program_is_told_to_those_who_did_not_start_it():
     assert News("console").sifted([started]) == [started]
 
 
+def test_what_a_motion_asked_of_the_joints_is_told_by_the_motion_alone():
+    end = event("motions: reached in 1.50 s", subject="joints", kind="reached", level="info")
+    fault = event("motions: left_knee has latched overload", subject="joints", kind="fault")
+    of_another = event("phone: 'wave' was played", subject="motions", kind="reached", level="info")
+    assert News("console").sifted([end, fault, of_another]) == [fault, of_another]
+
+
 def test_the_same_twice_within_seconds_is_told_once():
     lost = event("device 'imu' does not answer", subject="imu", kind="degraded")
     back = event("ready", subject="imu", kind="recovered", level="info")

@@ -1,0 +1,64 @@
+"""A whole humanoid in a simulated world, as people move it: by lines, and by what becomes of a line whose sender is gone."""
+
+import subprocess
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from tests.robot import LBR, environment, prepare, running, until
+
+NEEDED = ("servos", "joints", "motions", "world")
+
+
+@pytest.fixture(scope="module")
+def bioloid():
+    left_out = f"UPDATE capability SET enabled = 0 WHERE robot = 'bioloid' AND name NOT IN {NEEDED}"
+    hung_up = (
+        "UPDATE capability SET settings = json_set(settings, '$.stand', json('true')) WHERE kind = 'humanoid_world'"
+    )
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+        home = prepare(Path(place) / "h", edits=(left_out, hung_up))
+        with running(home, profile="bioloid-sim") as robot:
+            yield robot
+
+
+def joints(robot):
+    return robot.ask("joints/state")
+
+
+def send(robot, line, **more):
+    return subprocess.Popen(
+        [*LBR, "send", line], env=environment(robot.home), stdout=subprocess.PIPE, text=True, **more
+    )
+
+
+def test_torque_comes_first_and_goes_only_when_it_is_meant(bioloid):
+    assert "torque on first" in bioloid.line("/j/left_shoulder_pitch/60")["text"]
+    assert bioloid.line("/torque/on")["code"] == 0
+    until(lambda: joints(bioloid)["phase"] == "following")
+    refused = bioloid.line("/torque/off")
+    assert (refused["code"], refused["confirm"]) == (1, "/torque/off/all")
+    assert joints(bioloid)["phase"] == "following"
+
+
+def test_a_console_that_is_killed_moves_the_joint_no_further(bioloid):
+    bioloid.line("/torque/on")
+    until(lambda: joints(bioloid)["phase"] == "following")
+    console = send(bioloid, "/j/left_shoulder_pitch/140/20")
+    until(lambda: joints(bioloid)["moving"])
+    console.kill()
+    console.communicate()
+    state = until(lambda: None if (seen := joints(bioloid))["moving"] else seen)
+    assert "lapsed" in state["reason"]
+    assert state["holder"] is None
+    assert state["joints"]["left_shoulder_pitch"]["goal_rad"] < 1.5
+
+
+def test_a_line_is_held_until_the_joint_is_there_and_says_so(bioloid):
+    bioloid.line("/torque/on")
+    until(lambda: joints(bioloid)["phase"] == "following")
+    console = send(bioloid, "/j/right_shoulder_pitch/20/90")
+    said = console.communicate()[0]
+    assert (console.returncode, said.splitlines()[0]) == (0, "accepted")
+    assert joints(bioloid)["joints"]["right_shoulder_pitch"]["position_rad"] == pytest.approx(0.349, abs=0.1)
