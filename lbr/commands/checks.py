@@ -11,7 +11,7 @@ from importlib import metadata
 from pathlib import Path
 
 from lbr import home
-from lbr.commands import device_checks, service_checks
+from lbr.commands import device_checks, power_checks, service_checks
 from lbr.commands.finding import Finding
 from lbr.errors import LbrError
 
@@ -29,7 +29,7 @@ def examine() -> Iterator[Finding]:
     """Yield every finding; a check that fails itself is a finding too."""
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
         _python, _packages, _extras, _home, _disk, _database, _bus, _serial, device_checks.speech, _governor, _clock, _running,
-        service_checks.services,
+        service_checks.services, power_checks.power,
     )  # fmt: skip
     for check in checks:
         try:

@@ -6,7 +6,16 @@ from typing import Literal
 
 from msgspec import Struct
 
-from lbr.commands.unitfiles import DROP_IN, RULES, SYSUSERS, UNIT, is_pristine
+from lbr.commands.unitfiles import (
+    DROP_IN,
+    POLKIT,
+    RELAY_DROP_IN,
+    RELAY_UNIT,
+    RULES,
+    SYSUSERS,
+    UNIT,
+    is_pristine,
+)
 
 State = Literal["absent", "current", "outdated", "edited"]
 MODE = 0o644
@@ -32,8 +41,9 @@ def state(path: Path, text: str) -> State:
 
 def installed(root: Path) -> list[Path]:
     """Return the files that are there, whoever wrote them."""
-    fixed = (root / name for name in (UNIT, RULES, SYSUSERS))
-    return [*(path for path in fixed if path.exists()), *sorted(root.glob(DROP_IN.format("*")))]
+    fixed = (root / name for name in (UNIT, RULES, SYSUSERS, POLKIT, RELAY_UNIT))
+    drop_ins = (path for name in (DROP_IN, RELAY_DROP_IN) for path in sorted(root.glob(name.format("*"))))
+    return [*(path for path in fixed if path.exists()), *drop_ins]
 
 
 def install(root: Path, files: dict[str, str], *, overwrite: bool, dry_run: bool) -> list[Step]:

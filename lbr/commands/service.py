@@ -26,6 +26,12 @@ root_option = click.option(
     "--root", type=click.Path(path_type=Path, file_okay=False), default=MACHINE, metavar="DIR",
     help="Not this machine, but the system in this directory, such as an image.",
 )  # fmt: skip
+power_off_option = click.option(
+    "--power-off", is_flag=True, help="Let the robot's user power this computer off, for a shutdown in time."
+)
+motor_relay_option = click.option(
+    "--motor-relay", metavar="ADDRESS", help="Have the relay of the UPS PIco there (i2c:1:0x69) feed the motors."
+)
 dry_run_option = click.option("--dry-run", is_flag=True, help="Only say what would be done.")
 overwrite_option = click.option("--overwrite", is_flag=True, help="Files that somebody has edited, too.")
 
@@ -38,10 +44,12 @@ def command() -> None:
 @command.command("show")
 @profile_argument
 @user_option
+@power_off_option
+@motor_relay_option
 @root_option
-def show(profile: str, user: str | None, root: Path) -> int:
+def show(profile: str, user: str | None, power_off: bool, motor_relay: str | None, root: Path) -> int:
     """Print the files that 'install' writes: unit, user, device rules."""
-    for name, text in _files(profile, user, root).items():
+    for name, text in _files(profile, user, root, power_off=power_off, motor_relay=motor_relay).items():
         click.echo(f"# ---- {root / name}\n{text}")
     return 0
 
@@ -49,14 +57,27 @@ def show(profile: str, user: str | None, root: Path) -> int:
 @command.command("install")
 @profile_argument
 @user_option
+@power_off_option
+@motor_relay_option
 @root_option
 @dry_run_option
 @overwrite_option
-def install(profile: str, user: str | None, root: Path, dry_run: bool, overwrite: bool) -> int:
-    """Make the robot with launch profile PROFILE (default lbr) a service; starts nothing. May be repeated."""
+def install(
+    profile: str,
+    user: str | None,
+    power_off: bool,
+    motor_relay: str | None,
+    root: Path,
+    dry_run: bool,
+    overwrite: bool,
+) -> int:
+    """Make the robot with launch profile PROFILE (default lbr) a service; starts nothing.
+
+    May be repeated: user, right to power off and relay stay what they were unless something else is said.
+    """
     from lbr.commands import placing  # noqa: PLC0415 - kept out of `lbr --help`
 
-    files = _files(profile, user, root)
+    files = _files(profile, user, root, power_off=power_off, motor_relay=motor_relay)
     code = _report(lambda: placing.install(root, files, overwrite=overwrite, dry_run=dry_run))
     if code == 0:
         _tell(root, (("systemd-sysusers",), *_RELOAD), dry_run=dry_run)
@@ -91,10 +112,14 @@ _RELOAD = (
 )
 
 
-def _files(profile: str, user: str | None, root: Path) -> dict[str, str]:
+def _files(profile: str, user: str | None, root: Path, *, power_off: bool, motor_relay: str | None) -> dict[str, str]:
     from lbr.commands import unitfiles  # noqa: PLC0415 - kept out of `lbr --help`
 
-    return unitfiles.files(profile, _user(user, root), unitfiles.this_site(root))
+    before = unitfiles.extras_of(root)
+    extras = unitfiles.Extras(
+        power_off=power_off or before.power_off, motor_relay=before.motor_relay if motor_relay is None else motor_relay
+    )
+    return unitfiles.files(profile, _user(user, root), unitfiles.this_site(root), extras)
 
 
 def _user(user: str | None, root: Path) -> str:

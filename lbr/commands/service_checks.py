@@ -56,8 +56,11 @@ def judged(shown: dict[str, str], limits: str) -> Finding:
 def _files(root: Path) -> Iterator[Finding]:
     site = unitfiles.this_site(root)
     user = unitfiles.user_of((root / unitfiles.UNIT).read_text(errors="replace"))
-    for name, text in unitfiles.files(unitfiles.DEFAULT_PROFILE, user, site).items():
+    extras = unitfiles.extras_of(root)
+    for name, text in unitfiles.files(unitfiles.DEFAULT_PROFILE, user, site, extras).items():
         path = root / name
+        if path.parent.name.endswith(".service.d"):
+            continue  # of a profile, and which ones there are is not known here
         about = f"file {path.name}"
         match placing.state(path, text):
             case "current":

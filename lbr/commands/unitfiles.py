@@ -5,6 +5,7 @@ import hashlib
 import pwd
 import re
 import sys
+from contextlib import suppress
 from importlib import metadata, resources
 from pathlib import Path
 
@@ -18,6 +19,9 @@ UNIT = "etc/systemd/system/lbr@.service"
 RULES = "etc/udev/rules.d/70-lbr.rules"
 SYSUSERS = "etc/sysusers.d/lbr.conf"
 DROP_IN = "etc/systemd/system/lbr@{}.service.d/10-lbr-profile.conf"
+POLKIT = "etc/polkit-1/rules.d/50-lbr-power-off.rules"
+RELAY_UNIT = "etc/systemd/system/lbr-motor-relay.service"
+RELAY_DROP_IN = "etc/systemd/system/lbr@{}.service.d/20-lbr-motor-relay.conf"
 GROUPS = ("dialout", "uucp", "video", "audio", "i2c", "input", "gpio", "spi")
 SERIAL_GROUPS = ("dialout", "uucp")
 RULES_BY_GROUP = {
@@ -29,7 +33,11 @@ HIDDEN = tuple(map(Path, ("/home", "/root", "/run/user", "/tmp", "/var/tmp")))  
 _NAME = re.compile(r"[a-z_][a-z0-9_-]{0,31}")
 _INSTANCE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _PLAIN_PATH = re.compile(r"/[\w/.+,-]*", re.ASCII)
-_HEAD = re.compile(r"# Written by 'lbr service install', version (\S+); sha256 of the lines below: ([0-9a-f]{64})\n")
+_I2C = re.compile(r"i2c:\d{1,3}:0x[0-9a-f]{2}")
+_RELAY = re.compile(r"^ExecStart=.* --address (\S+)", re.MULTILINE)
+_HEAD = re.compile(
+    r"(?:#|//) Written by 'lbr service install', version (\S+); sha256 of the lines below: ([0-9a-f]{64})\n"
+)
 
 
 class Site(Struct, frozen=True, kw_only=True):
@@ -38,6 +46,16 @@ class Site(Struct, frozen=True, kw_only=True):
     program: tuple[str, ...]
     inside_hidden: tuple[Path, ...] = ()
     groups: tuple[str, ...] = ()
+
+
+class Extras(Struct, frozen=True, kw_only=True):
+    """What not every robot has: the right to power the computer off, and a UPS PIco whose relay feeds the motors."""
+
+    power_off: bool = False
+    motor_relay: str = ""
+
+
+NO_EXTRAS = Extras()
 
 
 def this_site(root: Path = Path("/")) -> Site:
@@ -61,7 +79,16 @@ def program_places() -> tuple[Path, ...]:
     return tuple(found)
 
 
-def files(profile: str, user: str, site: Site) -> dict[str, str]:
+def extras_of(root: Path) -> Extras:
+    """Return the extras that are installed at `root`, as far as whoever asks may look: polkit's rules only root may."""
+    unit, power_off = root / RELAY_UNIT, False
+    found = _RELAY.search(unit.read_text(errors="replace")) if unit.exists() else None
+    with suppress(PermissionError):
+        power_off = (root / POLKIT).exists()
+    return Extras(power_off=power_off, motor_relay=found[1] if found else "")
+
+
+def files(profile: str, user: str, site: Site, extras: Extras = NO_EXTRAS) -> dict[str, str]:
     """Return text by path, relative to the root of the machine; raise InputError for what no unit can say."""
     _check_user(user)
     for place in (*site.program[:1], *map(str, site.inside_hidden)):
@@ -83,7 +110,8 @@ def files(profile: str, user: str, site: Site) -> dict[str, str]:
     if own is not None:
         words = f"{' '.join(site.program)} run {own} --no-console"
         found[DROP_IN.format(instance)] = f"[Service]\nExecStart=\nExecStart={words}\n"
-    return {name: stamped(text) for name, text in found.items()}
+    found |= _extras(instance, user, site, extras)
+    return {name: stamped(text, "//" if name == POLKIT else "#") for name, text in found.items()}
 
 
 def instance_of(profile: str) -> tuple[str, Path | None]:
@@ -99,11 +127,11 @@ def instance_of(profile: str) -> tuple[str, Path | None]:
     return path.stem, path
 
 
-def stamped(text: str) -> str:
+def stamped(text: str, comment: str = "#") -> str:
     """Put a head on a file that tells whether it was edited since."""
     digest = hashlib.sha256(text.encode()).hexdigest()
     version = metadata.version("lbr")
-    return f"# Written by 'lbr service install', version {version}; sha256 of the lines below: {digest}\n{text}"
+    return f"{comment} Written by 'lbr service install', version {version}; sha256 of the lines below: {digest}\n{text}"
 
 
 def is_pristine(text: str) -> bool:
@@ -133,6 +161,32 @@ def unreadable(user: str) -> str:
             if not found.st_mode >> shift & 1:
                 return str(way)
     return ""
+
+
+def _extras(instance: str, user: str, site: Site, extras: Extras) -> dict[str, str]:
+    found = {}
+    if extras.power_off:
+        found[POLKIT] = _filled("lbr-power-off.rules", USER=user)
+    if extras.motor_relay:
+        if not _I2C.fullmatch(extras.motor_relay):
+            raise InputError(f"motor relay '{extras.motor_relay}': i2c:BUS:ADDRESS is allowed, such as i2c:1:0x69")
+        found[RELAY_UNIT] = _filled(
+            "lbr-motor-relay.service",
+            PYTHON=_python(site),
+            ADDRESS=extras.motor_relay,
+            USER=user,
+            GROUPS="i2c" if "i2c" in site.groups else "",
+            PROTECT_HOME=_protect_home(site.inside_hidden),
+        )
+        name = Path(RELAY_UNIT).name
+        found[RELAY_DROP_IN.format(instance)] = f"[Unit]\nBindsTo={name}\nAfter={name}\n"
+    return found
+
+
+def _python(site: Site) -> str:
+    """Return the interpreter that the program runs in."""
+    program = Path(site.program[0])
+    return str(program.with_name("python")) if program.name == "lbr" else str(program)
 
 
 def _check_user(user: str) -> None:

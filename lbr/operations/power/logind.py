@@ -59,18 +59,20 @@ class Logind:
 
     def _serve(self) -> None:
         while (question := self._questions.get()) is not None:
-            self._answers.put(self._asked(question))
+            self._answers.put(ask(self._address, question, self._timeout_s))
             self._wake()
 
-    def _asked(self, question: Question) -> Answer:
-        try:
-            said = asyncio.run(asyncio.wait_for(_call(self._address, question), self._timeout_s))
-        except TimeoutError:
-            return Answer(question, trouble=f"logind does not answer within {self._timeout_s:g} s")
-        except Exception as err:  # noqa: BLE001 - the library has many; none may end the process, each is told
-            where = self._address or "the system's D-Bus"
-            return Answer(question, trouble=f"logind cannot be asked at {where}: {err or type(err).__name__}")
-        return said if isinstance(said, Answer) else Answer(question, said, meaning(said) if said else "")
+
+def ask(address: str, question: Question, timeout_s: float) -> Answer:
+    """Ask and wait for the answer; whatever goes wrong is one. `address` is that of a D-Bus, empty for the system's."""
+    try:
+        said = asyncio.run(asyncio.wait_for(_call(address, question), timeout_s))
+    except TimeoutError:
+        return Answer(question, trouble=f"logind does not answer within {timeout_s:g} s")
+    except Exception as err:  # noqa: BLE001 - the library has many; none may end the process, each is told
+        where = address or "the system's D-Bus"
+        return Answer(question, trouble=f"logind cannot be asked at {where}: {err or type(err).__name__}")
+    return said if isinstance(said, Answer) else Answer(question, said, meaning(said) if said else "")
 
 
 def meaning(said: str) -> str:

@@ -1,0 +1,60 @@
+"""What `lbr doctor` looks at where a robot watches its supply: whether it could shut this computer down in time."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from lbr import home
+from lbr.commands import unitfiles
+from lbr.commands.finding import Finding
+from lbr.commands.service import BOOTED, MACHINE
+
+KIND = "power"
+ANSWER_S = 3.0
+
+
+def power(root: Path = MACHINE, booted: Path = BOOTED, bus: str = "") -> Iterator[Finding]:
+    """Look at the rule and ask logind, as whoever asks here; without a robot that watches its supply, nothing."""
+    if not booted.exists() or not (_robots() or unitfiles.extras_of(root).power_off):
+        return
+    yield _rule(root)
+    yield _logind(bus)
+
+
+def _robots() -> list[str]:
+    """Return the robots of this home that watch their supply."""
+    from lbr.commands.rows import opened  # noqa: PLC0415 - SQLAlchemy is for those who read rows
+
+    path = home.default_database()
+    if not path.exists():
+        return []
+    with opened(path) as rows:
+        return [
+            name
+            for name in rows.robots()
+            if any(row.kind == KIND and row.enabled for row in rows.load(name).capabilities)
+        ]
+
+
+def _rule(root: Path) -> Finding:
+    rule = root / unitfiles.POLKIT
+    try:
+        there = rule.exists()
+    except PermissionError:
+        text = "where polkit has its rules only root may look"
+        return Finding(about="power-off rule", level="hint", text=text, do="sudo lbr doctor")
+    if there:
+        return Finding(about="power-off rule", level="good", text=f"{rule} lets the robot's user power off")
+    text = "no rule lets a service power this computer off"
+    do = f"sudo {' '.join(unitfiles.this_site().program)} service install PROFILE --power-off"
+    return Finding(about="power-off rule", level="hint", text=text, do=do)
+
+
+def _logind(bus: str) -> Finding:
+    from lbr.operations.power.logind import ask  # noqa: PLC0415 - for those who watch their supply
+
+    answer = ask(bus, "CanPowerOff", ANSWER_S)
+    if answer.trouble:
+        text = f"you could not power off: {answer.trouble}"
+        do = "ask as the robot's user too: sudo -u lbr lbr doctor"
+        return Finding(about="power off", level="hint", text=text, do=do)
+    return Finding(about="power off", level="good", text="logind lets you power this computer off")
