@@ -125,7 +125,8 @@ class Dynamixel(Capability[DynamixelSettings]):
             raise RuntimeError("the bus's thread ended") from failure
         if session.guard is not None and not session.guard.standing:
             raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; opening anew")
-        if self.ctx.clock() - max(session.opened, session.sweeper.heard) > SILENT_S:
+        seen = session.sweeper.snapshot.servos.values()
+        if self.ctx.clock() - max(session.opened, session.sweeper.heard) > SILENT_S and all(one.reason for one in seen):
             counts = session.bus.counts
             said = f"babbles ({counts.babble} bytes that mean nothing), and " if counts.babble > counts.timeouts else ""
             raise DeviceError(

@@ -1,0 +1,405 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from peers import FakeContext, until
+from servo_peers import Chain
+
+from lbr.drivers.dynamixel import KIND
+from lbr.drivers.dynamixel.capability import Dynamixel
+from lbr.drivers.dynamixel.table import position_rad
+from lbr.errors import DeviceError
+from lbr.messages.joints import Joint
+from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
+
+SETTINGS = '{"device": "servos", "guard": false, "reply_margin_s": 0.03, "sweep_hz": 250}'
+
+
+def joint(servo):
+    return Joint(name=f"joint_{servo}", device_id=servo, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0)
+
+
+class Rig:
+    """A driver in this process, its chain, a clock that may jump, and a mover that sends when told."""
+
+    def __init__(self, chain, settings=SETTINGS):
+        self.chain = chain
+        self.ahead_s = 0.0
+        self.ctx = FakeContext(KIND.parse(settings), chain.path, "dynamixel")
+        self.ctx.wired, self.ctx.living = ("joints",), {"joints"}
+        self.ctx.joints = tuple(joint(servo) for servo in chain.servos)
+        self.ctx.clock = lambda: time.monotonic() + self.ahead_s
+        self.driver = Dynamixel(self.ctx)
+        self.sent = None
+        self.driver.open()
+
+    def send(self, **fields):
+        """Say from now on what every servo is to do; none: fall silent."""
+        self.sent = fields
+
+    def step(self):
+        if self.sent is not None:
+            goals = self.sent.get("goals") or tuple(ServoGoal(id=servo) for servo in self.chain.servos)
+            message = ServoSetpoint(goals=goals, **{k: v for k, v in self.sent.items() if k != "goals"})
+            self.ctx.give(message, source="joints")
+        self.driver.step()
+        time.sleep(0.001)
+
+    def until(self, condition):
+        until(lambda: self.step() or condition(), 5.0)
+
+    def servo(self, servo):
+        return next(state for state in self.ctx.state.servos if state.id == servo)
+
+    def seen(self):
+        return bool(self.ctx.published) and all(s.voltage_v is not None for s in self.ctx.state.servos)
+
+    def on(self, **fields):
+        self.send(**fields)
+        self.until(lambda: all(servo.torque for servo in self.chain.servos.values()) and self.all_on())
+
+    def all_on(self):
+        return all(state.torque for state in self.ctx.state.servos)
+
+    def stuck(self, raw):
+        """Every servo is on its way here, and stays."""
+        for servo in self.chain.servos.values():
+            servo.stuck = raw
+            servo.settle()
+        self.until(lambda: all(state.raw == raw for state in self.ctx.state.servos))
+
+    def go(self, raw, **fields):
+        goals = tuple(ServoGoal(id=servo, position_rad=position_rad(raw)) for servo in self.chain.servos)
+        self.send(goals=goals, **fields)
+        self.until(lambda: all(servo.goal == raw for servo in self.chain.servos.values()))
+
+
+@pytest.fixture
+def chain(tmp_path):
+    chain = Chain(tmp_path / "ttyServos")
+    yield chain
+    chain.finish()
+
+
+@pytest.fixture
+def rig(chain):
+    rig = Rig(chain)
+    yield rig
+    rig.driver.close()
+
+
+def test_starting_moves_nothing_and_tells_every_servo(rig, chain):
+    rig.until(rig.seen)
+    state = rig.ctx.state
+    assert state.phase == "released"
+    assert state.armed
+    assert [servo.raw for servo in state.servos] == [513, 514, 515]
+    assert rig.servo(1).position_rad == pytest.approx(0.00512, abs=1e-5)
+    assert (rig.servo(1).voltage_v, rig.servo(1).temperature_c, rig.servo(1).torque) == (11.1, 35.0, 0.0)
+    assert not chain.writes(24)
+    assert not chain.writes(30)
+
+
+def test_torque_comes_on_where_the_servo_is(rig, chain):
+    chain.servos[1].put(36, 300)
+    rig.on()
+    assert chain.servos[1].goal == chain.servos[1].position == 300
+    order = [request[5] for request in chain.log if request[2] == 1 and request[4] == 3 and request[5] >= 24]
+    assert order[:2] == [30, 24]
+    assert rig.ctx.state.phase == "following"
+
+
+def test_goals_and_speeds_are_followed_by_all_at_once(rig, chain):
+    rig.on()
+    chain.log.clear()
+    goals = tuple(ServoGoal(id=servo, position_rad=0.5, speed_rps=1.1624) for servo in chain.servos)
+    rig.send(goals=goals, lease="a")
+    rig.until(lambda: all(servo.goal == 610 and servo.word(32) == 100 for servo in chain.servos.values()))
+    assert all(request[2] == 0xFE for request in chain.writes(30))
+
+
+def test_a_servo_that_is_not_named_is_without_torque(rig, chain):
+    rig.on()
+    rig.send(goals=(ServoGoal(id=1), ServoGoal(id=2, torque=0.0)))
+    rig.until(lambda: not chain.servos[2].torque and not chain.servos[3].torque)
+    assert chain.servos[1].torque
+
+
+def test_torque_is_limited_as_asked(rig, chain):
+    rig.on(goals=tuple(ServoGoal(id=servo, torque=0.5) for servo in chain.servos))
+    rig.until(lambda: {servo.torque for servo in chain.servos.values()} == {512})
+
+
+def test_silence_holds_then_fades_then_lets_go_and_wants_to_be_switched_on_anew(rig, chain):
+    rig.on(lease="a")
+    rig.go(600, lease="a")
+    rig.stuck(570)
+    rig.sent = None
+    rig.until(lambda: rig.ctx.state.phase == "holding")
+    rig.until(lambda: all(servo.goal == 570 for servo in chain.servos.values()))
+    assert "no setpoint within 0.1 s" in rig.ctx.state.reason
+    rig.ahead_s += 32.0
+    rig.until(lambda: rig.ctx.state.phase == "releasing")
+    rig.until(lambda: all(0 < servo.torque < 700 for servo in chain.servos.values()))
+    rig.ahead_s += 5.0
+    rig.until(lambda: not any(servo.torque for servo in chain.servos.values()))
+    rig.until(lambda: rig.ctx.state.phase == "released")
+    rig.send(lease="b")
+    chain.log.clear()
+    rig.until(lambda: len(chain.log) > 30)
+    assert not any(servo.torque for servo in chain.servos.values())
+    assert "switch its torque off, then on" in rig.servo(1).reason
+    rig.send(goals=tuple(ServoGoal(id=servo, torque=0.0) for servo in chain.servos))
+    rig.until(lambda: not rig.servo(1).reason)
+    rig.on(lease="b")
+
+
+def test_a_source_that_died_is_lost_at_once(rig, chain):
+    rig.on()
+    rig.ctx.living.clear()
+    rig.until(lambda: rig.ctx.state.phase == "holding")
+    assert not rig.ctx.state.armed
+
+
+def test_a_stop_is_told_to_every_servo_before_anything_else(rig, chain):
+    rig.on(halt=1)
+    rig.go(600, halt=1)
+    rig.stuck(550)
+    chain.log.clear()
+    rig.send(halt=2)
+    rig.until(lambda: all(servo.goal == 550 for servo in chain.servos.values()))
+    assert chain.writes(30)[0][6] == 2, "goal positions alone"
+
+
+def test_the_emergency_stop_holds_and_is_acknowledged_when_every_servo_was_read_to_hold(rig, chain):
+    rig.on()
+    rig.go(600)
+    rig.stuck(580)
+    rig.ctx.estop.engaged, rig.ctx.estop.reason = True, "test"
+    rig.until(lambda: rig.ctx.estop.acknowledged[-1:] == [(True, "")])
+    assert all(servo.goal == 580 for servo in chain.servos.values())
+    assert all(servo.torque for servo in chain.servos.values())
+    rig.ctx.estop.engaged = False
+    chain.log.clear()
+    rig.sent = None
+    rig.until(lambda: rig.ctx.estop.acknowledged[-1] == (False, "released"))
+    rig.until(lambda: len(chain.log) > 20)
+    assert all(servo.goal == 580 for servo in chain.servos.values())
+
+
+def test_the_emergency_stop_may_let_go_at_once(chain):
+    rig = Rig(chain, SETTINGS.replace("{", '{"on_estop": "release", ', 1))
+    rig.on()
+    rig.ctx.estop.engaged = True
+    rig.until(lambda: not any(servo.torque for servo in chain.servos.values()))
+    rig.until(lambda: rig.ctx.estop.acknowledged[-1] == (True, ""))
+    rig.driver.close()
+
+
+def test_a_servo_that_does_not_answer_keeps_the_stop_unacknowledged(rig, chain):
+    rig.on()
+    chain.dead.add(2)
+    rig.ctx.estop.engaged = True
+    rig.until(lambda: "joint_2 (servo 2)" in rig.ctx.estop.acknowledged[-1][1])
+    assert rig.ctx.estop.acknowledged[-1][0] is False
+
+
+class Answer:
+    def __init__(self, message):
+        self.name, self.message, self.said = "recover", message, None
+
+    def reply(self, answer, *, quiet=False):
+        self.said = answer
+
+    def refuse(self, reason):
+        self.said = SimpleNamespace(accepted=False, reason=reason)
+
+
+def test_an_overload_is_latched_until_it_is_recovered_and_recovering_moves_nothing(rig, chain):
+    rig.on()
+    chain.servos[2].trip(0x20)
+    rig.until(lambda: rig.servo(2).latched == ("overload",))
+    rig.until(lambda: chain.servos[2].table[24] == 0)
+    assert chain.servos[2].word(34) == 0
+    assert chain.servos[1].torque
+    chain.servos[2].error = 0
+    call = Answer(RecoverServos())
+    rig.driver.command(call)
+    rig.until(lambda: call.said is not None)
+    assert call.said.accepted
+    assert chain.servos[2].word(34) == 1023
+    chain.log.clear()
+    rig.until(lambda: len(chain.log) > 20 and rig.servo(2).latched == ())
+    assert chain.servos[2].torque == 0, "not before somebody had it off"
+    rig.send(goals=(ServoGoal(id=1), ServoGoal(id=3)))
+    rig.until(lambda: not rig.servo(2).reason)
+    rig.on()
+
+
+def test_a_servo_that_is_still_hot_is_not_recovered(rig, chain):
+    rig.on()
+    chain.servos[2].table[43] = 71
+    chain.servos[2].trip(0x04)
+    rig.until(lambda: rig.servo(2).latched == ("overheat",))
+    call = Answer(RecoverServos(ids=(2,)))
+    rig.driver.command(call)
+    rig.until(lambda: call.said is not None)
+    assert "joint_2 (servo 2) is still too hot: 71 degrees C" in call.said.reason
+    assert rig.servo(2).latched
+
+
+def test_a_servo_without_power_is_named_and_never_comes_back_with_torque_by_itself(rig, chain):
+    rig.on()
+    chain.dead.add(2)
+    rig.until(lambda: rig.servo(2).reason == "does not answer" and rig.servo(2).raw is None)
+    assert rig.servo(1).raw is not None
+    assert any("joint_2 (servo 2)" in phase for phase in rig.ctx.phases)
+    chain.servos[2].boot()
+    chain.dead.clear()
+    rig.until(lambda: "lost its torque" in rig.servo(2).reason)
+    assert chain.servos[2].torque == 0
+    rig.until(lambda: rig.ctx.phases[-1] == "ready")
+
+
+def test_torque_that_was_found_is_held_where_the_servo_is(chain):
+    chain.servos[1].write(24, b"\1")
+    chain.servos[1].stuck = 400
+    chain.servos[1].settle()
+    rig = Rig(chain)
+    rig.until(lambda: chain.servos[1].goal == 400)
+    assert rig.ctx.state.phase == "holding"
+    rig.ahead_s += 36.0
+    rig.until(lambda: chain.servos[1].torque == 0)
+    rig.driver.close()
+
+
+def test_an_empty_bus_is_degraded_and_says_what_to_look_at(chain):
+    chain.dead.update(chain.servos)
+    rig = Rig(chain)
+    rig.ahead_s += 2.0
+    with pytest.raises(DeviceError, match="none of its 3 servos answers; is their power on"):
+        rig.until(lambda: False)
+    rig.driver.close()
+    rig.driver.degraded("away")
+    assert rig.ctx.state.reason == "away"
+
+
+def test_a_line_that_goes_away_is_degraded_and_comes_back(chain):
+    rig = Rig(chain)
+    rig.until(rig.seen)
+    chain.unplug()
+    with pytest.raises(DeviceError, match="went away"):
+        rig.until(lambda: False)
+    rig.driver.close()
+    with pytest.raises(DeviceError, match="missing"):
+        rig.driver.open()
+    chain.plug()
+    rig.driver.open()
+    rig.until(rig.seen)
+    rig.driver.close()
+
+
+@pytest.mark.parametrize(("ending", "torque"), [("hold", True), ("release", False)])
+def test_closing_holds_or_lets_go_as_the_row_says(chain, ending, torque):
+    rig = Rig(chain, SETTINGS.replace("{", f'{{"on_close": "{ending}", ', 1))
+    rig.on()
+    rig.stuck(530)
+    rig.driver.close()
+    until(lambda: all(bool(servo.torque) is torque for servo in chain.servos.values()))
+    until(lambda: not torque or all(servo.goal == 530 for servo in chain.servos.values()))
+
+
+def test_an_adapter_reads_all_at_once(tmp_path):
+    chain = Chain(tmp_path / "ttyServos", 18, adapter=True)
+    rig = Rig(chain)
+    rig.until(lambda: rig.seen() and rig.ctx.state.bus.sync_read)
+    assert [servo.raw for servo in rig.ctx.state.servos] == [512 + servo for servo in chain.servos]
+    chain.dead.add(9)
+    rig.until(lambda: rig.servo(9).reason == "does not answer")
+    rig.driver.close()
+    chain.finish()
+
+
+@pytest.mark.parametrize(
+    ("row", "complaint"),
+    [
+        ('{"device": "servos", "alarms": ["overheat"]}', "must hold `overload`"),
+        ('{"device": "servos", "lowest_v": 12, "highest_v": 11}', "is not below"),
+    ],
+)
+def test_a_bad_row_says_what_is_wrong(row, complaint):
+    with pytest.raises(Exception, match=complaint):
+        KIND.parse(row)
+
+
+DRIVER = """
+import sys, time
+from peers import FakeContext
+from lbr.drivers.dynamixel import KIND
+from lbr.drivers.dynamixel.capability import Dynamixel
+from lbr.messages.joints import Joint
+from lbr.messages.servos import ServoGoal, ServoSetpoint
+settings = '{"device": "servos", "hold_s": %s, "release_s": 0.3, "reply_margin_s": 0.05}' % sys.argv[2]
+ctx = FakeContext(KIND.parse(settings), sys.argv[1], "dynamixel")
+ctx.wired, ctx.living = ("joints",), {"joints"}
+ctx.joints = tuple(
+    Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in (1, 2, 3)
+)
+servos = Dynamixel(ctx)
+servos.open()
+while True:
+    goals = tuple(ServoGoal(id=n, position_rad=0.0, speed_rps=1.0) for n in (1, 2, 3))
+    ctx.give(ServoSetpoint(goals=goals, lease="a"), source="joints")
+    servos.step()
+    time.sleep(0.01)
+"""
+
+
+def driving(chain, hold_s):
+    """A driver in a process of its own, whose servos are on their way."""
+    environment = {**os.environ, "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[2]}"}
+    process = subprocess.Popen([sys.executable, "-c", DRIVER, str(chain.path), str(hold_s)], env=environment)
+    until(lambda: all(servo.torque and servo.goal == 512 for servo in chain.servos.values()), 8.0)
+    for servo in chain.servos.values():
+        servo.stuck = 540
+        servo.settle()
+    return process
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_lets_them_go(chain, number):
+    process = driving(chain, 0.2)
+    chain.log.clear()
+    process.send_signal(number)
+    until(lambda: all(servo.goal == 540 for servo in chain.servos.values()), 5.0)
+    assert all(servo.torque for servo in chain.servos.values())
+    until(lambda: not any(servo.torque for servo in chain.servos.values()), 5.0)
+    assert process.wait(5.0) == -signal.SIGKILL
+    limits = [int.from_bytes(request[8:10], "little") for request in chain.writes(34)]
+    assert limits == sorted(limits, reverse=True)
+    assert len(limits) > 2
+
+
+def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain):
+    process = driving(chain, 60.0)
+    process.kill()
+    process.wait()
+    until(lambda: all(servo.goal == 540 for servo in chain.servos.values()), 5.0)
+    made = []
+
+    def opened():
+        with suppress(DeviceError):  # the guard may just be looking whether somebody took the line
+            made.append(Rig(chain))
+        return made
+
+    until(opened, 5.0)
+    rig = made[0]
+    rig.until(lambda: rig.ctx.state.phase == "holding" and rig.seen())
+    rig.on(lease="b")
+    rig.driver.close()
