@@ -14,8 +14,8 @@ from lbr.messages.units import Vector
 from lbr.simulation.humanoid.settings import Motor
 from lbr.simulation.physics import mujoco
 
-TIMESTEP_S = 0.002
-"""500 steps a second: the stiffest servo swings at 30 Hz."""
+TIMESTEP_S = 0.004
+"""250 steps a second, as often as the inertial unit measures; 1 ms walks and holds alike, for three times the work."""
 
 Mask = NDArray[np.bool_]
 

@@ -22,7 +22,7 @@ _UPRIGHT = cos(radians(45.0))
 _STAND_M = 0.05
 """How far above the floor a stand has its feet."""
 
-_HAND_EVERY, _HAND_MPS = 10, 0.3
+_HAND_EVERY, _HAND_MPS = 5, 0.3
 _WELL_ABOVE = 0.4
 """How far off the middle of its feet its weight may be, as a share of what they span."""
 

@@ -8,14 +8,11 @@ from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.twins import ServoBus, Twin
 
-_AT_ONCE_S = 2 * TIMESTEP_S
-"""As long as this is made up for in one go, so that a round of the loop costs one look at the servos."""
-
 
 class HumanoidPhysics:
     """`pose` and `view` are the newest; `pick_up` may be set by any thread, and is done at the next step."""
 
-    timestep_s = _AT_ONCE_S
+    timestep_s = TIMESTEP_S
 
     def __init__(self, engine: HumanoidEngine, twins: Sequence[Twin]) -> None:
         self.pose: HumanoidPose = engine.pose()

@@ -43,7 +43,8 @@ def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int])
     data.qpos[:] = np.frombuffer(view)
     mujoco.mj_kinematics(body.model, data)
     faces = _turned(_faces(body.model, data), pose)
-    dots_per_m = min(max(1.0, size[1] - _LEGEND_PX) * 0.93, size[0] / 2) / _standing_m(body)
+    tall, wide = _room_m(body)
+    dots_per_m = min(max(1.0, size[1] - _LEGEND_PX) / tall, size[0] / 2 / wide)
     picture = Image.new("RGB", size, _PAPER)
     draw, font = ImageDraw.Draw(picture), ImageFont.load_default(size=13)
     ground = size[1] - _LEGEND_PX
@@ -105,9 +106,10 @@ def _lit(colour: Colour, normal: Floats, looked: _View) -> Colour:
     return red, green, blue
 
 
-def _standing_m(body: Body) -> float:
-    """Return how tall a picture is to be: as the body with room for raised arms."""
-    return float(body.model.body_pos[body.trunk, 2]) * 1.75
+def _room_m(body: Body) -> tuple[float, float]:
+    """Return how tall and how wide a view is to be: as the body with its arms raised, or lying."""
+    trunk_m = float(body.model.body_pos[body.trunk, 2])
+    return trunk_m * 1.9, trunk_m * 1.45
 
 
 def _legend(pose: HumanoidPose) -> str:
