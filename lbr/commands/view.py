@@ -1,10 +1,11 @@
 """`lbr view`."""
 
+import contextlib
 import shutil
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import click
 
@@ -27,7 +28,7 @@ WAIT_S = 5.0
 @click.option("--png", type=click.Path(path_type=Path), metavar="FILE", help="Save one picture instead.")
 @click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is no terminal.")
 def command(whom: Whom, png: Path | None, once: bool) -> int:
-    """Watch a simulated robot from above, until Ctrl-C; it says when no news comes."""
+    """Watch a simulated robot from above, or a humanoid joint by joint, until Ctrl-C; it says when no news comes."""
     import sys  # noqa: PLC0415
 
     from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
@@ -63,29 +64,39 @@ def _wait(frame: Callable[[int, int], list[str]]) -> None:
     until = time.monotonic() + WAIT_S
     while not frame(80, 24):
         if not time.monotonic() < until:
-            raise BusError("no simulated world answers; only a profile that simulates has one ('lbr status' shows it)")
+            raise BusError("nothing to see: neither joints nor a simulated world answer ('lbr status' shows what runs)")
         time.sleep(FRAME_S / 4)
 
 
 def _frames(bus: "Session", robot: str, clock: Callable[[], float] = time.monotonic) -> Callable[[int, int], list[str]]:
     """Return what draws the newest view, or nothing until all is known."""
+    from lbr.console import joint_table  # noqa: PLC0415
+    from lbr.messages.joints import JointsState  # noqa: PLC0415
     from lbr.messages.sensing import Ranges  # noqa: PLC0415
-    from lbr.messages.simulation import WorldPose, WorldScene  # noqa: PLC0415
+    from lbr.messages.simulation import HumanoidPose, WorldPose, WorldScene  # noqa: PLC0415
     from lbr.simulation import topdown  # noqa: PLC0415
 
     scene = _Latest(bus, f"{robot}/world/scene", WorldScene, clock)
     pose = _Latest(bus, f"{robot}/world/pose", WorldPose, clock)
     ranges = _Latest(bus, f"{robot}/ranges/readings", Ranges, clock)
+    joints = _Latest(bus, f"{robot}/joints/state", JointsState, clock)
+    body = _Latest(bus, f"{robot}/world/pose", HumanoidPose, clock)
 
     def frame(width: int, height: int) -> list[str]:
-        seen, where = scene.read(), pose.read()
+        seen, where, moved = scene.read(), pose.read(), joints.read()
+        late = _late(pose if moved is None else joints, width)
+        if moved is not None:
+            return [*late, *joint_table.lines(moved, body.read(), width, height - len(late))]
         if seen is None or where is None:
             return []
-        age_s = pose.age_s
-        late = [] if age_s <= SILENT_S else [f"no news for {age_s:.0f} s; is the robot gone?"[:width]]
         return [*late, *topdown.text(seen, where, ranges.read(), width, height - len(late))]
 
     return frame
+
+
+def _late(what: "_Latest[Any]", width: int) -> list[str]:
+    age_s = what.age_s
+    return [] if age_s <= SILENT_S else [f"no news for {age_s:.0f} s; is the robot gone?"[:width]]
 
 
 class _Latest(Generic[S]):
@@ -101,7 +112,9 @@ class _Latest(Generic[S]):
         self._decoder = Decoder(kind)
         self._seen = clock()
         start = wire.ask(bus, key, None, source=target.source("lbr view"), timeout_s=1.0)
-        self._last: S | None = self._decoder.decode(start[0].payload) if start else None
+        self._last: S | None = None
+        if start:
+            self._hear(start[0].payload)
 
     @property
     def age_s(self) -> float:
@@ -109,8 +122,14 @@ class _Latest(Generic[S]):
 
     def read(self) -> S | None:
         for raw in self._feed.take():
-            self._last, self._seen = self._decoder.decode(raw.payload), self._clock()
+            self._hear(raw.payload)
         return self._last
+
+    def _hear(self, payload: bytes) -> None:
+        from lbr.errors import MalformedError  # noqa: PLC0415
+
+        with contextlib.suppress(MalformedError):  # a humanoid's world says other things than a room
+            self._last, self._seen = self._decoder.decode(payload), self._clock()
 
 
 def _picture(bus: "Session", robot: str, png: Path) -> int:

@@ -2,7 +2,8 @@ from fake_robot import ROBOT, wait_for
 
 from lbr.bus import wire
 from lbr.commands.view import _frames
-from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
+from lbr.messages.joints import JointsState, JointState
+from lbr.messages.simulation import HumanoidPose, WorldBox, WorldPose, WorldScene
 
 WALL = WorldBox(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=4.0)
 SCENE = WorldScene(walls=(WALL,), robot_length_m=0.6, robot_width_m=0.5)
@@ -23,6 +24,34 @@ def test_a_view_without_news_says_so_until_news_come(robot, client):
     assert len(frame(80, 24)) <= 24
     assert len(frame(20, 24)[0]) == 20
     wait_for(lambda: say() and "no news" not in frame(80, 24)[0])
+
+
+JOINTS = JointsState(
+    sequence=1, measured_s=1.0, moving=False, phase="following", reason="stopped by phone", joints={
+        "left_knee": JointState(id=14, position_rad=-0.5, goal_rad=-0.6, load=0.25, temperature_c=41.0, voltage_v=11.2),
+        "right_knee": JointState(id=13, latched=("overload",), reason="silent"),
+    },
+)  # fmt: skip
+LIES = HumanoidPose(
+    x_m=0.0, y_m=0.0, z_m=0.29, roll_rad=0.0, pitch_rad=-0.1, yaw_rad=0.0, upright=True, held=False,
+    on_floor=("left_foot", "right_foot"), joints={}, supply_v=11.9, time_s=1.0,
+)  # fmt: skip
+
+
+def test_a_humanoid_is_seen_joint_by_joint(robot, client):
+    frame = _frames(client, ROBOT)
+    messages = (("joints/state", JOINTS), ("world/pose", LIES))
+    say = lambda: [wire.put(robot.bus, f"{ROBOT}/{key}", what, source="x") for key, what in messages]  # noqa: E731
+    seen = wait_for(lambda: say() and len(lines := frame(120, 24)) == 5 and lines)
+    assert seen == [
+        "upright, trunk 29 cm high, roll +0, pitch -6 degrees; on the floor: left_foot, right_foot",
+        "following: stopped by phone",
+        "joint                    angle    goal   load   °C     V  ",
+        "left_knee                -28.6   -34.4   25 %   41  11.2  ",
+        "right_knee                   -       -      -    -     -  latched: overload",
+    ]
+    assert max(len(line) for line in frame(20, 3)) == 20
+    assert len(frame(20, 3)) == 3
 
 
 MESSAGES = (("scene", SCENE), ("pose", POSE))
