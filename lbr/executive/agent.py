@@ -17,7 +17,7 @@ from contextlib import closing
 from pathlib import Path
 
 from lbr.bus import session
-from lbr.capability.confine import OWNER_ONLY
+from lbr.capability.confine import keep_private
 from lbr.console import remote, target
 from lbr.console.remote import RefusedError
 from lbr.console.target import Target
@@ -45,7 +45,7 @@ class Agent:
 
     def run(self) -> int:
         """Serve until told to end, and return 0; raise RefusedError or InputError if the robot does not want us."""
-        os.umask(OWNER_ONLY)
+        keep_private()
         signal.set_wakeup_fd(self._main.wake_fd, warn_on_full_buffer=False)
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             signal.signal(number, lambda _number, _frame: self._stop())

@@ -20,6 +20,7 @@ from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
 from lbr.capability.tether import tethered
+from lbr.console import wallet
 from lbr.errors import MalformedError
 from lbr.executive import scheduling
 from lbr.executive.units import Unit
@@ -153,6 +154,7 @@ class Child:
 
 def _environment(config: ProcessConfig) -> dict[str, str]:
     environment = leaf_environment() if config.lan is None else dict(os.environ)  # the door is a router, no leaf
+    environment.pop(wallet.VARIABLE, None)
     return environment | {"LBR_HOME": config.home}
 
 
@@ -160,7 +162,7 @@ def _way_in(config: ProcessConfig) -> Path:
     """Write down, in Zenoh's own words, how a program gets to the bus as itself; for its owner's eyes only."""
     path = home.directory("run") / f"{config.robot}-{config.name}.json5"
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "w") as file:
-        json.dump(client_settings(config.endpoints, config.credentials), file)
+        json.dump(client_settings(config.endpoints, config.credentials, certificate=config.certificate), file)
     return path
 
 

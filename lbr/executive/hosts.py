@@ -152,7 +152,7 @@ class Hosts:
         found = host.states.get(unit.name) if host.agent else None
         if found is not None:
             return found
-        reason = f"host '{host.name}' begins" if host.agent else self._what_to_type(host.name)
+        reason = f"host '{host.name}' begins" if host.agent else self._what_to_type(host.name, unit)
         return CapabilityStatus(
             name=unit.name,
             kind=unit.kind,
@@ -165,7 +165,9 @@ class Hosts:
             host=host.name,
         )
 
-    def _what_to_type(self, name: str) -> str:
+    def _what_to_type(self, name: str, unit: Unit) -> str:
+        if unit.config.credentials is None:
+            return f"waits for host '{name}', which has no token; here, type: lbr token add {name} --role host"
         ways = self._ways()
         if not ways:
             return f"waits for host '{name}', which cannot come in: the robot needs --listen tls/0.0.0.0:7447"

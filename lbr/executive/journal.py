@@ -40,6 +40,8 @@ AUDITED = frozenset(
         "superseded",
         "estop",
         "estop_reset",
+        "host_joined",
+        "host_lost",
         "login",
         "login_refused",
         "logout",

@@ -9,7 +9,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.bus import keys
-from lbr.bus.access import Rights
+from lbr.bus.access import Credentials, Rights
 from lbr.capability import registry
 from lbr.capability.config import DeviceConfig, InputWire, LanConfig, LanGuest, LanUser, OutputWire, ProcessConfig
 from lbr.capability.kind import Kind
@@ -72,7 +72,7 @@ def unit(
         kind=row.kind,
         settings=_compact(row.settings),
         endpoints=() if host else site.endpoints,
-        credentials=site.credentials(f"{host}.{row.name}" if host else row.name),
+        credentials=_guest(host, row.name, rows, site) if host else site.credentials(row.name),
         home="" if host else site.home,
         host=host,
         device=device,
@@ -206,6 +206,15 @@ def _motions(rows: RobotRows) -> tuple[Motion, ...]:
         )
         for row in rows.motions
     )
+
+
+def _guest(host: str, name: str, rows: RobotRows, site: Site) -> Credentials | None:
+    """Return how a process on another machine proves itself: void with the token of its host."""
+    token = next((one for one in rows.tokens if one.name == host and one.role == "host"), None)
+    if token is None:
+        return None
+    password = site.seal(f"password of {name} on {host} since {token.created_at}")
+    return Credentials(user=f"{host}.{name}", password=password)  # no token's name has a dot
 
 
 def _compact(settings: str) -> msgspec.Raw:
