@@ -58,7 +58,7 @@ def _joint(state: State, joint: Joint, now: float) -> JointState:
 
 
 def _angle(joint: Joint, servo_rad: float | None) -> float | None:
-    return None if servo_rad is None else round((servo_rad - joint.zero_rad) * joint.sign, 5)
+    return None if servo_rad is None else round((servo_rad - joint.zero_rad) * joint.sign, 5) + 0.0  # no -0.0
 
 
 def _signed(joint: Joint, value: float | None) -> float | None:

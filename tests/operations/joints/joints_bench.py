@@ -53,6 +53,8 @@ class Servos:
         self.latched = {}
         self.missing = set()
         self.stuck = set()
+        self.powerless = {}
+        self.unread = False
         self.phase = "released"
         self.armed, self.reason, self.estop = True, "", False
         self.sweep = 0
@@ -90,9 +92,10 @@ class Servos:
         return ServoState(
             id=servo,
             position_rad=self.at[servo],
-            torque=self.torque[servo],
+            torque=None if self.unread else 0.0 if servo in self.powerless else self.torque[servo],
             latched=self.latched.get(servo, ()),
             age_s=0.0,
+            reason=self.powerless.get(servo, ""),
         )
 
 

@@ -290,6 +290,54 @@ def test_a_driver_that_is_gone_ends_the_motion_and_back_again_is_taken_as_it_is(
     assert not bench.setpoint.lost
 
 
+def test_a_driver_that_has_just_begun_is_not_believed_before_it_knows_which_servos_have_torque(bench):
+    bench.lose_servos()
+    bench.setpoint = None
+    bench.servos.unread, bench.servos.phase = True, "released"
+    bench.run(0.3)
+    assert bench.setpoint is None
+    bench.servos.unread, bench.servos.phase = False, "holding"
+    bench.run(0.05)
+    assert set(bench.goals) == set(NAMES)
+
+
+def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench):
+    sweep, bench.servos.state = (
+        bench.servos.state,
+        lambda now: ServosState(
+            sweep=0, measured_s=now, armed=False, phase="released", servos=(), reason="the cable is out"
+        ),
+    )
+    bench.run(0.1)
+    assert bench.command(SLOW).reason == "the servos are not armed: the cable is out"
+    bench.servos.state = sweep
+    bench.run(0.1)
+    assert set(bench.goals) == set(NAMES)
+    assert bench.command(SLOW).accepted
+
+
+def test_a_driver_that_holds_although_it_is_told_to_follow_ends_the_motion(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    bench.run(0.1, reply.lease)
+    bench.servos.obey = lambda setpoint: None
+    bench.servos.phase, bench.servos.reason = "holding", "the lease of this motion has died; stop, then move anew"
+    bench.run(0.02, reply.lease)
+    assert last(bench) == ("fault", f"the servos do not follow: {bench.servos.reason}")
+
+
+def test_a_servo_that_was_without_power_stays_without_torque_until_it_is_switched_on(bench):
+    bench.run(1.0)
+    bench.servos.powerless = {14: "lost its torque: was it without power?"}
+    bench.run(0.02)
+    assert "left_knee" not in bench.goals
+    assert bench.events[-1].text == "left_knee is without torque: lost its torque: was it without power?"
+    assert "torque on first" in bench.command(SLOW).reason
+    bench.servos.powerless = {}
+    assert bench.torque("left_knee", on=True).accepted
+    bench.run(1.1)
+    assert "left_knee" in bench.goals
+
+
 def test_a_silent_driver_ends_the_motion(bench):
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(0.28, reply.lease, hear=False)

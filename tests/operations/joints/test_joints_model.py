@@ -28,7 +28,7 @@ class Motion(RuleBasedStateMachine):
         self.bench = Bench()
         self.bench.servos = Servos(share=0.3)
         self.told = self.bench.setpoint
-        self.told_at, self.halt = self.bench.now, 0
+        self.told_at = self.bench.now
         self.leases = {}
         self.renewed = -inf
         self.bench.standing()
@@ -42,11 +42,12 @@ class Motion(RuleBasedStateMachine):
             return
         elapsed_s = min(bench.now - self.told_at, 0.05)
         before = {} if self.told is None else {goal.id: goal for goal in self.told.goals}
+        halted = self.told is None or after.halt != self.told.halt
         for goal in after.goals:
-            self._goal(before.get(goal.id), goal, elapsed_s)
-        self.told, self.told_at, self.halt = after, bench.now, bench.state.halt
+            self._goal(before.get(goal.id), goal, elapsed_s, halted=halted)
+        self.told, self.told_at = after, bench.now
 
-    def _goal(self, before, goal, elapsed_s):
+    def _goal(self, before, goal, elapsed_s, *, halted):
         name = IDS[goal.id]
         joint = BODY.joints[name]
         if goal.position_rad is None:
@@ -55,7 +56,7 @@ class Motion(RuleBasedStateMachine):
         assert joint.lower_rad - 1e-9 <= position <= joint.upper_rad + 1e-9
         assert goal.speed_rps <= joint.speed_rps
         began = before is None or before.torque == 0.0 or before.position_rad is None
-        if began or self.bench.state.halt != self.halt:
+        if began or halted:
             allowed = inf
         elif self.bench.state.holding.hold is None and not self._just_ended():
             allowed = 0.0
@@ -183,8 +184,8 @@ class Motion(RuleBasedStateMachine):
 
 TestMotion = Motion.TestCase
 TestMotion.settings = settings(
-    max_examples=60,
-    stateful_step_count=30,
+    max_examples=40,
+    stateful_step_count=25,
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow],
 )

@@ -27,7 +27,7 @@ ways = st.builds(
     st.sampled_from(["smooth", "linear"]),
     st.none() | pose,
 )
-few = settings(max_examples=60, deadline=None)
+few = settings(max_examples=40, deadline=None)
 LIMITS = {"a": 2.0, "b": 2.0}
 
 

@@ -1,0 +1,166 @@
+"""The process around the kernel: what it publishes when, whom it asks, and what it does when things end."""
+
+from math import radians
+
+import msgspec
+import pytest
+from joints_bench import BODY, NAMES
+from joints_context import FakeContext, Robot
+
+from lbr.messages.leases import CommandReply
+from lbr.operations.joints import KIND
+from lbr.operations.joints.capability import Joints
+
+
+@pytest.fixture
+def robot():
+    return Robot().standing()
+
+
+def test_the_kind_names_the_class_that_runs():
+    assert KIND.load() is Joints
+    assert KIND.moves
+    assert KIND.parse("{}") == FakeContext().settings
+
+
+@pytest.mark.parametrize(
+    ("row", "complaint"),
+    [
+        ('{"rate_hz": 5}', r"\$.rate_hz"),
+        ('{"tolerance": 1}', "unknown field `tolerance`"),
+        ('{"ttl_s": 3}', r"\$.ttl_s"),
+    ],
+)
+def test_a_bad_row_is_refused_naming_the_field(row, complaint):
+    with pytest.raises(msgspec.ValidationError, match=complaint):
+        KIND.parse(row)
+
+
+def test_setpoints_come_at_the_rate_of_the_loop_however_often_it_is_woken(robot):
+    robot.ctx.published.clear()
+    for _ in range(500):
+        robot.ctx.now += 0.002
+        robot.ctx.hear()
+        robot.joints.step()
+    assert len(robot.ctx.said("setpoint")) == pytest.approx(100, abs=2)
+    assert len(robot.ctx.said("state")) == pytest.approx(100, abs=5)
+
+
+def test_the_state_is_one_sweep_in_the_joints_own_radians(robot):
+    robot.ctx.servos.at[2] = BODY.servo_rad("left_shoulder_pitch", 0.7)
+    robot.ctx.servos.stuck, robot.ctx.servos.missing = {2}, {20}
+    robot.run(0.02)
+    state = robot.state
+    assert list(state.joints) == list(NAMES)
+    assert state.sequence == robot.ctx.servos.sweep
+    assert state.joints["left_shoulder_pitch"].position_rad == pytest.approx(0.7)
+    assert state.joints["head_yaw"].position_rad is None
+    assert state.joints["head_yaw"].reason == "servo 20 does not answer"
+    assert (state.phase, state.moving, state.holder, state.reason) == (
+        "following",
+        False,
+        None,
+        "nobody moves the joints",
+    )
+
+
+def test_a_motion_is_shown_while_it_goes_on_and_its_result_published(robot):
+    reply = robot.move("left_knee", -30.0, speed_dps=60.0)
+    assert reply.accepted
+    robot.run(0.3, reply.lease)
+    assert (robot.state.moving, robot.state.holder, robot.state.goal) == (True, "console", reply.goal)
+    robot.run(0.6, reply.lease)
+    (result,) = robot.ctx.said("result")
+    assert (result.goal, result.result) == (reply.goal, "reached")
+    assert robot.state.joints["left_knee"].position_rad == pytest.approx(radians(-30.0), abs=1e-4)
+    assert not robot.state.moving
+
+
+def test_a_stop_is_in_a_setpoint_before_it_is_answered(robot):
+    reply = robot.move("left_knee", -60.0)
+    robot.run(0.3, reply.lease)
+    halt = robot.setpoint.halt
+    robot.ctx.published.clear()
+    assert robot.stop().accepted
+    (setpoint,) = robot.ctx.said("setpoint")
+    assert setpoint.halt != halt
+    assert robot.ctx.said("result")[-1].reason == "stopped by phone: test"
+
+
+def test_the_emergency_stop_is_acknowledged_once_the_driver_holds(robot):
+    robot.move("left_knee", -60.0)
+    robot.ctx.estop.engaged, robot.ctx.estop.reason = True, "test"
+    robot.run(0.03, hear=False)
+    assert robot.ctx.estop.acknowledged[-1] is False
+    robot.ctx.servos.estop, robot.ctx.servos.phase = True, "holding"
+    robot.run(0.02)
+    assert robot.ctx.estop.acknowledged[-1] is True
+    assert robot.state.reason == "emergency stop: test"
+    robot.ctx.estop.engaged = robot.ctx.servos.estop = False
+    where = robot.setpoint.goals
+    robot.run(0.1)
+    assert robot.setpoint.goals == where
+
+
+def test_a_driver_that_is_gone_has_nothing_to_acknowledge(robot):
+    robot.ctx.gone.add("servos")
+    robot.ctx.estop.engaged = True
+    robot.run(0.02, hear=False)
+    assert robot.ctx.estop.acknowledged[-1] is True
+    assert robot.state.joints["left_knee"].position_rad is None
+    assert "is gone" in robot.state.joints["left_knee"].reason
+
+
+def test_a_holder_whose_process_dies_is_lost(robot):
+    reply = robot.command({"left_knee": -1.0}, source="motions", duration_s=5.0)
+    robot.run(0.1, reply.lease)
+    robot.ctx.gone.add("motions")
+    robot.run(0.01)
+    assert robot.setpoint.lost
+    assert robot.ctx.said("result")[-1].reason == "the process of motions is gone"
+
+
+def test_recovering_is_asked_of_the_driver_and_answered_when_it_has(robot):
+    call = robot.recover("left_knee")
+    assert robot.ctx.asked[-1].message.ids == (14,)
+    robot.run(0.5)
+    assert call.answer is None
+    robot.ctx.asked[-1].given = {"servos": CommandReply(accepted=True, reason="recovered servo 14")}
+    robot.run(0.01)
+    assert call.answer == CommandReply(accepted=True, reason="recovered servo 14")
+
+
+@pytest.mark.parametrize("answers", [{}, {"servos": None}])
+def test_a_driver_that_does_not_answer_is_told_of(robot, answers):
+    call = robot.recover()
+    assert len(robot.ctx.asked[-1].message.ids) == len(NAMES)
+    robot.ctx.asked[-1].given = answers
+    robot.run(0.01)
+    assert call.answer == CommandReply(accepted=False, reason="the servo driver did not answer; is it running?")
+
+
+def test_an_unknown_joint_is_not_recovered(robot):
+    assert robot.recover("left_kne").answer.reason.startswith("there is no joint 'left_kne'")
+    assert robot.ctx.asked == []
+
+
+def test_ending_holds_every_joint_and_says_that_the_mover_is_gone(robot):
+    reply = robot.move("left_knee", -60.0)
+    robot.run(0.3, reply.lease)
+    call = robot.recover()
+    robot.joints.close()
+    assert robot.setpoint.lost
+    assert {goal.torque for goal in robot.setpoint.goals} == {1.0}
+    assert robot.ctx.said("result")[-1].result == "stopped"
+    assert not call.answer.accepted
+
+
+def test_lease_ids_do_not_repeat_and_cannot_be_guessed(robot):
+    leases = set()
+    for _ in range(10):
+        robot.run(0.01)
+        leases.add(robot.move("left_knee", -10.0).lease)
+        robot.run(0.01)
+        robot.stop()
+    assert len(leases) == 10
+    assert {len(lease) for lease in leases} == {16}
