@@ -9,10 +9,12 @@ for all of them, as a line of when it was over and its bytes.
 
 import ctypes
 import json
+import os
 import select
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -95,7 +97,7 @@ def _logger(path: Path) -> Callable[[Instruction, float], None]:
 
 def main() -> None:
     """Serve until standard input ends."""
-    ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
+    _be_on_time()
     emulated = bus()
     with PtyPort(sys.argv[1]) as port:
         print(json.dumps({"ready": True}), flush=True)
@@ -109,6 +111,13 @@ def main() -> None:
                 print(json.dumps({"ready": True}), flush=True)
             else:
                 _serve(port, emulated)
+
+
+def _be_on_time() -> None:
+    """Servos do not wait for their turn on the computer that reads them; without the right to that, these do."""
+    ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
+    with suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
 
 
 def _obey(order: dict[str, Any], emulated: DynamixelBus, port: PtyPort) -> DynamixelBus:
