@@ -7,7 +7,6 @@ from msgspec.structs import replace
 
 from lbr.messages.joints import JointMove, JointsCommand, KeyFrame
 from lbr.operations.joints.body import Body
-from lbr.operations.joints.trajectory import SHORTEST_S
 
 
 class Asked(Struct, frozen=True, kw_only=True):
@@ -39,9 +38,9 @@ def empty(command: JointsCommand) -> bool:
     return not (command.positions or command.frames)
 
 
-def frames(command: JointsCommand, body: Body) -> tuple[KeyFrame, ...]:
-    """Return the key frames that it asks for, in a mirror if it says so; positions are one, by default at once."""
-    asked_for = command.frames or (KeyFrame(positions=command.positions, duration_s=command.duration_s or SHORTEST_S),)
+def frames(command: JointsCommand, body: Body, positions_s: float) -> tuple[KeyFrame, ...]:
+    """Return the key frames that it asks for, in a mirror if it says so; its positions are one, which takes `positions_s`."""
+    asked_for = command.frames or (KeyFrame(positions=command.positions, duration_s=positions_s),)
     if not command.mirror:
         return asked_for
     return tuple(replace(frame, positions=body.mirrored(frame.positions)) for frame in asked_for)

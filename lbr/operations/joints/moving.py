@@ -13,6 +13,7 @@ from lbr.operations.leasing.state import Ending
 
 LONGEST_STEP_S = 0.05
 """A loop that was held up goes on from where it was, it does not jump."""
+LONGEST_S = 3600.0
 FOLLOWING_S = 0.3
 """The driver says within this time that the servos follow."""
 NOTABLE_STRETCH = 1.01
@@ -20,7 +21,7 @@ NOTABLE_STRETCH = 1.01
 
 def begin(state: State, command: JointsCommand, goal: str, now: float) -> Move:
     """Return the motion that a command asks for, from where its joints were told to be last."""
-    return Move(goal=goal, begun=now, trajectory=_plan(state, command, frames(command, state.body)))
+    return Move(goal=goal, begun=now, trajectory=_plan(state, command, _frames(state, command)))
 
 
 def append(state: State, move: Move, command: JointsCommand) -> Move:
@@ -29,17 +30,17 @@ def append(state: State, move: Move, command: JointsCommand) -> Move:
     assert way is not None
     behind = trajectory.passed(way, move.elapsed_s)
     ahead = trajectory.ahead(way, move.elapsed_s)
-    planned = _plan(state, command, (*ahead, *frames(command, state.body)))
+    planned = _plan(state, command, (*ahead, *_frames(state, command)))
     return replace(move, trajectory=planned, elapsed_s=0.0, passed=move.passed + behind, arrived=nan)
 
 
 def note(state: State, move: Move, command: JointsCommand) -> str:
     """Return what the asker should know: that it takes longer than asked for, and because of which joint."""
     way = move.trajectory
-    asked_for = command.frames or command.duration_s is not None
+    asked_for = command.frames or command.duration_s is not None or command.speed_rps is not None
     if way is None or not asked_for or way.stretch < NOTABLE_STRETCH:
         return ""
-    limit_rps = _limit_rps(state, way.slowest, command)
+    limit_rps = state.body.joints[way.slowest].speed_rps
     asked_s = way.duration_s / way.stretch
     return (
         f"takes {way.duration_s:.2f} s instead of {asked_s:.2f}: {way.slowest} goes no faster than {limit_rps:g} rad/s"
@@ -143,10 +144,20 @@ def _here_rad(state: State, name: str, *, moved: bool) -> float | None:
     return goal if not moved and goal is not None and abs(goal - here) <= state.settings.tolerance_rad else here
 
 
+def _frames(state: State, command: JointsCommand) -> tuple[KeyFrame, ...]:
+    """Return the key frames of a command; positions take what it says, or as long as its speed needs for the longest way."""
+    asked_s = command.duration_s
+    if command.positions and asked_s is None and command.speed_rps is not None:
+        (frame,) = frames(command, state.body, trajectory.SHORTEST_S)
+        longest_rad = max(abs(goal - _start_rad(state, name)) for name, goal in frame.positions.items())
+        asked_s = min(longest_rad / command.speed_rps, LONGEST_S)
+    return frames(command, state.body, asked_s or trajectory.SHORTEST_S)
+
+
 def _plan(state: State, command: JointsCommand, through: tuple[KeyFrame, ...]) -> trajectory.Trajectory:
     named = {name for frame in through for name in frame.positions}
     start = {name: _start_rad(state, name) for name in state.body.joints if name in named}
-    limits_rps = {name: _limit_rps(state, name, command) for name in start}
+    limits_rps = {name: state.body.joints[name].speed_rps for name in start}
     move = state.move
     way = move.trajectory if move is not None else None
     speeds_rps = trajectory.speeds(way, move.elapsed_s) if move is not None and way is not None else None
@@ -158,11 +169,6 @@ def _start_rad(state: State, name: str) -> float:
     start = measured(state, name) if goal is None else goal
     assert start is not None
     return start
-
-
-def _limit_rps(state: State, name: str, command: JointsCommand) -> float:
-    asked_rps = inf if command.speed_rps is None else command.speed_rps
-    return min(state.body.joints[name].speed_rps, asked_rps)
 
 
 def _away_rad(state: State, name: str, target: float) -> float:

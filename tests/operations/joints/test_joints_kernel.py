@@ -68,7 +68,7 @@ def test_positions_are_reached_smoothly_and_the_result_says_so(bench):
 def test_speed_decides_how_long_it_takes_and_the_rows_speed_is_never_passed(bench):
     slow = bench.command({"left_knee": -1.0}, speed_rps=0.5)
     assert slow.reason == ""
-    bench.run(2.9, slow.lease)
+    bench.run(1.9, slow.lease)
     assert bench.results == []
     bench.run(0.2, slow.lease)
     assert last(bench)[0] == "reached"
