@@ -73,16 +73,14 @@ class Player:
         self.go(frames_of(motion, times), interpolation=interpolation, hold_s=1.0)
         return self.engine.pose()
 
-    def go(self, frames, *, interpolation="smooth", hold_s=0.0):
-        """Go through key frames and stay there."""
-        way = (
-            plan(self.goal, frames, {joint.name: joint.speed_rps for joint in rows()[0]}, interpolation)
-            if frames
-            else None
-        )
-        for tick in range(1, round(((way.duration_s if way else 0.0) + hold_s) / TICK_S) + 1):
+    def go(self, frames, *, interpolation="smooth", until_share=1.0, hold_s=0.0):
+        """Go through key frames, or a share of the way, and stay there."""
+        limits = {joint.name: joint.speed_rps for joint in rows()[0]}
+        way = plan(self.goal, frames, limits, interpolation) if frames else None
+        way_s = way.duration_s * until_share if way else 0.0
+        for tick in range(1, round((way_s + hold_s) / TICK_S) + 1):
             if way:
-                self.goal |= positions(way, tick * TICK_S)
+                self.goal |= positions(way, min(way_s, tick * TICK_S))
             self.engine.step(drives(self.goal), TICK_S)
             self.seen.append(self.engine.pose())
 

@@ -21,7 +21,7 @@ def test_a_motion_keeps_to_the_limits_of_its_joints_and_no_way_has_to_be_stretch
     assert (way.stretch, way.slowest) == (1.0, "")
 
 
-@pytest.mark.parametrize("name", [name for name in MOTIONS if not name.startswith(("sit", "walk"))])
+@pytest.mark.parametrize("name", [name for name in MOTIONS if not MOTIONS[name].lead_in and name != "sit"])
 def test_it_ends_upright_and_at_rest(name):
     player = Player()
     before = player.play(name)
@@ -70,3 +70,24 @@ def test_walking_lifts_each_foot_in_turn_and_does_not_fall(interpolation):
     assert len(turns) >= 2 * cycles
     assert len(alone) / len(player.seen) > 0.2
     assert abs(end.yaw_rad) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("name", "ahead_m", "turned_rad"),
+    [("walk", 0.0, 0.0), ("walk_ahead", 0.25, 0.0), ("walk_back", -0.3, 0.0), ("turn_left", 0.0, 1.8)],
+)
+def test_each_way_of_walking_goes_where_it_says(name, ahead_m, turned_rad):
+    end = Player().play(name, 6)
+    assert end.upright
+    assert (end.x_m, end.y_m) == pytest.approx((ahead_m, 0.0), abs=0.06)
+    assert end.yaw_rad == pytest.approx(turned_rad, abs=0.15 + turned_rad / 5)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.7, 0.9])
+def test_stopped_in_the_middle_of_a_step_it_stays_on_its_feet(share):
+    player = Player()
+    player.go(MOTIONS["walk_ready"].frames)
+    player.go(MOTIONS["walk"].frames * 2, until_share=share)
+    player.goal = player.engine.pose().joints
+    player.go((), hold_s=1.5)
+    assert player.engine.pose().upright
