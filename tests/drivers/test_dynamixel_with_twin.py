@@ -1,0 +1,221 @@
+"""The driver's bus against the emulated one, which was written apart from it; the time between them is the test's."""
+
+import threading
+import time
+
+import msgspec
+import pytest
+from peers import FakeContext, until
+
+from lbr.capability.context import Device
+from lbr.drivers.dynamixel import KIND, table
+from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.dynamixel.capability import Dynamixel
+from lbr.drivers.dynamixel.line import ServoLine
+from lbr.drivers.dynamixel.recovery import recovery
+from lbr.drivers.dynamixel.setup import Setup
+from lbr.drivers.dynamixel.sweep import Sweeper
+from lbr.messages.joints import Joint
+from lbr.messages.servos import ServoGoal, ServoSetpoint
+from lbr.simulation.dynamixel import AxServo, DynamixelBus, Usb2Ax
+from lbr.simulation.faults import DynamixelFaults
+from lbr.simulation.twins import Surroundings
+from lbr.simulation.twins.dynamixel import DynamixelTwin
+
+IDS = range(1, 19)
+WANTED = [(table.RETURN_LEVEL, 2), (table.RETURN_DELAY, 0), (table.SHUTDOWN, 36)]
+
+
+class TwinLine(ServoLine):
+    """A line straight to an emulated bus; waiting is what moves the clock."""
+
+    def __init__(self, bus):
+        self.emulated = bus
+        self.now = 100.0
+        self.name, self.baud, self.margin_s = "of the test", 1_000_000, 0.01
+        self._came = b""
+
+    def send(self, data):
+        self._came += self.emulated.feed(data, self.now, 1e6)
+        return True
+
+    def receive(self, wait_s):
+        until_s = self.now + (max(wait_s, 1e-6) if wait_s else 0.0)
+        while True:
+            self._came += self.emulated.poll(self.now)
+            due = self.emulated.next_due()
+            if self._came or due is None or due > until_s:
+                break
+            self.now = max(self.now, due)
+        if not self._came:
+            self.now = until_s
+        data, self._came = self._came, b""
+        return data
+
+    def close(self):
+        pass
+
+
+class Rig:
+    """Eighteen servos, each in a place of its own, and the sweep that reads them."""
+
+    def __init__(self, dongle=None, **faults):
+        self.servos = [AxServo(number, position_rad=0.1 * (number - 9)) for number in IDS]
+        emulated = DynamixelBus(self.servos, dongle=Usb2Ax(dongle) if dongle else None, seed=4)
+        self.line = TwinLine(emulated)
+        self.told = []
+        self.bus = Bus(self.line, clock=self.clock)
+        self.setup = Setup(WANTED, self.tell, self.sleep)
+        self.sweeper = Sweeper(IDS, self.clock, 0.01, self.setup.prepare, self.tell)
+        if dongle:
+            assert self.bus.find_adapter() == dongle
+        emulated.faults = msgspec.convert(faults, DynamixelFaults)
+
+    def clock(self):
+        return self.line.now
+
+    def sleep(self, seconds):
+        self.line.now += seconds
+
+    def tell(self, *event):
+        self.told.append(event)
+
+    def sweep(self, seconds):
+        until_s = self.line.now + seconds
+        states = []
+        last = self.sweeper.snapshot.sweep
+        while self.line.now < until_s:
+            wait_s = self.sweeper.turn(self.bus)
+            self.line.now += wait_s
+            if self.sweeper.snapshot.sweep != last:
+                last = self.sweeper.snapshot.sweep
+                states.append(self.sweeper.snapshot)
+        return states
+
+    def raw(self, number):
+        return 512 + round(self.servos[number - 1].felt.position_rad / table.RAD_PER_STEP)
+
+
+@pytest.mark.parametrize("dongle", [None, 4, 5])
+def test_servos_as_they_come_from_the_factory_are_set_up_and_swept(dongle):
+    rig = Rig(dongle)
+    snapshot = rig.sweep(2.0)[-1]
+    assert {number: seen.motion.position for number, seen in snapshot.servos.items()} == {n: rig.raw(n) for n in IDS}
+    assert not any(seen.reason or seen.slow.enabled for seen in snapshot.servos.values())
+    assert {servo.return_delay_s for servo in rig.servos} == {0.0}
+    assert rig.bus.counts.corrupt == rig.bus.counts.strays == 0
+    assert rig.sweeper.snapshot.sweeps_hz > 60.0
+    assert sum("set return delay time (250, not 0)" in text for _, text, _ in rig.told) == 18
+
+
+FAULTS = [
+    {"drop": 0.05},
+    {"bit_flip": 0.05},
+    {"garbage": 0.1},
+    {"stray": 0.1},
+    {"half": 0.05},
+    {"pieces": 0.3},
+    {"late": 0.05},
+    {"echo": True},
+    {"babbling": True},
+]
+
+
+@pytest.mark.parametrize("dongle", [None, 5])
+@pytest.mark.parametrize("faults", FAULTS, ids=lambda faults: next(iter(faults)))
+def test_on_a_bad_line_every_state_is_true(faults, dongle):
+    rig = Rig(dongle, **faults)
+    states = rig.sweep(3.0)
+    seen = [(number, seen.motion) for state in states for number, seen in state.servos.items() if seen.motion]
+    assert len(seen) > 300
+    assert all(motion.position == rig.raw(number) for number, motion in seen)
+    assert all(
+        state.servos[number].slow is None or not state.servos[number].slow.enabled for state in states for number in IDS
+    )
+
+
+@pytest.mark.parametrize(
+    ("faults", "said"),
+    [
+        ({"silent": [7]}, "does not answer"),
+        ({"unpowered": [7]}, "does not answer"),
+        ({"other_baud": [7]}, "does not answer"),
+        ({"wrong_model": [7]}, "not an AX-12A"),
+        ({"duplicate": [7]}, "two servos with id 7"),
+    ],
+)
+def test_a_bad_servo_is_named_and_slows_nobody(faults, said):
+    rig = Rig(**faults)
+    snapshot = rig.sweep(4.0)[-1]
+    assert said in snapshot.servos[7].reason
+    assert not any(seen.reason for number, seen in snapshot.servos.items() if number != 7)
+    assert snapshot.sweeps_hz > 55.0
+
+
+def test_servos_that_lose_their_supply_come_back_by_themselves():
+    rig = Rig()
+    rig.sweep(1.0)
+    rig.line.emulated.faults = DynamixelFaults(brown_out=True)
+    assert all(seen.reason for seen in rig.sweep(2.5)[-1].servos.values())
+    rig.line.emulated.faults = DynamixelFaults()
+    assert not any(seen.reason for seen in rig.sweep(4.5)[-1].servos.values())
+
+
+def test_an_overload_is_seen_and_recovered_once_its_cause_is_gone():
+    rig = Rig()
+    rig.sweep(1.0)
+    rig.line.emulated.faults = DynamixelFaults(overload=(3,), hot=(4,))
+    servos = rig.sweep(0.5)[-1].servos
+    assert (servos[3].error, servos[3].slow.limit) == (0x20, 0)
+    assert (servos[4].error & 0x04, servos[4].slow.limit) == (0x04, 0)
+    assert recovery(3, rig.setup.kept[3])(rig.bus) == "latches again at once"
+    assert "is still too hot" in recovery(4, rig.setup.kept[4])(rig.bus)
+    rig.line.emulated.faults = DynamixelFaults()
+    assert recovery(3, rig.setup.kept[3])(rig.bus) == ""
+    servos = rig.sweep(0.5)[-1].servos
+    assert (servos[3].error, servos[3].slow.limit) == (0, 1023)
+
+
+def test_the_whole_driver_moves_emulated_servos_and_lets_them_go(tmp_path):
+    address = tmp_path / "ttyServos"
+    twin = DynamixelTwin(Device("servos", "dynamixel", str(address), {}), Surroundings(1, 0.0))
+    ending = threading.Event()
+
+    def serve():
+        while not ending.is_set():
+            twin.service(time.monotonic())
+            time.sleep(0.0002)
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    until(address.exists)
+    settings = '{"device": "servos", "guard": false, "reply_margin_s": 0.05, "on_close": "release"}'
+    ctx = FakeContext(KIND.parse(settings), address, "dynamixel")
+    ctx.wired, ctx.living = ("joints",), {"joints"}
+    ctx.joints = tuple(Joint(name=f"j{n}", device_id=n, lower_rad=-2, upper_rad=2, speed_rps=3) for n in IDS)
+    driver = Dynamixel(ctx)
+    driver.open()
+
+    def so(condition, **goal):
+        def step():
+            if goal:
+                goals = tuple(ServoGoal(id=n, speed_rps=3.0, **goal) for n in IDS)
+                ctx.give(ServoSetpoint(goals=goals), source="joints")
+            driver.step()
+            time.sleep(0.002)
+            return condition()
+
+        until(step, 8.0)
+
+    def each(check):
+        return bool(ctx.published) and ctx.state.servos and all(check(servo) for servo in ctx.state.servos)
+
+    so(lambda: each(lambda servo: servo.torque == 0.0))
+    so(lambda: each(lambda servo: servo.torque == 1.0), torque=1.0)
+    so(lambda: each(lambda servo: abs((servo.position_rad or 0.0) - 0.3) < 0.03), position_rad=0.3)
+    assert ctx.state.bus.sync_read
+    driver.close()
+    until(lambda: all(drive.torque == 0.0 for drive in twin.drives(0.0).values()))
+    ending.set()
+    thread.join()
+    twin.port.unplug()
