@@ -581,7 +581,8 @@ INSERT INTO motion (robot, name, help, lead_in, lead_out) VALUES
     ('bioloid', 'walk', 'Walk on the spot: once with each foot', 'walk_ready', 'walk_ready'),
     ('bioloid', 'walk_ahead', 'Walk ahead: a step with each foot, 4 cm', 'walk_ready', 'walk_ready'),
     ('bioloid', 'walk_back', 'Walk back: a step with each foot, 5 cm', 'walk_ready', 'walk_ready'),
-    ('bioloid', 'turn_left', 'Turn left on the spot: a step with each foot, 17 degrees; mirrored, to the right', 'walk_ready', 'walk_ready');
+    ('bioloid', 'turn_left', 'Turn left on the spot: a step with each foot, 17 degrees; mirrored, to the right',
+     'walk_ready', 'walk_ready');
 
 INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES
     ('bioloid', 'initial', 1, 1.500,
