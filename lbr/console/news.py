@@ -38,9 +38,12 @@ class News:
         own = event.text.startswith(self._own)
         if event.kind in FOR_THE_RECORD or (own and (event.subject in MOVERS or event.kind == "python")):
             return False
-        if event.subject in MOVERS and event.level == "info" and event.text.partition(": ")[0] in MOVERS:
-            return False  # one that moves for somebody by another tells it itself
         text = event.text.removeprefix(self._own)
+        by, _, told = event.text.partition(": ")
+        if event.subject in MOVERS and by in MOVERS:
+            if event.level == "info":
+                return False  # one that moves for somebody by another tells it itself
+            text = told
         if event.kind == "external" and any(text.startswith(f"'{line.split()[0]}'") for line in self._of(self._said)):
             return False
         if any(answer.startswith(text) for answer in self._of(self._answers)):

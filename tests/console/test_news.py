@@ -45,6 +45,9 @@ def test_what_a_motion_asked_of_the_joints_is_told_by_the_motion_alone():
     fault = event("motions: left_knee has latched overload", subject="joints", kind="fault")
     of_another = event("phone: 'wave' was played", subject="motions", kind="reached", level="info")
     assert News("console").sifted([end, fault, of_another]) == [fault, of_another]
+    news = News("console")
+    news.answered("left_knee has latched overload")
+    assert not news.sifted([fault])
 
 
 def test_the_same_twice_within_seconds_is_told_once():
