@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import psutil
 
 from benchmarks.figures import machine, percentile
 from benchmarks.servo_bus import Process
@@ -153,7 +154,7 @@ def cycle(
     _tell(twin, {"faults": FAULTS})
     _pass_time(1.0)
     states.take()
-    begun = time.monotonic()
+    begun, spent_s = time.monotonic(), _spent_s(robot)
     found = Watched()
     dead_at = begun + min(DEAD_EVERY_S, seconds) / 2
     while (now := time.monotonic()) < begun + seconds:
@@ -165,6 +166,7 @@ def cycle(
         _pass_time(0.05)
         if not found.take(states.take()):
             found.ended += client.again()
+    shares = {name: (now_s - spent_s[name]) / (now - begun) for name, now_s in _spent_s(robot).items()}
     client.cease()
     states.close()
     written = [at for at, _ in goals(log) if begun <= at < begun + seconds]
@@ -172,6 +174,7 @@ def cycle(
         **found.figures(),
         "period error of goals on the wire, ms": _errors(written),
         "commands sent late, ms": _summary(client.late_ms),
+        "share of a core": {name: round(share, 3) for name, share in shares.items()},
     }
 
 
@@ -186,7 +189,7 @@ class Watched:
         self._ages_ms: list[float] = []
         self._lost = 0
         self._last = -1
-        self._still = self._unmeasured = 0
+        self._still = self._unmeasured = self._old = 0
 
     def take(self, messages: list[wire.Raw]) -> bool:
         """Take in states; say whether there is still a motion."""
@@ -201,14 +204,15 @@ class Watched:
             self._arrived.append(message.arrived)
             self._measured.append(state.measured_s)
             self._still += not state.moving
-            for joint in state.joints.values():
-                self._unmeasured += joint.age_s is None
-                self._ages_ms.append((joint.age_s or 0.0) * 1e3)
+            ages_ms = [joint.age_s * 1e3 for joint in state.joints.values() if joint.age_s is not None]
+            newest_ms = min(ages_ms, default=0.0)
+            self._unmeasured += len(state.joints) - len(ages_ms)
+            self._old += sum(age_ms - newest_ms > PERIOD_S * 1e3 for age_ms in ages_ms)
+            self._ages_ms += ages_ms
         return holder is not None
 
     def figures(self) -> dict[str, Any]:
         """Return what is to be told."""
-        old = sum(age_ms > 1.5 * PERIOD_S * 1e3 for age_ms in self._ages_ms)
         slots = sum(max(0, round(error_ms / (PERIOD_S * 1e3))) for error_ms in _gaps_ms(self._measured))
         passed_s = self._measured[-1] - self._measured[0] if len(self._measured) > 1 else nan
         return {
@@ -220,8 +224,8 @@ class Watched:
             "sweeps that no state told of": self._lost,
             "states while nothing moved": self._still,
             "motions that ended": self.ended,
-            "joints older than a sweep": old,
-            "share of joints older than a sweep": old / max(1, len(self._ages_ms)),
+            "joints older than a sweep": self._old,
+            "share of joints older than a sweep": self._old / max(1, len(self._ages_ms)),
             "age of a joint, ms": _summary(self._ages_ms),
             "joints not measured at all": self._unmeasured,
         }
@@ -312,6 +316,12 @@ def _switch_on(robot: Robot) -> None:
         until(on, limit_s=20.0)
     except AssertionError as err:
         raise AssertionError(f"{err}; torque: {said[-1]}; {robot.ask('joints/state')}") from err
+
+
+def _spent_s(robot: Robot) -> dict[str, float]:
+    """Return how much processor time the two processes have had."""
+    times = {name: psutil.Process(robot.capability(name)["pid"]).cpu_times() for name in ("servos", "joints")}
+    return {name: found.user + found.system for name, found in times.items()}
 
 
 def _tell(twin: Process, order: dict[str, Any]) -> None:
