@@ -54,6 +54,16 @@ def host(robot: str, name: str) -> str:
     return f"{robot}/@host/{name}"
 
 
+def agent_alive(robot: str, host: str) -> str:
+    """Return the key of the liveliness token of a host's agent; no capability has such a name."""
+    return alive(robot, agent(host))
+
+
+def agent(host: str) -> str:
+    """Return what a host's agent is called where processes are."""
+    return f"{host}.agent"
+
+
 def schema(robot: str, capability: str, name: str) -> str:
     """Return the key that answers with the JSON Schema of a stream or command."""
     return f"{robot}/@schema/{capability}/{name}"

@@ -215,6 +215,7 @@ class Executive:
             measured=self._measured,
             begun=self._begun_elsewhere,
             ways=self._lan,
+            present=lambda name: name in self._presence.names,
         )
         self._emergency = Emergency(
             robot,

@@ -11,10 +11,10 @@ from lbr.messages.joints import CapturedFrame
 from lbr.messages.system import CapabilityStatus, Event
 
 REPORT_S = 0.2
-LOST_S = 1.0
-"""An agent that is not answered for so long ends its share."""
-GONE_S = 1.5
-"""An agent that does not report for so long is gone, and another may come; later than it has ended its share."""
+LOST_S = 2.0
+"""An agent that is not answered for so long ends its share; one whose link is lost does at once."""
+GONE_S = 3.0
+"""An agent that does not report for so long is gone; one whose link is lost, or who died, is at once."""
 MOST_EVENTS = 16
 LONGEST_TEXT = 500
 

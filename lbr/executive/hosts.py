@@ -5,7 +5,7 @@ from math import inf
 
 from msgspec.structs import replace
 
-from lbr.bus import wire
+from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
 from lbr.executive.hosting import GONE_S, HostReport, HostShare, Measured, Placed, mark
@@ -28,6 +28,7 @@ class Host:
         self.mark = ""
         self.agent = self.where = ""
         self.heard_at = -inf
+        self.seen = False
         self.states: dict[str, CapabilityStatus] = {}
 
 
@@ -35,7 +36,8 @@ class Hosts:
     """Answers agents, at the key that `served` has for each host, from one thread.
 
     `happened(kind, subject, text, level)` hears what people should know, `measured` what is to be written down, and
-    `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines come in at.
+    `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines come in at, and
+    `present(name)` says who is on the bus.
     """
 
     def __init__(
@@ -47,12 +49,14 @@ class Hosts:
         measured: Callable[[Measured], None],
         begun: Callable[[str], None],
         ways: Callable[[], tuple[str, ...]],
+        present: Callable[[str], bool],
     ) -> None:
         self._version = version
         self._happened = happened
         self._measured = measured
         self._begun = begun
         self._ways = ways
+        self._present = present
         self._restarts: dict[str, int] = {}
         self._ended = False
         self._hosts = {name: Host(name, one) for name, one in served.items()}
@@ -82,8 +86,8 @@ class Hosts:
         for host in self._hosts.values():
             for request in host.served.take():
                 request.reply(self._answer(host, request, now), "executive")
-            if host.agent and not now - host.heard_at < GONE_S:
-                self._gone(host, f"the agent at {host.where} is silent", "error")
+            if host.agent and (why := self._why_gone(host, now)):
+                self._gone(host, f"the agent at {host.where} {why}", "error")
         return min((host.heard_at + GONE_S for host in self._hosts.values() if host.agent), default=inf)
 
     def capabilities(self) -> dict[str, CapabilityStatus]:
@@ -142,9 +146,15 @@ class Hosts:
             if one.name in host.units:
                 self._measured(one)
 
+    def _why_gone(self, host: Host, now: float) -> str:
+        """Say why an agent counts as gone, or nothing; its token may come a little later than its first report."""
+        here = self._present(keys.agent(host.name))
+        lost, host.seen = host.seen and not here, here
+        return "is out of reach" if lost else "is silent" if not now - host.heard_at < GONE_S else ""
+
     def _gone(self, host: Host, why: str, level: str) -> None:
         running = [name for name, state in host.states.items() if state.phase in RUNNING]
-        host.agent, host.states = "", {}
+        host.agent, host.states, host.seen = "", {}, False
         lost = f"; gone with it: {', '.join(running)}" if running else ""
         self._happened("host_lost", host.name, f"{why}{lost}", level)
 

@@ -87,6 +87,7 @@ def _of_lan(plan: "Plan", unit: Unit) -> Rights:
     assert unit.config.lan is not None
     robot, lan = plan.robot, unit.config.lan
     guests = [guest.rights for guest in lan.guests]
+    agents = [keys.agent_alive(robot, user.name) for user in lan.users if user.role == "host"]
     asked = {key for rights in guests for key in rights.ask} - set(lan.commands)
     return Rights(
         put=(*lan.stops, keys.estop(robot), *_all(rights.put for rights in guests)),
@@ -100,7 +101,7 @@ def _of_lan(plan: "Plan", unit: Unit) -> Rights:
         ),
         serve=_all(rights.serve for rights in guests),
         hear=(f"{robot}/**", keys.estop(robot), *keys.looked_at(robot)),
-        alive=_all(rights.alive for rights in guests),
+        alive=(*_all(rights.alive for rights in guests), *agents),
         watch=(keys.alive(robot, "*"),),
     )
 

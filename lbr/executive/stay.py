@@ -30,7 +30,7 @@ from lbr.messages.joints import CapturedFrame
 from lbr.messages.system import EstopState, Event, Status
 
 ANSWER_S = 1.0
-TAKEN_S = 3.0
+TAKEN_S = hosting.GONE_S + 1.0
 """An agent that died is forgotten by then, and this one takes its place."""
 TRIM_S = 1.0
 MOST_WAITING = 64
@@ -68,6 +68,7 @@ class Stay:
         self._events: deque[Event] = deque(maxlen=MOST_WAITING)
         self._measured: deque[Measured] = deque()
         self._presence = wire.Presence(bus, found.robot, lambda _name, _alive: main.wake())
+        self._token = wire.alive(bus, found.robot, keys.agent(host))
         self._links = Links(bus, ("tls", "tcp"), main.wake)
         self._supervisor = Supervisor(
             self._start,

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from lbr.bus import stamp, wire
+from tests.lan import netns
 from tests.lan.agents import Two, end, placed
 from tests.lan.netns import Network
 from tests.robot import lbr, until
@@ -19,7 +21,12 @@ pytestmark = pytest.mark.timeout(40)
 def two(network: Network) -> Iterator[Two]:
     with (
         tempfile.TemporaryDirectory(prefix="lbr-") as place,
-        placed(Path(place) / "h", network.address, network.robot, network.client) as found,
+        placed(
+            Path(place) / "h",
+            network.address,
+            network.robot,
+            (*network.client, *netns.another_clock(Path(place))),
+        ) as found,
     ):
         yield found
 
@@ -39,7 +46,7 @@ def test_a_share_waits_for_its_host_and_who_is_not_that_host_is_told_why(two: Tw
     }
     started = [(two.start(*who), why) for who, why in tries.items()]
     for popen, why in started:
-        _, errors = popen.communicate(timeout=9)
+        _, errors = popen.communicate(timeout=20)
         assert popen.returncode == 1, errors
         assert why in errors.decode()
     assert two.phases() == {"waiting"}
@@ -48,6 +55,8 @@ def test_a_share_waits_for_its_host_and_who_is_not_that_host_is_told_why(two: Tw
 def test_what_moves_from_the_other_machine_ends_with_the_contact_and_does_not_resume(two: Two, network: Network):
     with two.agent() as agent:
         until(lambda: two.robot.ask("attitude/state"), what="an attitude from afar")
+        (told,) = wire.ask(two.robot.bus, "lbr/attitude/state", None, source="test")
+        assert getattr(stamp.read(told.attachment), "boot", "") in {netns.OTHER_BOOT, stamp.boot_id()}
         two.dancing()
         assert two.robot.ask("drive/state")["holder"] == "dance"
         before = two.pids()

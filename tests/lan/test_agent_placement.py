@@ -173,6 +173,7 @@ class Executive:
 
     def __init__(self, plan):
         self.wire, self.told, self.measured, self.begun, self.now = Wire(), [], [], [], 100.0
+        self.present = set()
         self.hosts = Hosts(
             {"operator": self.wire, "bench": Wire()},
             version="1",
@@ -180,6 +181,7 @@ class Executive:
             measured=self.measured.append,
             begun=self.begun.append,
             ways=lambda: ("tls/0.0.0.0:7447",),
+            present=lambda name: name in self.present,
         )
         self.hosts.adopt(plan.units.values())
 
@@ -221,12 +223,21 @@ def test_a_second_agent_is_refused_until_the_first_is_silent(executive):
     assert not second.accepted
     assert second.reason == "host 'operator' has an agent already, at desk, pid 1"
     assert second.units is None
-    executive.now += 2.0
+    executive.now += 4.0
     executive.hosts.step(executive.now)
     assert executive.told[-1][:2] == ("host_lost", "operator")
     assert "gone with it: dance" in executive.told[-1][2]
     assert "lbr agent operator --connect tls/ROBOT:7447" in executive.hosts.capabilities()["dance"].reason
     assert executive.answer(agent="two").accepted
+
+
+def test_one_whose_link_is_lost_is_gone_at_once(executive):
+    executive.answer()
+    executive.present = {"operator.agent"}
+    executive.answer()
+    executive.present = set()
+    executive.hosts.step(executive.now)
+    assert executive.told[-1][2] == "the agent at desk, pid 1 is out of reach"
 
 
 def test_one_that_leaves_is_gone_at_once_and_a_robot_that_ends_says_so(executive):

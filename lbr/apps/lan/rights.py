@@ -19,7 +19,7 @@ def of_token(robot: str, lan: LanConfig, name: str, role: TokenRole) -> Rights:
     if role != "host":
         return of_role(robot, lan, role)
     rights = of_role(robot, lan, "view")
-    return replace(rights, ask=(*rights.ask, keys.host(robot, name)))
+    return replace(rights, ask=(*rights.ask, keys.host(robot, name)), alive=(keys.agent_alive(robot, name),))
 
 
 def of_role(robot: str, lan: LanConfig, role: Role) -> Rights:
