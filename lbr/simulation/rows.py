@@ -106,10 +106,14 @@ class CameraRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class PicoRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where a `pico` device row's supply answers, and the state of its own battery."""
+    """Where a `pico` device row's supply answers, and how its own battery is.
+
+    `relay_on` is what its relay holds while the motors have power, as they have at the beginning.
+    """
 
     faults: PicoFaults = PicoFaults()
     i2c_address: Literal[0x69, 0x59] = 0x69
+    relay_on: Literal[0, 1] = 1
     battery_v: Annotated[float, Meta(ge=0.0, le=5.0)] = 4.1
     temperature_c: Annotated[int, Meta(ge=0, le=99)] = 33
 

@@ -48,6 +48,7 @@ class DynamixelBus:
         self._heard = heard
         self._random = Random(seed)
         self._faults = DynamixelFaults()
+        self._supplied = True
         self._reader = InstructionReader()
         self._out: deque[tuple[float, bytes]] = deque()
         self._host_free = self._answered = self._babbled = 0.0
@@ -65,10 +66,21 @@ class DynamixelBus:
         self._faults = faults
         for servo in self.servos:
             number = servo.id
-            servo.power(on=not (faults.brown_out or number in faults.unpowered))
+            servo.power(on=self._supplied and not (faults.brown_out or number in faults.unpowered))
             servo.suffer(hot=number in faults.hot, strained=number in faults.overload)
             servo.wrong_model = number in faults.wrong_model
         self._index()
+
+    @property
+    def supplied(self) -> bool:
+        """Whether the servos have power."""
+        return self._supplied
+
+    @supplied.setter
+    def supplied(self, on: bool) -> None:
+        if on != self._supplied:
+            self._supplied = on
+            self.faults = self._faults
 
     def feed(self, data: bytes, now: float, baud: float | None = None) -> bytes:
         """Take bytes that the host sends at a rate; return what has reached it by now."""

@@ -6,7 +6,7 @@ from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.body import TIMESTEP_S
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.measured import ImuReading, Sensed
-from lbr.simulation.twins import ServoBus, Twin
+from lbr.simulation.twins import PowerSwitch, ServoBus, Twin
 
 
 class HumanoidPhysics:
@@ -19,6 +19,7 @@ class HumanoidPhysics:
         self.view = engine.view()
         self.pick_up = False
         self._engine = engine
+        self._switches = [twin for twin in twins if isinstance(twin, PowerSwitch)]
         self._buses = [twin for twin in twins if isinstance(twin, ServoBus)]
 
     def advance(self, now: float, dt_s: float) -> None:
@@ -28,8 +29,9 @@ class HumanoidPhysics:
             self._engine.pick_up()
         self._engine.step({number: drive for bus in self._buses for number, drive in bus.drives(now).items()}, dt_s)
         felt = self._engine.felt()
+        supply_v = self._engine.battery.voltage_v if all(switch.motors_on for switch in self._switches) else 0.0
         for bus in self._buses:
-            bus.feel_servos(felt, self._engine.battery.voltage_v, now)
+            bus.feel_servos(felt, supply_v, now)
 
     def imu(self) -> ImuReading:
         """Return what the inertial unit measures at the newest step."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from lbr.simulation.twins.base import Factory, Feeling, ServoBus, Surroundings, Twin
+from lbr.simulation.twins.base import Factory, Feeling, PowerSwitch, ServoBus, Surroundings, Twin
 from lbr.simulation.twins.camera import CameraTwin
 from lbr.simulation.twins.dynamixel import DynamixelTwin
 from lbr.simulation.twins.infrared import InfraredTwin
@@ -13,7 +13,7 @@ from lbr.simulation.twins.riox import RioxTwin
 from lbr.simulation.twins.roboteq import RoboteqTwin
 from lbr.simulation.twins.ultrasonic import UltrasonicTwin
 
-__all__ = ["TWINS", "WITHOUT_TWIN", "Feeling", "RoboteqTwin", "ServoBus", "Surroundings", "Twin"]
+__all__ = ["TWINS", "WITHOUT_TWIN", "Feeling", "PowerSwitch", "RoboteqTwin", "ServoBus", "Surroundings", "Twin"]
 
 TWINS: Mapping[str, Factory] = {
     "roboteq": RoboteqTwin,

@@ -100,6 +100,15 @@ class ServoBus(Protocol):
         """Take in where the world has the servos, and the voltage of their supply."""
 
 
+@runtime_checkable
+class PowerSwitch(Protocol):
+    """A twin that gives the servos their power, or not."""
+
+    @property
+    def motors_on(self) -> bool:
+        """Say whether they have power."""
+
+
 Factory = Callable[[Device, Surroundings], Twin]
 
 

@@ -13,6 +13,9 @@ from lbr.simulation.port import PtyPort
 from lbr.simulation.rows import DynamixelRow
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
+LEAST_SUPPLY_V = 5.0
+"""Below that a servo's processor is out; what it complains of begins higher."""
+
 
 class DynamixelTwin(PortTwin[PtyPort, DynamixelFaults]):
     """Moves a body's joints, and measures them; without a body its servos turn by themselves, carrying nothing."""
@@ -53,6 +56,7 @@ class DynamixelTwin(PortTwin[PtyPort, DynamixelFaults]):
 
     def feel_servos(self, felt: Mapping[int, ServoFelt], supply_v: float, now: float) -> None:
         """Take in where the world has the servos, and the voltage of their supply."""
+        self.bus.supplied = supply_v >= LEAST_SUPPLY_V
         for servo in self.bus.servos:
             if servo.id in felt:
                 servo.feel(felt[servo.id], supply_v, now)

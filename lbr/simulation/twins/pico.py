@@ -19,7 +19,14 @@ class PicoTwin(I2cTwin[PicoFaults]):
         settings = row(device, PicoRow)
         super().__init__(device.name, device.address, settings.faults, around.seed_for(device) + 1)
         self._address = settings.i2c_address
+        self._relay_on = settings.relay_on
         self._supply = Pico(settings.battery_v, settings.temperature_c, settings.faults)
+        self._supply.relay = settings.relay_on
+
+    @property
+    def motors_on(self) -> bool:
+        """Say whether the relay gives the servos power."""
+        return self._supply.relay == self._relay_on
 
     def sense(self, sensed: Sensed) -> None:
         """Take in the voltage that feeds it."""
