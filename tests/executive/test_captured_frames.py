@@ -4,13 +4,15 @@ import json
 import shutil
 import sqlite3
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from tests.robot import Robot, prepare, running, until
 
-pytestmark = pytest.mark.timeout(30)
+pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
+soon = partial(until, limit_s=15.0)
 
 EDITS = (
     "UPDATE capability SET enabled = 0 WHERE robot = 'bioloid' AND name NOT IN ('joints', 'motions')",
@@ -31,7 +33,7 @@ def place():
 
 
 def capture(robot: Robot, motion: str) -> str:
-    until(lambda: robot.ask("joints/state"), what="joints tell where they are")
+    soon(lambda: robot.ask("joints/state"), what="joints tell where they are")
     reply = robot.ask("motions/capture", {"motion": motion, "duration_s": 2.0, "help": "Bows"})
     assert reply["accepted"], reply
     return str(reply["reason"])
@@ -62,26 +64,26 @@ def rows(home: Path, motion: str) -> list[tuple[int, float, dict[str, float]]]:
 
 
 def test_what_was_captured_is_played_without_a_restart_and_after_one(place):
-    with running(place, profile="bioloid-sim") as robot:
+    with running(place, profile="bioloid-sim", limit_s=25.0) as robot:
         pid = robot.capability("motions")["pid"]
         assert "there is no motion 'bow'" in str(play(robot, "bow")["reason"])
         assert capture(robot, "bow") == "key frame 1 of 'bow' is the pose of now"
         assert capture(robot, "bow") == "key frame 2 of 'bow' is the pose of now"
         assert play(robot, "bow")["accepted"]
-        kept = until(lambda: len(rows(place, "bow")) == 2 and rows(place, "bow"))
+        kept = soon(lambda: len(rows(place, "bow")) == 2 and rows(place, "bow"))
         assert [(step, duration_s) for step, duration_s, _ in kept] == [(1, 2.0), (2, 2.0)]
         assert set(kept[0][2].values()) == {0.25}
         assert len(kept[0][2]) == 18
-        until(lambda: of_motions(robot, "captured"), what="people are told")
-        until(lambda: robot.status()["revision"] == newest(place), what="the rows were read again")
+        soon(lambda: of_motions(robot, "captured"), what="people are told")
+        soon(lambda: robot.status()["revision"] == newest(place), what="the rows were read again")
         assert robot.capability("motions")["pid"] == pid
         assert robot.ask("motions/stop")["accepted"]
         capture(robot, "nod")
-        (lost,) = until(lambda: of_motions(robot, "frame_lost"))
+        (lost,) = soon(lambda: of_motions(robot, "frame_lost"))
         assert "the key frame of 'nod' holds until the next restart only" in lost
         assert "no room for nods" in lost
         assert play(robot, "nod")["accepted"]
     assert rows(place, "nod") == []
-    with running(place, profile="bioloid-sim") as robot:
+    with running(place, profile="bioloid-sim", limit_s=25.0) as robot:
         assert "there is no motion 'nod'" in str(play(robot, "nod")["reason"])
         assert play(robot, "bow")["accepted"]

@@ -7,7 +7,6 @@ from lbr.messages.joints import MotionsState
 from lbr.messages.leases import CommandReply
 from lbr.operations.leasing import acceptance, ending, holding
 from lbr.operations.leasing.state import Ended, Ending, EstopChanged, Happened, Hold, Stop, confirmed
-from lbr.operations.motions.programme import Programme
 from lbr.operations.motions.state import (
     Answer,
     Event,
@@ -34,6 +33,8 @@ AHEAD_S = 4.0
 """How much of a motion is to lie ahead of the joints: enough for any pause of this process, little enough to compute."""
 GRACE_S = 0.2
 """How a goal of the joints ended may be heard a little later than that its lease is dead."""
+BUT = ", but "
+"""How joints operation goes on when a joint is not where it was to be."""
 BACK = "the clock went back"
 ENDINGS: dict[str, Ending] = {"stopped": "stopped", "superseded": "superseded"}
 
@@ -192,7 +193,7 @@ def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
     if playing.sent < playing.programme.length:
         return _end(state, "fault", "the joints came to the end of what was sent before more of it was", now)
     state = _with(state, replace(playing, passed=playing.sent))
-    return _end(state, "reached", _played(playing.programme, result.reason), now)
+    return _end(state, "reached", _played(playing, result.reason, now), now)
 
 
 def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
@@ -208,10 +209,13 @@ def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
     return state, outputs
 
 
-def _played(programme: Programme, reason: str) -> str:
-    times = f", {programme.times} times" if programme.times > 1 else ""
-    said = f" ({reason})" if reason else ""
-    return f"'{programme.motion.name}' was played to its end{times}{said}"
+def _played(playing: Playing, reason: str, now: float) -> str:
+    """Say that all was played, and what the joints have to say against that."""
+    programme = playing.programme
+    times = f"{programme.times} times " if programme.times > 1 else ""
+    but = reason.partition(BUT)
+    text = f"'{programme.motion.name}' was played {times}to its end in {now - playing.started:.1f} s"
+    return text + but[1] + but[2]
 
 
 def _passed(state: State, event: Passed) -> State:

@@ -18,10 +18,10 @@ def test_a_motion_is_sent_as_one_command_and_reaches_its_end(stage, world):
     stage.run(2.0, call)
     (result,) = world.said("result")
     assert (result.goal, result.result) == (call.answer.goal, "reached")
-    assert result.reason == "'wave' was played to its end"
+    assert result.reason == "'wave' was played to its end in 1.5 s"
     assert world.body.halts == []
     assert not world.state.playing
-    assert world.state.reason == "'wave' was played to its end"
+    assert world.state.reason == result.reason
 
 
 def test_its_lease_on_the_joints_is_renewed_ten_times_a_second_without_the_key_frames(stage, world):
@@ -38,7 +38,7 @@ def test_lead_in_and_lead_out_are_played_once_around_all_rounds_without_a_pause(
     assert positions(world) == [*ready, *(walk * 3), *ready]
     assert len([one for one in world.body.commands if one.frames]) == 1
     stage.run(5.0, call)
-    assert world.said("result")[0].reason == "'walk' was played to its end, 3 times"
+    assert world.said("result")[0].reason == "'walk' was played 3 times to its end in 4.0 s"
     places = {(one.motion, one.frame, one.frames, one.round, one.times) for one in world.said("state") if one.playing}
     assert {("ready", 1, 1, 1, 3), ("walk", 1, 2, 1, 3), ("walk", 2, 2, 3, 3), ("ready", 1, 1, 3, 3)} <= places
     assert {one.holder for one in world.said("state") if one.playing} == {"console"}
@@ -159,6 +159,14 @@ def test_it_ends_as_the_joints_ended_and_halts_nobody_else(stage, world, how, wh
     assert [(one.result, one.reason) for one in world.said("result")] == [(result, why)]
     assert world.body.halts == []
     assert world.body.holder == ""
+
+
+def test_a_joint_that_did_not_get_there_is_told_with_the_end(stage, world):
+    call = stage.begun("wave")
+    stage.run(0.3, call)
+    world.body.end("reached", "over after 2.00 s, but right_elbow is 0.30 rad away from its goal")
+    stage.run(0.1, call)
+    assert world.said("result")[0].reason.endswith(" s, but right_elbow is 0.30 rad away from its goal")
 
 
 def test_joints_that_fall_silent_or_die_end_it_and_nothing_resumes(stage, world):

@@ -2,7 +2,7 @@
 
 import msgspec
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from motions_bench import JOINTS, frame
 
@@ -16,6 +16,7 @@ def motion(name, count, **leads):
     return Motion(name=name, frames=tuple(frame(1.0, neck=index / 100) for index in range(count)), **leads)
 
 
+@settings(deadline=None)
 @given(
     before=st.integers(0, 3),
     body=st.integers(1, 60),
@@ -41,6 +42,7 @@ def test_the_portions_are_all_key_frames_in_order(before, body, after, times, sp
     assert rounds[-1] == times
 
 
+@settings(deadline=None, max_examples=20)
 @given(st.integers(1, 253))
 def test_a_portion_fits_into_a_command_however_many_joints_there_are(count):
     positions = {f"a_joint_with_as_long_a_name_as_there_is{index}": -0.1234567890123456 for index in range(count)}
