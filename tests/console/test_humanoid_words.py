@@ -1,6 +1,8 @@
 """What can be said to the Bioloid, by its shipped rows and the messages of its kinds."""
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from prompt_toolkit.completion import CompleteEvent
 from prompt_toolkit.document import Document
 
@@ -83,6 +85,20 @@ def test_what_cannot_be_is_refused_in_one_line(line, why):
     with pytest.raises(InputError) as refused:
         WORDS.parse(line)
     assert why in str(refused.value)
+
+
+@settings(deadline=None)  # machines are shared
+@given(
+    st.text(max_size=40) | st.lists(st.sampled_from(["left_knee", ",", "all", "/", " ", "é"]), max_size=9).map("".join)
+)
+def test_any_list_of_joints_is_read_or_refused_in_one_printable_line(text):
+    try:
+        said = WORDS.parse(f"/torque/off/{text}")
+    except InputError as err:
+        assert str(err).isprintable()
+    else:
+        assert isinstance(said, VerbCall)
+        assert all(name.strip() == name for name in said.payload.get("joints", ()))
 
 
 def test_letting_go_of_all_joints_needs_a_word_more_and_of_one_does_not():
