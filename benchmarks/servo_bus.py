@@ -12,29 +12,22 @@ machine: trust ratios and CPU time.
 """
 
 import argparse
-import importlib.util
-import json
-import shutil
 import statistics
-import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from benchmarks.figures import machine
+from benchmarks.servo_bus_line import SERVOS, Line, line
 from benchmarks.servo_bus_twin import bus as servo_bus
 
-SERVOS = 18
 DELAYS = {0: 0, 125: 250, 250: 500}
 """Values of the return delay register, and what they are in microseconds."""
 
-FLOOR = Path(__file__).with_name("servo_bus_floor.c")
 NAMES = {
     "floor": "(a) C: write, poll, read",
     "block": "(b) lbr, block read",
@@ -59,76 +52,6 @@ FAULTS: dict[str, dict[str, Any]] = {
 }
 PASSING = {"unplug", "brown_out"}
 """Faults that end halfway."""
-
-
-class Process:
-    """A process that answers each line with a line of JSON."""
-
-    def __init__(self, *argv: str) -> None:
-        self._popen = subprocess.Popen(argv, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.answer()
-
-    def tell(self, line: str) -> None:
-        """Give it a line."""
-        assert self._popen.stdin is not None
-        self._popen.stdin.write(line + "\n")
-        self._popen.stdin.flush()
-
-    def answer(self) -> dict[str, Any]:
-        """Wait for its line."""
-        assert self._popen.stdout is not None
-        line = self._popen.stdout.readline()
-        if not line:
-            raise SystemExit(f"{' '.join(map(str, self._popen.args))} ended")  # type: ignore[arg-type]
-        found: dict[str, Any] = json.loads(line)
-        return found
-
-    def close(self) -> None:
-        """End it."""
-        self._popen.communicate()
-
-
-class Line:
-    """The emulated bus, and clients that take turns on it."""
-
-    def __init__(self, folder: Path, stack: ExitStack) -> None:
-        self.path = str(folder / "bus")
-        self._stack = stack
-        self._twin = self._start("benchmarks.servo_bus_twin", self.path)
-        self._clients: dict[str, Process] = {}
-        self._floor = compiled(folder)
-
-    @property
-    def kinds(self) -> list[str]:
-        """Who can take part here."""
-        known = {"floor": self._floor is not None, "block": True}
-        sdk = importlib.util.find_spec("dynamixel_sdk") is not None
-        return [kind for kind, here in {**known, "vendor_three": sdk, "vendor_block": sdk}.items() if here]
-
-    def set(self, **order: Any) -> None:
-        """Make the bus anew, or with `faults` alone change those."""
-        self._twin.tell(json.dumps(order))
-        self._twin.answer()
-
-    def start(self, kind: str, seconds: float) -> Process:
-        """Let a client begin; its answer comes when it is done."""
-        if kind not in self._clients:
-            self._clients[kind] = self._start("benchmarks.servo_bus_client", kind, self.path, str(SERVOS))
-        self._clients[kind].tell(str(seconds))
-        return self._clients[kind]
-
-    def run(self, kind: str, seconds: float) -> dict[str, Any]:
-        """Let a client read for a while."""
-        if kind != "floor":
-            return self.start(kind, seconds).answer()
-        argv = [str(self._floor), self.path, str(seconds), str(SERVOS)]
-        found: dict[str, Any] = json.loads(subprocess.run(argv, check=True, capture_output=True).stdout)
-        return found
-
-    def _start(self, *module_and_arguments: str) -> Process:
-        process = Process(sys.executable, "-m", *module_and_arguments)
-        self._stack.callback(process.close)
-        return process
 
 
 class Figure(msgspec.Struct, kw_only=True):
@@ -178,29 +101,12 @@ def main() -> int:
     if survived:
         print(fault_table(survived))
     print("\n".join(verdicts(figures)))
-    bad = sum(found.wrong + found.stale for found in (*figures, *survived))
+    bad = sum(figure.wrong + figure.stale for figure in figures) + sum(found.wrong + found.stale for found in survived)
     print(f"{bad} wrong or stale states")
     if options.json:
-        found = {"machine": machine(), "figures": figures, "faults": survived}
-        options.json.write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
+        told = {"machine": machine(), "figures": figures, "faults": survived}
+        options.json.write_bytes(msgspec.json.format(msgspec.json.encode(told)) + b"\n")
     return 1 if bad else 0
-
-
-@contextmanager
-def line() -> Iterator[Line]:
-    """Start the emulated bus; end it, and all clients, at the end."""
-    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
-        yield Line(Path(folder), stack)
-
-
-def compiled(folder: Path) -> Path | None:
-    """Return the floor's program, None without a compiler."""
-    compiler = shutil.which("cc")
-    if compiler is None:
-        return None
-    program = folder / "floor"
-    subprocess.run([compiler, "-O2", "-Wall", "-Wextra", "-o", str(program), str(FLOOR)], check=True)
-    return program
 
 
 def compare(under_test: Line, delay: int, rounds: int, seconds: float) -> Iterator[Figure]:

@@ -57,7 +57,7 @@ def block(path: str, servos: int) -> Iterator[Read]:
         def read(turn: int) -> Iterator[tuple[int, Words | None, int]]:
             servo = 1 + turn % servos
             motion = bus.read_motion(servo)
-            yield servo, motion and (motion.position, motion.speed, motion.load), 0
+            yield servo, None if motion is None else (motion.position, motion.speed, motion.load), 0
 
         yield read
 
@@ -75,7 +75,7 @@ def together(path: str, servos: int) -> Iterator[Read]:
 
         def read(_turn: int) -> Iterator[tuple[int, Words | None, int]]:
             for servo, motion in zip(numbers, bus.read_motions(numbers), strict=True):
-                yield servo, motion and (motion.position, motion.speed, motion.load), 0
+                yield servo, None if motion is None else (motion.position, motion.speed, motion.load), 0
 
         yield read
 
