@@ -122,6 +122,7 @@ class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """What hangs on a `dynamixel` device row's bus, and how fast it is; `usb2ax` is a dongle's firmware, null: none.
 
     `return_delay` is what the servos' registers hold at first, in 2 us; 250 as they leave the factory.
+    `goal_switches_on`: whoever gets a goal gets torque too, as some users say of theirs and the manual does not.
     """
 
     faults: DynamixelFaults = DynamixelFaults()
@@ -130,6 +131,7 @@ class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     )
     usb2ax: Literal[4, 5] | None = 5
     return_delay: Annotated[int, Meta(ge=0, le=254)] = 250
+    goal_switches_on: bool = False
     timing: BusTiming = BusTiming()
 
 

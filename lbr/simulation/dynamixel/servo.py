@@ -38,6 +38,7 @@ class AxServo:
         position_rad: float = 0.0,
         rhythm: Rhythm = STEADY,
         eeprom_s: float = 0.006,
+        goal_switches_on: bool = False,
     ) -> None:
         self.rhythm = rhythm
         self.felt = ServoFelt(position_rad=position_rad)
@@ -50,6 +51,7 @@ class AxServo:
         self._table[reg.RETURN_DELAY] = return_delay
         reg.put_word(self._table, reg.GOAL, as_position(position_rad))
         self._eeprom_s = eeprom_s
+        self._goal_switches_on = goal_switches_on
         self._powered = True
         self._hot = self._strained = self._overloaded = False
         self._full_since: float | None = None
@@ -230,9 +232,11 @@ class AxServo:
         table[address : address + len(data)] = data
         if not all(reg.in_range(table, register) for register in registers):
             return Fault.RANGE
-        goal = reg.word(table, reg.GOAL)
-        if address <= reg.GOAL + 1 and address + len(data) > reg.GOAL and not self._within(goal):
+        aims = address <= reg.GOAL + 1 and address + len(data) > reg.GOAL
+        if aims and not self._within(reg.word(table, reg.GOAL)):
             return Fault.ANGLE
+        if aims and self._goal_switches_on:
+            table[reg.TORQUE] = 1
         self._table = table
         self._drive = None
         if any(register.address == reg.TORQUE_LIMIT for register in registers):
