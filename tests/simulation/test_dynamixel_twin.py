@@ -341,6 +341,16 @@ def test_limp_until_it_is_switched_on_and_then_it_goes_to_its_goal(bench):
     assert bench.say(read(1, 46, 1)) == status(1, 0, b"\x00")
 
 
+def test_some_are_switched_on_by_a_goal(bench):
+    bench.say(write(1, 30, 0, 1))
+    assert bench.servos[1].drive().torque == 0.0
+    eager = DynamixelBus([AxServo(1, goal_switches_on=True)])
+    eager.feed(write(1, 32, 100, 0), bench.now)
+    assert eager.servos[0].drive().torque == 0.0
+    eager.feed(write(1, 30, 0, 1), bench.now + 1.0)
+    assert eager.servos[0].drive().torque == 1.0
+
+
 def test_clockwise_is_the_eleventh_bit(bench):
     bench.say(write(1, 30, 0, 0, 50, 0))
     bench.say(write(1, 24, 1))

@@ -65,6 +65,13 @@ class DynamixelTwin(PortTwin[PtyPort, DynamixelFaults]):
 def servos(settings: DynamixelRow, seed: int) -> list[AxServo]:
     """Return the servos of a row, each with a rhythm of its own."""
     random = Random(seed)
-    eeprom_s = settings.timing.eeprom_us * 1e-6
-    delay = settings.return_delay
-    return [AxServo(number, return_delay=delay, rhythm=rhythm(random), eeprom_s=eeprom_s) for number in settings.ids]
+    return [
+        AxServo(
+            number,
+            return_delay=settings.return_delay,
+            rhythm=rhythm(random),
+            eeprom_s=settings.timing.eeprom_us * 1e-6,
+            goal_switches_on=settings.goal_switches_on,
+        )
+        for number in settings.ids
+    ]
