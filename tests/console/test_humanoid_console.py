@@ -62,3 +62,13 @@ def test_a_line_is_held_until_the_joint_is_there_and_says_so(bioloid):
     said = console.communicate()[0]
     assert (console.returncode, said.splitlines()[0]) == (0, "accepted")
     assert joints(bioloid)["joints"]["right_shoulder_pitch"]["position_rad"] == pytest.approx(0.349, abs=0.1)
+
+
+def test_completion_knows_the_joints_and_motions_of_the_rows(bioloid):
+    entries = {entry["pattern"]: entry for entry in bioloid.line("help")["data"]}
+    choices = {pattern: entry["fields"][0]["choices"] for pattern, entry in entries.items() if entry.get("fields")}
+    for pattern in ("/j/{joint}/{angle_deg}", "/torque/on/{joints}", "/recover/{joints}"):
+        assert len(choices[pattern]) == 18
+        assert "left_knee" in choices[pattern]
+    for pattern in ("/play/{motion}", "/capture/{motion}"):
+        assert "sit" in choices[pattern]
