@@ -14,6 +14,7 @@ from lbr.operations.leasing.state import Ending
 LONGEST_STEP_S = 0.05
 """A loop that was held up goes on from where it was, it does not jump."""
 LONGEST_S = 3600.0
+REST_S = 0.1
 FOLLOWING_S = 0.3
 """The driver says within this time that the servos follow."""
 NOTABLE_STRETCH = 1.01
@@ -178,7 +179,8 @@ def _away_rad(state: State, name: str, target: float) -> float:
 
 def _goal(state: State, name: str) -> ServoGoal:
     joint, goal = state.body.joints[name], state.goals.get(name)
-    if name not in state.on:
+    rests = name in state.resting and state.clock - state.let_go < REST_S
+    if rests or name not in state.on:
         return ServoGoal(id=joint.device_id, torque=0.0)
     position = None if goal is None else state.body.servo_rad(name, goal)
     return ServoGoal(id=joint.device_id, position_rad=position, speed_rps=joint.speed_rps, torque=1.0)

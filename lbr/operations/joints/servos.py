@@ -4,6 +4,7 @@ from math import nan
 
 from msgspec.structs import replace
 
+from lbr.messages.servos import ServoState
 from lbr.operations.joints import moving
 from lbr.operations.joints.ending import Decision, end_what_is_over
 from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, joint_trouble
@@ -24,7 +25,7 @@ def seen(state: State, event: ServosSeen, now: float) -> Decision:
     arrived = min(event.arrived, now)  # this way round, NaN stays NaN
     heard = arrived if state.servos is None else state.heard
     state = unlearnt(replace(state, servos=event.servos, seen=found, servos_at=arrived, heard=heard), now)
-    state = moving.followed(_let_go(_adopted(state, now)))
+    state = moving.followed(_let_go(_adopted(state, now), now))
     state, told = _without_torque(state, now)
     state, ended = end_what_is_over(state, now)
     return _without_unmeasured(state, now), told + ended
@@ -58,23 +59,33 @@ def _adopted(state: State, now: float) -> State:
     """
     if state.adopted or not _known(state, now):
         return state
-    unread = any(servo.torque is None and servo.position_rad is not None for servo in state.seen.values())
+    unread = any(servo.torque is None and not servo.reason for servo in state.seen.values())
     if unread and now - state.heard < UNREAD_S:
         return state
-    on = frozenset(name for name, servo in state.seen.items() if servo.torque)
+    on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))
     goals = {name: moving.measured(state, name) for name in on}
     lost = bool(on) and (state.lost or not state.begun)
     halt = state.halt + 1
     return replace(state, adopted=True, begun=True, on=on, goals=goals, lost=lost, halt=halt, switched=now)
 
 
-def _let_go(state: State) -> State:
+def _has_torque(state: State, name: str, servo: ServoState) -> bool:
+    """Say whether a servo has torque: as far as is known, where it does not answer."""
+    return name in state.on if servo.torque is None else servo.torque > 0.0
+
+
+def _let_go(state: State, now: float) -> State:
     """Take in that the driver has let go, where that is for the driver to decide."""
     servos = state.servos
     decides = servos is not None and (state.lost or servos.estop or not servos.armed)
     if servos is None or not (state.adopted and decides and servos.phase == "released"):
         return state
-    return replace(state, on=frozenset(), goals={})
+    return _off(state, state.on, now) if state.on else state
+
+
+def _off(state: State, names: frozenset[str], now: float) -> State:
+    goals = {name: goal for name, goal in state.goals.items() if name not in names}
+    return replace(state, on=state.on - names, goals=goals, resting=names, let_go=now)
 
 
 def _without_torque(state: State, now: float) -> Decision:
@@ -91,8 +102,7 @@ def _without_torque(state: State, now: float) -> Decision:
         Happened(kind="let_go", text=f"{name} is without torque: {why or 'its servo let go'}", level="warning")
         for name, why in gone.items()
     )
-    goals = {name: goal for name, goal in state.goals.items() if name not in gone}
-    return replace(state, on=state.on - gone.keys(), goals=goals), told
+    return _off(state, frozenset(gone), now), told
 
 
 def _without_unmeasured(state: State, now: float) -> State:

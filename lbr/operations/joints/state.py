@@ -115,7 +115,8 @@ class State(Struct, frozen=True, kw_only=True):
 
     `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is).
     Nothing is known of either until the driver was heard (`adopted`; `begun`: it once was); until then it is told nothing.
-    `heard` is since when the driver was there, `switched` when torque was last switched on.
+    `heard` is since when the driver was there, `switched` when torque was last switched on. Joints that let go at
+    `let_go` are `resting`: the driver is to hear of them without torque before it hears of them with it again.
     `lost`: whoever moved them is gone, and the driver decides. `halt` counts how often all were to hold where
     they were measured.
     """
@@ -136,6 +137,8 @@ class State(Struct, frozen=True, kw_only=True):
     servos_at: float = nan
     heard: float = nan
     switched: float = -inf
+    let_go: float = -inf
+    resting: frozenset[str] = frozenset()
     servos_lost: float = -inf
     servos_gone: str = "the servo driver was not heard yet"
 

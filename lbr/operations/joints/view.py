@@ -8,6 +8,8 @@ from lbr.messages.servos import ServoState
 from lbr.operations.joints import trajectory
 from lbr.operations.joints.state import Move, State, servos_trouble
 
+LETS_GO = "the servos hold, and let go slowly unless somebody moves them or switches their torque on"
+
 
 def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -> JointsState:
     """Return every joint out of the newest sweep, who moves them, and why they stand still."""
@@ -74,4 +76,6 @@ def _why_at_rest(state: State, now: float) -> str:
     if held.estop:
         return f"emergency stop: {held.estop_reason or 'no reason given'}"
     waiting = ", ".join(offer.source for offer in held.offers)
-    return servos_trouble(state, now) or (f"waiting for {waiting} to confirm" if waiting else held.reason)
+    if why := servos_trouble(state, now) or (f"waiting for {waiting} to confirm" if waiting else ""):
+        return why
+    return f"{held.reason}; {LETS_GO}" if state.lost and state.on else held.reason

@@ -87,12 +87,14 @@ class Servos:
         )
 
     def _servo(self, servo):
+        if self.unread:
+            return ServoState(id=servo)
         if servo in self.missing:
             return ServoState(id=servo, reason=f"servo {servo} does not answer")
         return ServoState(
             id=servo,
             position_rad=self.at[servo],
-            torque=None if self.unread else 0.0 if servo in self.powerless else self.torque[servo],
+            torque=0.0 if servo in self.powerless else self.torque[servo],
             latched=self.latched.get(servo, ()),
             age_s=0.0,
             reason=self.powerless.get(servo, ""),

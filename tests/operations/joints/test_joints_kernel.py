@@ -297,8 +297,10 @@ def test_a_driver_that_has_just_begun_is_not_believed_before_it_knows_which_serv
     bench.run(0.3)
     assert bench.setpoint is None
     bench.servos.unread, bench.servos.phase = False, "holding"
+    bench.servos.missing = {14}
     bench.run(0.05)
     assert set(bench.goals) == set(NAMES)
+    assert bench.goals["left_knee"] is None
 
 
 def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench):
@@ -334,6 +336,8 @@ def test_a_servo_that_was_without_power_stays_without_torque_until_it_is_switche
     assert "torque on first" in bench.command(SLOW).reason
     bench.servos.powerless = {}
     assert bench.torque("left_knee", on=True).accepted
+    bench.run(0.05)
+    assert "left_knee" not in bench.goals, "the driver is to hear of it without torque first"
     bench.run(1.1)
     assert "left_knee" in bench.goals
 
@@ -358,6 +362,7 @@ def test_a_joint_of_the_motion_that_latches_a_fault_ends_it_and_needs_its_torque
     bench.run(0.1)
     assert "left_knee" not in bench.goals
     assert bench.torque("left_knee", on=True).accepted
+    bench.run(DT)
     assert "left_knee" in bench.goals
 
 
