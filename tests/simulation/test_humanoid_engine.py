@@ -69,6 +69,20 @@ def test_without_torque_it_falls_and_is_put_back_on_its_feet():
     assert (back.upright, back.held) == (True, False)
 
 
+def test_who_is_picked_up_looks_where_it_looked():
+    player = Player()
+    player.play("turn_left", 4)
+    looked = player.engine.pose().yaw_rad
+    player.go((CROUCHED,))
+    player.engine.step({}, 3.0)
+    assert not player.engine.pose().upright
+    player.engine.pick_up()
+    player.engine.step(drives({}), 1.0)
+    pose = player.engine.pose()
+    assert (pose.held, pose.upright) == (False, True)
+    assert pose.yaw_rad == pytest.approx(looked, abs=0.4)
+
+
 def test_the_hand_keeps_what_would_fall_and_goes_along_with_the_legs():
     lunge = {f"{side}_hip_pitch": 0.5 for side in ("left", "right")}
     engine = humanoid()

@@ -76,6 +76,14 @@ def load(path: Path, joints: Iterable[Joint], motor: Motor, field_ut: Vector) ->
     )
 
 
+def heading_rad(trunk_axes: NDArray[np.float64]) -> float:
+    """Return where a trunk looks, also lying: by the flatter of its ahead and its left."""
+    ahead, left, _ = trunk_axes.reshape(3, 3).T
+    if abs(ahead[2]) < abs(left[2]):
+        return float(np.arctan2(ahead[1], ahead[0]))
+    return float(np.arctan2(-left[0], left[1]))
+
+
 def _parsed(path: Path) -> Any:
     try:
         return mujoco.MjSpec.from_file(str(path))

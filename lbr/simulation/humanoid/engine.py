@@ -10,7 +10,7 @@ from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
 from lbr.messages.units import Vector
 from lbr.simulation.battery import BatteryState
-from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, load, model_file
+from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, load, model_file
 from lbr.simulation.humanoid.servos import Floats, Servos
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.inertial import InertialUnit
@@ -41,6 +41,7 @@ class HumanoidEngine:
         self._owed_s = self._driven_s = 0.0
         self._steps = 0
         self._floor = self._model.geom(FLOOR).id
+        mujoco.mj_kinematics(self._model, self._data)
         self.pick_up()
 
     @property
@@ -54,10 +55,10 @@ class HumanoidEngine:
         return bool(self._data.eq_active[0])
 
     def pick_up(self) -> None:
-        """Put it upright where it is, limp joints at zero, in a helper's hand that holds it until it can stand."""
+        """Put it upright where it is and as it looks, limp joints at zero, in a hand that holds it until it can stand."""
         data = self._data
-        x, y, _ = data.qpos[:3]
-        data.qpos[:7] = (x, y, 0.0, 1.0, 0.0, 0.0, 0.0)
+        yaw = heading_rad(data.xmat[self.body.trunk])
+        data.qpos[2:7] = (0.0, cos(yaw / 2), 0.0, 0.0, sin(yaw / 2))
         data.qpos[self.body.positions] *= ~self._servos.limp
         data.qvel[:] = 0.0
         mujoco.mj_kinematics(self._model, data)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lbr.messages.simulation import HumanoidPose
-from lbr.simulation.humanoid.body import Body
+from lbr.simulation.humanoid.body import Body, heading_rad
 from lbr.simulation.humanoid.servos import Floats
 from lbr.simulation.physics import mujoco
 
@@ -42,7 +42,7 @@ def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int])
     data = mujoco.MjData(body.model)
     data.qpos[:] = np.frombuffer(view)
     mujoco.mj_kinematics(body.model, data)
-    faces = _turned(_faces(body.model, data), pose)
+    faces = _turned(_faces(body.model, data), pose, heading_rad(data.xmat[body.trunk]))
     tall, wide = _room_m(body)
     dots_per_m = min(max(1.0, size[1] - _LEGEND_PX) / tall, size[0] / 2 / wide)
     picture = Image.new("RGB", size, _PAPER)
@@ -84,9 +84,11 @@ def _corners(axis: int, sign: float) -> Floats:
     return np.insert(square, axis, sign, axis=1)
 
 
-def _turned(faces: Iterable[tuple[Floats, Floats, Colour]], pose: HumanoidPose) -> list[tuple[Floats, Floats, Colour]]:
+def _turned(
+    faces: Iterable[tuple[Floats, Floats, Colour]], pose: HumanoidPose, heading: float
+) -> list[tuple[Floats, Floats, Colour]]:
     """Return faces around the robot's own place, as if it looked along x."""
-    c, s = np.cos(-pose.yaw_rad), np.sin(-pose.yaw_rad)
+    c, s = np.cos(-heading), np.sin(-heading)
     back = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     here = np.array([pose.x_m, pose.y_m, 0.0])
     return [((corners - here) @ back.T, back @ normal, colour) for corners, normal, colour in faces]
