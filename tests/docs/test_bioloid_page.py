@@ -1,0 +1,59 @@
+"""The page of the Bioloid says every word of its console, and none that there is not."""
+
+import json
+import re
+import subprocess
+import sys
+
+import pytest
+
+from lbr.console.verbs import VerbCall, Vocabulary
+from lbr.database.store import Database, create
+from tests.docs.pages import ROOT, blocks
+
+PAGE = ROOT / "docs" / "robots" / "bioloid.md"
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    path = tmp_path_factory.mktemp("bioloid") / "robot.db"
+    create(path)
+    with Database.open(path) as database:
+        return database.load("bioloid")
+
+
+def said() -> set[str]:
+    """What the page types in its blocks, and what its table of words says."""
+    typed = {line for block in blocks(PAGE) for line in re.findall(r"^Robot> (.+)$", block.text, flags=re.MULTILINE)}
+    table = PAGE.read_text().split("## What you can say")[1].split("\n## ")[0]
+    cells = [line.split(" | ")[0] for line in table.splitlines() if line.startswith("| `")]
+    return typed | {word for cell in cells for word in re.findall(r"`([^`]+)`", cell)}
+
+
+def test_every_word_of_the_bioloid_is_on_its_page_and_no_other(rows):
+    words = Vocabulary(rows.verbs, rows.external_commands)
+    calls = [words.parse(line) for line in said()]
+    assert {row.pattern for row in rows.verbs} - {
+        call.verb.pattern for call in calls if isinstance(call, VerbCall)
+    } == set()
+
+
+def test_every_motion_that_is_played_there_is_a_row_or_captured_there(rows):
+    text = PAGE.read_text()
+    captured = set(re.findall(r"/capture/([a-z_]+)", text))
+    played = set(re.findall(r"/(?:play|mirror|pose)/([a-z_]+)", text))
+    assert played <= {row.name for row in rows.motions} | captured
+    told = set(re.findall(r"`([a-z_]+)`", text.split("| motion | what |")[1].split("\n\n")[0]))
+    assert {row.name for row in rows.motions} == told
+
+
+def test_the_script_shows_angles_and_their_bounds_so_far():
+    elbow = {"id": 6, "raw": 512, "reason": ""}
+    states = [{"joints": {"left_elbow": elbow | {"position_rad": angle}}} for angle in (0.0, *([-0.5] * 9), -0.25)]
+    states[0]["joints"]["neck"] = {"id": 19, "position_rad": None, "reason": "servo 19 does not answer"}
+    script = ROOT / "docs" / "examples" / "joint_angles.py"
+    given = "".join(json.dumps(state) + "\n" for state in states)
+    done = subprocess.run([sys.executable, str(script)], input=given, capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    assert "servo 19 does not answer" in lines[2]
+    assert lines[-1].split() == ["left_elbow", "6", "512", "-14.3", "-28.6", "0.0", "-0.500", "0.000"]
