@@ -52,7 +52,7 @@ class Rig:
         time.sleep(0.001)
 
     def until(self, condition):
-        until(lambda: self.step() or condition(), 5.0)
+        until(lambda: self.step() or (bool(self.ctx.published) and condition()), 5.0)
 
     def servo(self, servo):
         return next(state for state in self.ctx.state.servos if state.id == servo)
@@ -276,6 +276,17 @@ def test_torque_that_was_found_is_held_where_the_servo_is(chain):
     assert rig.ctx.state.phase == "holding"
     rig.ahead_s += 36.0
     rig.until(lambda: chain.servos[1].torque == 0)
+    rig.driver.close()
+
+
+def test_nothing_is_said_before_every_servo_was_looked_for(chain):
+    chain.servos[3].write(24, b"\1")
+    chain.dead.add(2)
+    rig = Rig(chain)
+    rig.until(lambda: rig.ctx.published)
+    first = {servo.id: servo for servo in rig.ctx.published[0][1].servos}
+    assert (first[1].torque, first[2].torque, first[3].torque) == (0.0, None, 1.0)
+    assert rig.ctx.published[0][1].phase == "holding"
     rig.driver.close()
 
 

@@ -39,6 +39,7 @@ class Dynamixel(Capability[DynamixelSettings]):
         self._told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
         self._recovering: list[tuple[Call, dict[int, Future[str]]]] = []
         self._estopped = False
+        self._left_on = False
         self._asked_at = -inf
         self._published = -inf
         self._shown: tuple[object, ...] = ()
@@ -76,8 +77,9 @@ class Dynamixel(Capability[DynamixelSettings]):
         session.beat()
         self._heed_estop(session, now)
         self._answer_recoveries()
-        self._report()
-        self._publish_when_due(session, now)
+        if session.sweeper.searched:  # before, silence is all that can be said of who has torque
+            self._report()
+            self._publish_when_due(session, now)
 
     def command(self, call: Call) -> None:
         """Recover servos; the answer comes when all of them were tried."""
@@ -115,6 +117,7 @@ class Dynamixel(Capability[DynamixelSettings]):
         """Have the servos hold, or let them go, as the row says; then let go of the line. A guard has the last word."""
         session, self._session = self._session, None
         if session is not None:
+            self._left_on = session.outputs.turning
             session.close(release=self.ctx.settings.on_close == "release")
 
     def _check(self, session: "Session") -> None:
@@ -164,7 +167,11 @@ class Dynamixel(Capability[DynamixelSettings]):
         if left and now - self._asked_at >= CONFIRM_S:
             self._asked_at = now
             session.owner.submit(lambda _bus: session.sweeper.look(left), READ, key="confirm")
-        estop.acknowledge(stopped=not left, reason=self._named(left, "not confirmed by") if left else "")
+        known = session.sweeper.searched
+        why = (
+            self._named(left, "not confirmed by") if left else "" if known else "the servos are still being looked for"
+        )
+        estop.acknowledge(stopped=known and not left, reason=why)
 
     def _named(self, servos: list[int], what: str) -> str:
         some = ", ".join(f"{self._joints[servo]} (servo {servo})" for servo in servos[:NAMED])
@@ -236,7 +243,7 @@ class Dynamixel(Capability[DynamixelSettings]):
         mover = self._mover
         if session is None:
             state = ServosState(
-                sweep=0, measured_s=now, armed=False, phase="released", servos=(), reason=away,
+                sweep=0, measured_s=now, armed=False, phase="holding" if self._left_on else "released", servos=(), reason=away,
                 estop=self.ctx.estop.engaged, halt=mover.halt or 0,
             )  # fmt: skip
             self.ctx.publish("state", state)

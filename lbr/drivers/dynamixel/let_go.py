@@ -68,7 +68,7 @@ class LastMover:
         until = self._clock() + hold_s
         while (left_s := until - self._clock()) > 0.0:
             with self._line():
-                pass
+                self._bus.leftover()  # notices a line that is gone
             self._sleep(min(STEP_S, left_s))
 
     def _fade(self, limits: Mapping[int, int], release_s: float) -> None:

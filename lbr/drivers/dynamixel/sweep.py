@@ -17,6 +17,7 @@ MISSES = 2
 """So many sweeps in a row without an answer make a servo silent."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
+UNSEEN = "was not looked for yet"
 STATISTICS_S = 1.0
 
 
@@ -59,7 +60,7 @@ class Snapshot:
 @dataclass(slots=True)
 class _Servo:
     id: int
-    seen: Seen = field(default_factory=lambda: Seen(reason="was not looked for yet"))
+    seen: Seen = field(default_factory=lambda: Seen(reason=UNSEEN))
     misses: int = MISSES
     again: float = -inf
     pause_s: float = AGAIN_FIRST_S
@@ -101,6 +102,11 @@ class Sweeper:
         self._counted = (0, 0)
         self._states = 0
         self._rates = (0.0, 0.0)
+
+    @property
+    def searched(self) -> bool:
+        """Whether every servo was looked for; before, nothing can be said of what has torque."""
+        return all(servo.seen.reason != UNSEEN for servo in self._servos.values())
 
     def look(self, servos: Sequence[int]) -> None:
         """Read all of these servos next, before the sweep goes on; call it in the bus's thread."""
@@ -230,10 +236,12 @@ class Sweeper:
         return present[self._slow_turn % len(present)]
 
     def _overdue(self) -> list[_Servo]:
-        """The one silent servo, if any, that is to be looked for in this sweep."""
+        """The silent servos to be looked for in this sweep: all that never were, or else one."""
         now = self._clock()
-        silent = [servo for servo in self._servos.values() if servo.silent and servo.again <= now]
-        return sorted(silent, key=lambda servo: servo.again)[:1]
+        silent = sorted((servo for servo in self._servos.values() if servo.silent), key=lambda servo: servo.again)
+        return [servo for servo in silent if servo.again == -inf] or [servo for servo in silent if servo.again <= now][
+            :1
+        ]
 
     def _finish(self) -> None:
         now = self._clock()
