@@ -78,3 +78,15 @@ def test_joints_that_hang_leave_the_servos_holding_and_going_on_resumes_nothing(
     assert state["holder"] is None
     _, after, torque = moving.twin.joint("left_knee")
     assert after == pytest.approx(goal, abs=0.02) or torque == 0.0
+
+
+def test_a_killed_driver_ends_the_motion_and_its_successor_moves_nothing_and_lets_nothing_fall(moving):
+    moving.kill("servos")
+    moving.bury("servos")
+    state = moving.heard("joints/state", moving=False)
+    assert state["reason"] == "the servo driver (servos) is gone"
+    goal = held(moving)
+    moving.start("servos")
+    moving.heard("joints/state", phase="following")
+    assert held(moving) == pytest.approx(goal, abs=0.02)
+    assert moving.twin.joint("right_knee")[2] > 0.0
