@@ -17,7 +17,7 @@ from lbr.simulation.cameras.orders import Drawing
 from lbr.simulation.engine import Engine
 from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
-from lbr.simulation.plugged import Plugged
+from lbr.simulation.plugged import Plugged, may
 from lbr.simulation.requests import (
     FaultRequest,
     PictureRequest,
@@ -89,10 +89,9 @@ class World(Capability[WorldSettings]):
 
     def command(self, call: Call) -> None:
         """Answer `fault`, `place`, `remove` and `picture`."""
-        drawn = isinstance(call.message, PictureRequest)
-        if call.role == "view" and not (drawn and not call.message.path):
-            call.refuse(f"{call.name} needs the role operate{', unless no path is named' if drawn else ''}")
-        elif isinstance(call.message, FaultRequest) and self._plugged is not None:
+        if not may(call):
+            return
+        if isinstance(call.message, FaultRequest) and self._plugged is not None:
             self._plugged.fault(call, call.message)
         elif isinstance(call.message, PlaceRequest | RemoveRequest):
             self._change(call, call.message)

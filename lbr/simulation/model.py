@@ -39,7 +39,7 @@ def model_xml(settings: WorldSettings) -> str:
     return f"""
 <mujoco model="world">
   <compiler angle="radian"/>
-  <option timestep="{TIMESTEP_S}" integrator="implicitfast" magnetic="{_numbers(*_field(settings))}"/>
+  <option timestep="{TIMESTEP_S}" integrator="implicitfast" magnetic="{_numbers(*settings.compass.vector_ut)}"/>
   <visual><headlight ambient="0.45 0.45 0.45" diffuse="0.5 0.5 0.5" specular="0 0 0"/><quality offsamples="0"/></visual>
   <worldbody>
     <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001" rgba="0.74 0.68 0.6 1"/>
@@ -54,14 +54,6 @@ def model_xml(settings: WorldSettings) -> str:
 def wheel_track_m(body: Body) -> float:
     """Return the distance between the wheels' middles."""
     return body.width_m - _WHEEL_WIDTH_M
-
-
-def _field(settings: WorldSettings) -> tuple[float, float, float]:
-    """Return the earth's field in the world's axes; z is up."""
-    compass = settings.compass
-    down, north = radians(compass.inclination_deg), radians(compass.north_deg)
-    level = compass.field_ut * cos(down)
-    return level * cos(north), level * sin(north), -compass.field_ut * sin(down)
 
 
 def _thing(box: BoxSettings) -> str:

@@ -1,5 +1,6 @@
 """What a `world` row may set; the defaults are a furnished room with the lbr6 robot and its dock in it."""
 
+from math import cos, radians, sin
 from typing import Annotated
 
 from msgspec import Meta, Struct, field
@@ -100,6 +101,13 @@ class Compass(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     field_ut: Annotated[float, Meta(ge=0.0, le=100.0)] = 48.0
     inclination_deg: Annotated[float, Meta(ge=-90.0, le=90.0, description="how steeply the field points down")] = 65.0
     north_deg: Degrees = 0.0
+
+    @property
+    def vector_ut(self) -> Vector:
+        """The field in the world's axes; z is up."""
+        down, north = radians(self.inclination_deg), radians(self.north_deg)
+        level = self.field_ut * cos(down)
+        return level * cos(north), level * sin(north), -self.field_ut * sin(down)
 
 
 class Ultrasonic(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

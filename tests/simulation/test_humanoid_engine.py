@@ -6,6 +6,7 @@ from humanoid_bench import TICK_S, Player, drives, humanoid, rows
 
 from lbr.messages.joints import KeyFrame
 from lbr.simulation.humanoid.settings import Motor
+from lbr.simulation.measured import ServoDrive
 from lbr.simulation.settings import Imu
 
 QUIET = Imu(gyro_bias_rps=(0, 0, 0), gyro_noise_rps=0, accel_bias_mps2=(0, 0, 0), accel_noise_mps2=0)
@@ -197,3 +198,24 @@ def test_the_same_steps_with_the_same_seed_give_the_same_run():
             engine.step(drives({"left_shoulder_pitch": tick / 100}), TICK_S)
         runs.append((engine.pose(), engine.imu(), engine.felt()))
     assert runs[0] == runs[1]
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_whatever_its_servos_are_told_it_stays_of_this_world(seed, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo would write its warnings there
+    random, engine = np.random.default_rng(seed), Player().engine
+    for _ in range(40):
+        told = {
+            number: ServoDrive(
+                goal_rad=random.uniform(-2.6, 2.6),
+                torque=random.uniform(-0.2, 1.0),
+                slopes_rad=(0.0103, 0.0103),
+                margins_rad=(0.0, 0.0),
+            )
+            for number in range(1, 19)
+        }
+        engine.step(told, 0.1)
+        pose = engine.pose()
+        assert np.isfinite([*pose.joints.values(), pose.x_m, pose.y_m, pose.yaw_rad]).all()
+        assert 0.0 < pose.z_m < 0.6
+    assert not list(tmp_path.iterdir())

@@ -13,7 +13,7 @@ from lbr.simulation.humanoid.portrait import portrait
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
-from lbr.simulation.plugged import Plugged
+from lbr.simulation.plugged import Plugged, may
 from lbr.simulation.requests import FaultRequest, PickUpReply, PickUpRequest, PictureRequest
 from lbr.simulation.twins import Surroundings
 
@@ -60,10 +60,9 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
     def command(self, call: Call) -> None:
         """Answer `fault`, `pick_up` and `picture`."""
         _, physics, plugged, _ = self._running()
-        drawn = isinstance(call.message, PictureRequest)
-        if call.role == "view" and not (drawn and not call.message.path):
-            call.refuse(f"{call.name} needs the role operate{', unless no path is named' if drawn else ''}")
-        elif isinstance(call.message, FaultRequest):
+        if not may(call):
+            return
+        if isinstance(call.message, FaultRequest):
             plugged.fault(call, call.message)
         elif isinstance(call.message, PictureRequest):
             self._picture(call, call.message)

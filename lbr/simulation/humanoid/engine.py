@@ -8,7 +8,6 @@ import numpy as np
 
 from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
-from lbr.messages.units import Vector
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, load, model_file
 from lbr.simulation.humanoid.servos import Floats, Servos
@@ -16,7 +15,6 @@ from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
 from lbr.simulation.physics import mujoco
-from lbr.simulation.settings import Compass
 
 _UPRIGHT = cos(radians(45.0))
 _STAND_M = 0.05
@@ -32,7 +30,7 @@ class HumanoidEngine:
 
     def __init__(self, settings: HumanoidWorldSettings, joints: Sequence[Joint], home: str) -> None:
         self.settings = settings
-        self.body: Body = load(model_file(settings.model, home), joints, settings.motor, _field(settings.compass))
+        self.body: Body = load(model_file(settings.model, home), joints, settings.motor, settings.compass.vector_ut)
         self.battery = BatteryState(settings.battery)
         self._names = [joint.name for joint in joints]
         self._model, self._data = self.body.model, mujoco.MjData(self.body.model)
@@ -159,10 +157,3 @@ class HumanoidEngine:
         middle = self._data.geom_xpos[solid, 2] + (turned * self._model.geom_aabb[solid, :3]).sum(axis=1)
         lowest: Any = (middle - (np.abs(turned) * self._model.geom_aabb[solid, 3:]).sum(axis=1)).min()
         return float(lowest)
-
-
-def _field(compass: Compass) -> Vector:
-    """Return the earth's field in the world's axes; z is up."""
-    down, north = radians(compass.inclination_deg), radians(compass.north_deg)
-    level = compass.field_ut * cos(down)
-    return level * cos(north), level * sin(north), -compass.field_ut * sin(down)
