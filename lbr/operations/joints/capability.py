@@ -151,7 +151,9 @@ class Joints(Capability[JointsSettings]):
     def _recover(self, call: Call, command: RecoverCommand) -> None:
         joints = self._state.body.joints
         wrong = next((why for name in command.joints if (why := self._state.body.unknown(name))), "")
-        if wrong:
+        if call.role not in {"operate", "admin"}:
+            call.refuse(f"role '{call.role}' may stop the robot but not recover its servos")
+        elif wrong:
             call.refuse(wrong)
         elif len(self._waiting) >= MOST_WAITING:
             call.refuse("too many commands wait for the servo driver; send fewer")

@@ -14,6 +14,8 @@ from lbr.operations.leasing.state import Ending
 LONGEST_STEP_S = 0.05
 """A loop that was held up goes on from where it was, it does not jump."""
 LONGEST_S = 3600.0
+MARGIN_RAD = 0.1
+FRESH_S = 0.05
 REST_S = 0.1
 FOLLOWING_S = 0.3
 """The driver says within this time that the servos follow."""
@@ -102,9 +104,13 @@ def freeze(state: State) -> State:
 
 
 def measured(state: State, name: str) -> float | None:
-    """Return where a joint is, or the limit that it is beyond."""
+    """Return where a joint is to be held, so that it does not move: where it is, or the limit that it is just beyond.
+
+    None, which has the driver hold it where it is, if that is not measured, or is far beyond.
+    """
     found = position_rad(state, name)
-    return None if found is None else state.body.within(name, found)
+    far = found is None or state.body.beyond_rad(name, found) > MARGIN_RAD
+    return None if found is None or far else state.body.within(name, found)
 
 
 def held_again(state: State) -> State:
@@ -139,10 +145,16 @@ def _arrival(state: State, move: Move, targets: dict[str, float], now: float) ->
 
 
 def _here_rad(state: State, name: str, *, moved: bool) -> float | None:
+    """Return where a joint is held; while it moves only the driver knows that if it was not measured just now."""
     here, goal = measured(state, name), state.goals.get(name)
-    if here is None:
+    if here is None or (moved and not _age_s(state, name) <= FRESH_S):
         return None
     return goal if not moved and goal is not None and abs(goal - here) <= state.settings.tolerance_rad else here
+
+
+def _age_s(state: State, name: str) -> float:
+    servo = state.seen.get(name)
+    return inf if servo is None or servo.age_s is None else servo.age_s + max(0.0, state.clock - state.servos_at)
 
 
 def _frames(state: State, command: JointsCommand) -> tuple[KeyFrame, ...]:
@@ -167,7 +179,7 @@ def _plan(state: State, command: JointsCommand, through: tuple[KeyFrame, ...]) -
 
 def _start_rad(state: State, name: str) -> float:
     goal = state.goals.get(name)
-    start = measured(state, name) if goal is None else goal
+    start = position_rad(state, name) if goal is None else goal
     assert start is not None
     return start
 

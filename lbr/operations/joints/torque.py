@@ -11,8 +11,6 @@ from lbr.operations.joints.state import State, Torque, joint_trouble, position_r
 from lbr.operations.leasing.acceptance import why_dead
 from lbr.operations.leasing.state import LATE_S, Happened, Reply
 
-MARGIN_RAD = 0.1
-"""A joint that was pushed beyond its limits by so little is held at the limit."""
 MOST_TOLD = 3
 
 
@@ -97,7 +95,7 @@ def _not_to_be_held(state: State, name: str, now: float) -> str:
         return why
     here = position_rad(state, name)
     joint = state.body.joints[name]
-    if here is None or state.body.beyond_rad(name, here) <= MARGIN_RAD or name in state.on:
+    if here is None or state.body.beyond_rad(name, here) <= moving.MARGIN_RAD or name in state.on:
         return ""
     limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad"
     return f"{name} is at {here:.2f} rad, outside its limits ({limits}): bring it there by hand first"

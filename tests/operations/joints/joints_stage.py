@@ -25,7 +25,7 @@ from tests.robot import until
 
 KEY = "5e" * 32
 JOINTS = tuple(joint for joint in ROWS if joint.name in {"left_knee", "right_knee"})
-HOLD_S, RELEASE_S = 1.5, 0.3
+HOLD_S, RELEASE_S = 1.0, 0.3
 SERVOS = {"device": "servos", "hold_s": HOLD_S, "release_s": RELEASE_S, "guard": False, "reply_margin_s": 0.05}
 
 CLIENT = """

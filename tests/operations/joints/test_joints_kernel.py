@@ -236,6 +236,27 @@ def test_anybody_stops_every_joint_where_it_was_measured(bench):
     assert last(bench) == ("stopped", "stopped by phone: test")
 
 
+def test_a_stop_leaves_it_to_the_driver_where_a_joint_is_that_was_not_measured_just_now(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    bench.run(0.25, reply.lease)
+    bench.run(0.1, reply.lease, hear=False)
+    bench.stop()
+    assert bench.goals["left_knee"] is None
+    assert bench.goals["right_knee"] == 0.0
+
+
+def test_a_joint_that_was_pushed_far_beyond_its_limits_stays_and_may_be_brought_back(bench):
+    bench.servos.stuck = {14}
+    bench.push("left_knee", 0.6)
+    bench.hear()
+    bench.stop()
+    bench.run(0.1)
+    assert bench.goals["left_knee"] is None
+    reply = bench.command({"left_knee": 0.0}, duration_s=1.0)
+    bench.run(0.1, reply.lease)
+    assert 0.5 < bench.goals["left_knee"] < 0.6
+
+
 def test_a_stop_of_what_stands_leaves_a_joint_that_sags_a_little_its_goal(bench):
     bench.push("left_knee", -0.03)
     bench.push("right_knee", -0.3)
