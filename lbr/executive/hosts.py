@@ -161,7 +161,8 @@ class Hosts:
     def _status(self, host: Host, unit: Unit) -> CapabilityStatus:
         found = host.states.get(unit.name) if host.agent else None
         if found is not None:
-            return found
+            ready = found.phase not in {"ready", "degraded"} or self._present(unit.name)
+            return found if ready else replace(found, phase="starting")  # there, but it cannot be asked from here yet
         reason = f"host '{host.name}' begins" if host.agent else self._what_to_type(host.name, unit)
         return CapabilityStatus(
             name=unit.name,

@@ -32,6 +32,8 @@ from lbr.messages.system import EstopState, Event, Status
 ANSWER_S = 1.0
 TAKEN_S = hosting.GONE_S + 1.0
 """An agent that died is forgotten by then, and this one takes its place."""
+END_S, LOST_END_S = 2.5, 0.5
+"""How long the processes have to end; without contact they can only wait for what does not come."""
 TRIM_S = 1.0
 MOST_WAITING = 64
 _shares = Decoder(HostShare)
@@ -97,7 +99,7 @@ class Stay:
                     trim_all(home.home() / "logs")
                 self._wait(max(0.0, min(due, self._ask_at - now if self._question is None else hosting.REPORT_S)))
         finally:
-            self._supervisor.shut_down(self._wait)
+            self._supervisor.shut_down(self._wait, limit_s=LOST_END_S if self._over else END_S)
         if self._accepted and not self._over:
             self._leave()
         return self._over

@@ -95,7 +95,9 @@ class Two:
         return not self.trace.now().zero
 
     def dancing(self) -> None:
-        assert self.robot.line("/d/metronome")["code"] == 0
+        until(lambda: self.robot.ask("drive/state")["holder"] is None, what="nobody holds the base")
+        said = self.robot.line("/d/metronome")
+        assert said["code"] == 0, said
         until(self.moving, what="it dances")
 
     def stops_within(self, seconds: float) -> None:

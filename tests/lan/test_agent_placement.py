@@ -173,7 +173,7 @@ class Executive:
 
     def __init__(self, plan):
         self.wire, self.told, self.measured, self.begun, self.now = Wire(), [], [], [], 100.0
-        self.present = set()
+        self.present = {"dance"}
         self.hosts = Hosts(
             {"operator": self.wire, "bench": Wire()},
             version="1",
@@ -234,10 +234,11 @@ def test_a_second_agent_is_refused_until_the_first_is_silent(executive):
 def test_one_whose_link_is_lost_is_gone_at_once(executive):
     executive.answer()
     executive.present = {"operator.agent"}
-    executive.answer()
+    executive.answer(states=(STATE,))
+    assert executive.hosts.capabilities()["dance"].phase == "starting", "it cannot be asked from here yet"
     executive.present = set()
     executive.hosts.step(executive.now)
-    assert executive.told[-1][2] == "the agent at desk, pid 1 is out of reach"
+    assert executive.told[-1][2] == "the agent at desk, pid 1 is out of reach; gone with it: dance"
 
 
 def test_one_that_leaves_is_gone_at_once_and_a_robot_that_ends_says_so(executive):
