@@ -8,7 +8,7 @@ from servo_peers import Chain, status
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import open_bus
 from lbr.drivers.dynamixel.owner import READ, STOP, WRITE, Owner
-from lbr.drivers.dynamixel.setup import Setup
+from lbr.drivers.dynamixel.setup import SETTING_UP, Setup
 from lbr.errors import DeviceError
 
 
@@ -202,17 +202,32 @@ def test_a_job_that_fails_hurts_nobody_but_a_lost_line_ends_the_owner(chain, bus
 WANTED = [(table.RETURN_DELAY, 0), (table.SHUTDOWN, 36)]
 
 
+def set_up(setup, bus, servo):
+    said = [SETTING_UP]
+    while said[-1] == SETTING_UP and len(said) < 9:
+        said.append(setup.prepare(bus, servo))
+    return said[-1]
+
+
 def test_setting_up_writes_only_what_differs_and_moves_nothing(chain, bus):
-    told, slept = [], []
-    setup = Setup(WANTED, lambda *event: told.append(event), slept.append)
-    assert setup.prepare(bus, 1) == ""
+    told = []
+    setup = Setup(WANTED, lambda *event: told.append(event))
+    assert setup.prepare(bus, 1) == SETTING_UP
     assert chain.servos[1].table[5] == 0
-    assert [request[5] for request in chain.log if request[4] == 3] == [5]
-    assert slept == [pytest.approx(0.01)]
     assert setup.prepare(bus, 1) == ""
-    assert len(told) == 1
+    assert setup.prepare(bus, 1) == ""
+    assert [request[5] for request in chain.log if request[4] == 3] == [5]
+    assert [text for _, text, _ in told] == ["servo 1: set return delay time"]
     assert setup.kept[1].temperature_limit == 70
     assert chain.servos[1].torque == 0
+
+
+def test_a_servo_that_does_not_take_a_value_is_told_of_and_used(chain, bus):
+    told = []
+    chain.answer = lambda request, _usual: status(request[2]) if request[4] == 3 else None
+    chain.servos[1].write = lambda _address, _data: None
+    assert set_up(Setup(WANTED, lambda *event: told.append(event)), bus, 1) == ""
+    assert [text for _, text, _ in told] == ["servo 1 does not take return delay time (250, not 0)"]
 
 
 def test_what_a_servo_keeps_is_not_written_while_it_has_torque(chain, bus):
@@ -225,7 +240,7 @@ def test_what_a_servo_keeps_is_not_written_while_it_has_torque(chain, bus):
 
 def test_a_servo_that_answers_nothing_but_pings_is_taught_to_answer(chain, bus):
     chain.servos[1].table[16] = 0
-    assert Setup([], sleep=lambda _s: None).prepare(bus, 1) == ""
+    assert set_up(Setup([]), bus, 1) == ""
     assert chain.servos[1].table[16] == 2
 
 

@@ -65,7 +65,7 @@ class Rig:
         self.line = TwinLine(emulated)
         self.told = []
         self.bus = Bus(self.line, clock=self.clock)
-        self.setup = Setup(WANTED, self.tell, self.sleep)
+        self.setup = Setup(WANTED, self.tell)
         self.sweeper = Sweeper(IDS, self.clock, 0.01, self.setup.prepare, self.tell)
         if dongle:
             assert self.bus.find_adapter() == dongle
@@ -73,9 +73,6 @@ class Rig:
 
     def clock(self):
         return self.line.now
-
-    def sleep(self, seconds):
-        self.line.now += seconds
 
     def tell(self, *event):
         self.told.append(event)
@@ -105,7 +102,7 @@ def test_servos_as_they_come_from_the_factory_are_set_up_and_swept(dongle):
     assert {servo.return_delay_s for servo in rig.servos} == {0.0}
     assert rig.bus.counts.corrupt == rig.bus.counts.strays == 0
     assert rig.sweeper.snapshot.sweeps_hz > 60.0
-    assert sum("set return delay time (250, not 0)" in text for _, text, _ in rig.told) == 18
+    assert sum("set return delay time" in text for _, text, _ in rig.told) == 18
 
 
 FAULTS = [
@@ -219,3 +216,17 @@ def test_the_whole_driver_moves_emulated_servos_and_lets_them_go(tmp_path):
     ending.set()
     thread.join()
     twin.port.unplug()
+
+
+@pytest.mark.parametrize("dongle", [None, 5])
+def test_a_stop_waits_no_longer_than_the_wire_is_taken_though_an_answer_is_lost(dongle):
+    rig = Rig(dongle, drop=1.0)
+    bus = Bus(rig.line, clock=rig.clock, urgent=lambda: True)
+    bus.adapter = dongle
+    began = rig.line.now
+    assert bus.read_motions([7]) == [None]
+    assert bus.cut_short
+    assert rig.line.now - began < 0.0025
+    began = rig.line.now
+    bus.write_all(table.GOAL_POSITION.address, {7: b"\0\2"})
+    assert rig.line.now == began

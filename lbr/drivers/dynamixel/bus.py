@@ -53,20 +53,24 @@ class Counts:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A request made ready: its bytes, how its answer begins, how long that is and how long it may take."""
+    """A request made ready: its bytes, how its answer begins, how long that is and how long it may take.
+
+    For `busy_s` the wire is taken, by the request or by its answer; what comes later was held up elsewhere.
+    """
 
     servo: int
     request: bytes
     head: bytes
     size: int
+    busy_s: float
     within_s: float
 
 
 class Bus:
     """One servo bus. Lost answers are None, `trouble` then says why; a line that is gone is a DeviceError.
 
-    `urgent` is asked while the bus waits for nothing but silence, and between tries: the rest is left undone then, and
-    `cut_short` tells.
+    `urgent` is asked while the bus waits although the wire is free, and between tries: the rest is left undone then,
+    and `cut_short` tells.
     """
 
     def __init__(
@@ -123,7 +127,6 @@ class Bus:
         """Give each servo its block at the same time; nobody answers that."""
         if blocks:
             for request in packet.sync_write(address, blocks):
-                self._settle()
                 self._line.send(request)
 
     def read_motion(self, servo: int) -> Motion | None:
@@ -155,8 +158,9 @@ class Bus:
             request = packet.adapter_sync_read(MOTION_ADDRESS, MOTION_BYTES, servos)
             plain = self._question(packet.ADAPTER, request, MOTION_BYTES * len(servos))
             asked_bytes = 8 * len(servos) + len(request)
-            within_s = self._line.reply_s(asked_bytes, 2 * plain.size, len(servos)) + ADAPTER_SILENCE_S * len(servos)
-            question = Question(plain.servo, request, plain.head, plain.size, within_s)
+            busy_s = self._line.busy_s(asked_bytes, 2 * plain.size, len(servos))
+            within_s = busy_s + ADAPTER_SILENCE_S * len(servos) + self._line.margin_s
+            question = Question(plain.servo, request, plain.head, plain.size, busy_s, within_s)
             self._together = {servos: question}
         answer = self.ask(question)
         if answer is None:
@@ -185,15 +189,11 @@ class Bus:
         line = self._line
         self.cut_short = False
         for attempt in range(tries or self._tries):
-            if attempt:
-                if self._urgent():
-                    self.cut_short = True
-                    return None
-                self.counts.retries += 1
+            self.counts.retries += attempt > 0
             if self._wary_until:
                 self._settle()
             line.send(question.request)
-            data = line.receive(question.within_s)
+            data = line.receive(question.busy_s) or self._patience(question.within_s - question.busy_s)
             if (
                 len(data) == question.size
                 and data.startswith(question.head)
@@ -205,6 +205,9 @@ class Bus:
             found = self._sift(data, question)
             if found is not None:
                 return found
+            if self._urgent():
+                self.cut_short = True
+                return None
         return None
 
     def close(self) -> None:
@@ -222,7 +225,8 @@ class Bus:
     def _question(self, servo: int, request: bytes, count: int) -> Question:
         size = packet.OVERHEAD_BYTES + count
         head = packet.HEADER + bytes((servo, count + 2))
-        return Question(servo, request, head, size, self._line.reply_s(len(request), size))
+        busy_s = self._line.busy_s(len(request), size)
+        return Question(servo, request, head, size, busy_s, busy_s + self._line.margin_s)
 
     def _sift(self, data: bytes, question: Question) -> bytes | None:
         """Find the answer in what comes until its time is over; judge what else there was."""
@@ -237,12 +241,21 @@ class Bus:
             left_s = until - self._clock() if data else 0.0
             if len(rest) >= question.size:
                 left_s = min(left_s, QUIET_S)
-            more = self._line.receive(left_s) if left_s > 0.0 and len(data) < MOST_BYTES else b""
+            more = self._patience(left_s) if len(data) < MOST_BYTES else b""
             if not more:
                 break
             data += more
         self._lose(rest, question)
         return None
+
+    def _patience(self, wait_s: float) -> bytes:
+        """Return what comes in that time; not a moment longer when something is urgent."""
+        until = self._clock() + wait_s
+        while (left_s := until - self._clock()) > 0.0 and not self._urgent():
+            data = self._line.receive(min(LISTEN_SLICE_S, left_s))
+            if data:
+                return data
+        return b""
 
     def _without_echo(self, data: bytes, question: Question) -> bytes:
         """Some adapters hear themselves: what was sent comes first then, and must not pass for an answer."""

@@ -60,10 +60,10 @@ class ServoLine:
             raise self._gone(None)
         return data
 
-    def reply_s(self, sent_bytes: int, back_bytes: int, servos: int = 1) -> float:
-        """Return how long an answer may take at most: the wire both ways, the servos' own time, and the margin."""
+    def busy_s(self, sent_bytes: int, back_bytes: int, servos: int = 1) -> float:
+        """Return how long a transaction takes at most: the wire both ways, and the servos' own time."""
         wire_s = (sent_bytes + back_bytes) * BITS_PER_BYTE / self.baud
-        return wire_s + servos * (SERVO_S + LONGEST_DELAY_S) + self.margin_s
+        return wire_s + servos * (SERVO_S + LONGEST_DELAY_S)
 
     def drop_output(self) -> None:
         """Throw away what was written and has not left yet."""

@@ -17,6 +17,8 @@ from lbr.drivers.dynamixel.table import Register
 from lbr.errors import DeviceError
 
 CLOSING_S = 0.3
+ASKED = 3
+"""So often an adapter is asked whether it is a USB2AX; most are none, and say nothing."""
 Tell = Callable[[str, str, str], None]
 
 
@@ -69,7 +71,7 @@ class Session:
     def _turn(self, bus: Bus) -> float:
         if not self._looked:
             self._looked = True
-            bus.find_adapter()
+            any(bus.find_adapter() for _ in range(ASKED))
             return 0.0
         return self.sweeper.turn(bus)
 

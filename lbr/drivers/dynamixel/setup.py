@@ -1,6 +1,5 @@
 """Getting to know a servo before it is used, without moving it: who it is, and what it keeps without power."""
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -10,9 +9,9 @@ from lbr.drivers.dynamixel.table import Register
 from lbr.errors import DeviceError
 
 EEPROM_BYTES = table.RAM
-WRITING_S = 0.01
-"""For so long a servo is deaf after each byte that it is to keep without power (datasheet: 9 ms at worst)."""
+TRIES = 2
 GARBLED = 3
+SETTING_UP = "is being set up"
 BAUDS = (1_000_000, 500_000, 400_000, 250_000, 200_000, 115_200, 57_600, 19_200, 9_600)
 
 
@@ -29,23 +28,25 @@ class Kept:
 
 
 class Setup:
-    """Checks a servo and gives its EEPROM the wanted values: only where they differ, without torque, and read back."""
+    """Checks a servo and gives its EEPROM the wanted values: only where they differ, without torque, and read back.
+
+    One value at a time: the servo `is being set up` until it was asked again, and nobody waits for it meanwhile.
+    """
 
     def __init__(
         self,
         wanted: Sequence[tuple[Register, int]],
         told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
-        sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         self.kept: dict[int, Kept] = {}
         self._wanted = tuple(wanted)
         self._told = told
-        self._sleep = sleep
+        self._written: dict[int, dict[Register, int]] = {}
         self._garbled: dict[int, int] = {}
         self._warned: dict[int, str] = {}
 
     def prepare(self, bus: Bus, servo: int) -> str:
-        """Say what keeps a servo from being used, or nothing; a servo that is silent may be prepared again later."""
+        """Say what keeps a servo from being used now, or nothing; to be asked again later."""
         strays = bus.strays[servo]
         block = self._eeprom(bus, servo)
         if block is None:
@@ -55,7 +56,8 @@ class Setup:
         if wrong:
             self._warn(servo, wrong)
             return wrong
-        block = self._write(bus, servo, block)
+        if self._write(bus, servo, block):
+            return SETTING_UP
         self.kept[servo] = _kept(block)
         return ""
 
@@ -63,12 +65,10 @@ class Setup:
         status = bus.read(servo, 0, EEPROM_BYTES, tries=1)
         if status is not None or bus.trouble != "does not answer" or bus.cut_short:
             return None if status is None else status.params
-        if servo in self.kept or bus.ping(servo, tries=1) is None:
-            return None
-        bus.write(servo, table.RETURN_LEVEL.address, table.RETURN_LEVEL.encode(2), tries=1)  # it answers nothing else
-        self._sleep(WRITING_S)
-        status = bus.read(servo, 0, EEPROM_BYTES)
-        return None if status is None else status.params
+        if servo not in self.kept and bus.ping(servo, tries=1) is not None:  # it answers nothing else: teach it
+            bus.write(servo, table.RETURN_LEVEL.address, table.RETURN_LEVEL.encode(2), tries=1)
+            bus.trouble = SETTING_UP
+        return None
 
     def _why_not(self, bus: Bus, servo: int) -> str:
         if bus.trouble != "answers garbled":
@@ -90,25 +90,26 @@ class Setup:
             return "is set to turn endlessly; give it angle limits"
         return ""
 
-    def _write(self, bus: Bus, servo: int, block: bytes) -> bytes:
-        """Return the EEPROM as it is afterwards."""
+    def _write(self, bus: Bus, servo: int, block: bytes) -> bool:
+        """Write the next value that differs and say so; the servo is deaf for a while then."""
+        written = self._written.setdefault(servo, {})
         other = [(register, value) for register, value in self._wanted if register.decode(block) != value]
-        if not other:
-            return block
         names = ", ".join(f"{register.name} ({register.decode(block)}, not {value})" for register, value in other)
-        if bus.get(servo, table.TORQUE_ENABLE) != 0:
+        left = [(register, value) for register, value in other if written.get(register, 0) < TRIES]
+        if left and bus.get(servo, table.TORQUE_ENABLE) != 0:
             self._warn(servo, f"keeps its {names}: it has torque; restart the driver without")
-            return block
-        for register, value in other:
+            return False
+        if left:
+            register, value = left[0]
+            written[register] = written.get(register, 0) + 1
             bus.put(servo, register, value)
-            self._sleep(WRITING_S * register.size)
-        status = bus.read(servo, 0, EEPROM_BYTES)
-        block = block if status is None else status.params
-        if any(register.decode(block) != value for register, value in other):
+            return True
+        if other:
             self._warn(servo, f"does not take {names}")
-        else:
-            self._told("servo_set_up", f"servo {servo}: set {names}", "info")
-        return block
+        elif written:
+            self._told("servo_set_up", f"servo {servo}: set {', '.join(one.name for one in written)}", "info")
+        self._written[servo] = {}
+        return False
 
     def _warn(self, servo: int, wrong: str) -> None:
         """Tell it once, not at each look."""

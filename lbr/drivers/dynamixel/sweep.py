@@ -10,6 +10,7 @@ from math import inf
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.dynamixel.setup import SETTING_UP
 from lbr.drivers.dynamixel.table import Motion
 
 SLOW_ADDRESS, SLOW_BYTES = table.TORQUE_ENABLE.address, 20
@@ -17,6 +18,8 @@ MISSES = 2
 """So many sweeps in a row without an answer make a servo silent."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
+WRITING_S = 0.02
+"""A servo is deaf for so long after it was given two bytes to keep without power (datasheet: 9 ms each at worst)."""
 UNSEEN = "was not looked for yet"
 STATISTICS_S = 1.0
 
@@ -106,7 +109,7 @@ class Sweeper:
     @property
     def searched(self) -> bool:
         """Whether every servo was looked for; before, nothing can be said of what has torque."""
-        return all(servo.seen.reason != UNSEEN for servo in self._servos.values())
+        return all(servo.seen.reason not in {UNSEEN, SETTING_UP} for servo in self._servos.values())
 
     def look(self, servos: Sequence[int]) -> None:
         """Read all of these servos next, before the sweep goes on; call it in the bus's thread."""
@@ -199,12 +202,16 @@ class Sweeper:
     def _seek(self, bus: Bus, servo: _Servo) -> None:
         """Look for a silent servo: the longer it has been away, the more rarely."""
         wrong = self._prepare(bus, servo.id)
-        if not bus.cut_short:
-            servo.again = self._clock() + servo.pause_s
-            servo.pause_s = min(servo.pause_s * 2.0, AGAIN_MOST_S)
-            self._see(servo, wrong)
-            if not wrong:
-                self._read_slow(bus, servo)
+        if bus.cut_short:
+            return
+        self._see(servo, wrong)
+        if wrong == SETTING_UP:
+            servo.again = self._clock() + WRITING_S
+            return
+        servo.again = self._clock() + servo.pause_s
+        servo.pause_s = min(servo.pause_s * 2.0, AGAIN_MOST_S)
+        if not wrong:
+            self._read_slow(bus, servo)
 
     def _note(self, servo: _Servo, motion: Motion | None, trouble: str, slow: Slow | None = None) -> None:
         now = self._clock()
