@@ -115,6 +115,7 @@ def cycle(
     return {
         **found.figures(),
         "period error of goals on the wire, ms": errors(written),
+        "motions refused, by reason": dict(client.refused.most_common(8)),
         "commands sent late, ms": summary(client.late_ms),
         "share of a core": {name: round(share, 3) for name, share in shares.items()},
     }

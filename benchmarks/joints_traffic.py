@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections import Counter
 from contextlib import suppress
 from itertools import pairwise
 from math import nan
@@ -35,6 +36,8 @@ class Client:
         self._lease = ""
         self.late_ms: list[float] = []
         """By how much each command left later than it should."""
+        self.refused: Counter[str] = Counter()
+        """Why a motion could not begin anew."""
 
     def start(self) -> "Client":
         """Begin to move, once that is accepted."""
@@ -49,6 +52,8 @@ class Client:
         reply = self._robot.ask("joints/command", self._command(time.monotonic()), source="bench")
         accepted = reply is not None and reply["accepted"]
         self._lease = reply["lease"] if accepted else ""
+        if not accepted:
+            self.refused[reply["reason"] if reply is not None else "no answer"] += 1
         return bool(accepted)
 
     def cease(self) -> None:
@@ -78,6 +83,9 @@ class Watched:
     def __init__(self) -> None:
         self.ended = 0
         """How often a motion ended, and was begun anew."""
+        self._reasons: Counter[str] = Counter()
+        self._moved_at = nan
+        self._longest_s = 0.0
         self._arrived: list[float] = []
         self._measured: list[float] = []
         self._ages_ms: list[float] = []
@@ -98,6 +106,11 @@ class Watched:
             self._arrived.append(message.arrived)
             self._measured.append(state.measured_s)
             self._still += not state.moving
+            if holder is None:
+                self._reasons[state.reason] += 1
+            if state.moving or not self._measured[1:]:
+                self._moved_at = state.measured_s
+            self._longest_s = max(self._longest_s, state.measured_s - self._moved_at)
             ages_ms = [joint.age_s * 1e3 for joint in state.joints.values() if joint.age_s is not None]
             newest_ms = min(ages_ms, default=0.0)
             self._unmeasured += len(state.joints) - len(ages_ms)
@@ -118,6 +131,8 @@ class Watched:
             "sweeps that no state told of": self._lost,
             "states while nothing moved": self._still,
             "motions that ended": self.ended,
+            "longest without a motion, s": self._longest_s,
+            "states without a holder, by reason": dict(self._reasons.most_common(8)),
             "joints older than a sweep": self._old,
             "share of joints older than a sweep": self._old / max(1, len(self._ages_ms)),
             "age of a joint, ms": summary(self._ages_ms),
