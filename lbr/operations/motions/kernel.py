@@ -72,7 +72,9 @@ def motions_state(state: State) -> MotionsState:
 def _handle(state: State, event: Event, now: float) -> Decision:
     match event:
         case Play():
-            decision = _play(state, event, now)
+            state, ended = _late(state, now, 0.0)  # a lease whose joints are lost begins nothing else
+            state, outputs = _play(state, event, now)
+            decision = state, ended + outputs
         case Stop():
             held, said = holding.stop(state.holding, event, now)
             state, outputs = _told(replace(state, holding=held), said, now)
@@ -174,10 +176,10 @@ def _lost(state: State, event: Lost, now: float) -> Decision:
     return _end(state, "fault", event.why, now) if hold.motion.asked else (state, ())
 
 
-def _late(state: State, now: float) -> Decision:
+def _late(state: State, now: float, grace_s: float = GRACE_S) -> Decision:
     """End what lost the joints, if they have not said themselves how."""
     hold = state.hold
-    if hold is None or not now - hold.motion.lost_at >= GRACE_S:
+    if hold is None or not now - hold.motion.lost_at >= grace_s:
         return state, ()
     return _end(state, "stopped" if hold.motion.lost.startswith("stopped by") else "fault", hold.motion.lost, now)
 
@@ -197,16 +199,17 @@ def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
 
 
 def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
-    """Take back what was promised before; the joints say themselves how what they did has ended."""
+    """End and take back what was asked for before; the joints have stopped by themselves."""
     held = state.holding
     earlier = tuple(offer for offer in held.offers if not offer.said > event.at)
     held = replace(held, stopped=max(held.stopped, min(event.at, now)))
     held, said = ending.drop_offers(held, earlier, "stopped", event.why)
     state, outputs = _told(replace(state, holding=held), said, now)
     hold = state.hold
-    if hold is not None and not hold.said > event.at and not hold.motion.lost and not hold.motion.asked:
-        state = _with(state, replace(hold.motion, lost=event.why, lost_at=now))
-    return state, outputs
+    if hold is None or hold.said > event.at:
+        return state, outputs
+    state, ended = _end(_with(state, replace(hold.motion, lost=event.why)), "stopped", event.why, now)
+    return state, outputs + ended
 
 
 def _played(playing: Playing, reason: str, now: float) -> str:

@@ -243,6 +243,19 @@ def test_what_was_asked_for_before_a_stop_of_the_joints_does_not_begin_after_it(
     assert world.state.playing
 
 
+def test_a_lease_whose_joints_are_lost_begins_nothing_else(stage, world):
+    call = stage.begun("wave")
+    stage.run(0.1, call)
+    world.told = False
+    world.body.stop(world.now, "stopped by phone")
+    world.body.results.clear()  # how it ended is still on its way when the lease is found dead
+    stage.run(0.12)
+    assert world.state.playing
+    refused = stage.play("walk", lease=call.answer.lease)
+    assert refused.answer.reason == "lease is dead: stopped by phone"
+    assert world.said("result")[0].result == "stopped"
+
+
 def test_a_stop_of_the_joints_is_the_end_of_what_is_played(stage, world):
     call = stage.begun("wave")
     stage.run(0.2, call)

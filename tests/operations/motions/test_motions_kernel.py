@@ -1,0 +1,197 @@
+"""Whatever happens in whatever order: one motion at a time, nothing begins by itself, every player is answered once."""
+
+from itertools import count
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+from motions_bench import MOTIONS
+
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import PlayCommand
+from lbr.operations.leasing.state import Ask, EstopChanged, Reply, Stop
+from lbr.operations.motions.kernel import decide, motions_state
+from lbr.operations.motions.programme import programme
+from lbr.operations.motions.state import (
+    Answer,
+    Granted,
+    Halt,
+    JointsEnded,
+    JointsStopped,
+    LetGo,
+    Lost,
+    Passed,
+    Play,
+    Result,
+    Send,
+    Tick,
+    first_state,
+)
+
+SOURCES = st.sampled_from(["console", "pad", "laptop"])
+ENDINGS = st.sampled_from(["reached", "stopped", "lapsed", "superseded", "fault"])
+
+
+class Motions(RuleBasedStateMachine):
+    def __init__(self):
+        super().__init__()
+        self.state = first_state(0.3)
+        self.now = 100.0
+        self.numbers = count(1)
+        self.waiting = 0
+        self.borrowed = False
+        self.joints_goal = ""
+        self.sent = 0
+        self.length = 0
+        self.stopped = -1.0
+        self.leases = [""]
+        self.dead: set[str] = set()
+
+    def happens(self, event):
+        self.now += 0.001
+        self.state, outputs = decide(self.state, event, self.now)
+        for output in outputs:
+            self.take(event, output)
+        return outputs
+
+    def take(self, event, output):
+        match output:
+            case Send(append=False):
+                assert isinstance(event, Play), "a motion began by itself"
+                assert event.ask.received > self.stopped, "what was asked for before a stop began after it"
+                assert output.asked_s == event.ask.received
+                self.waiting += 1
+                self.borrowed, self.joints_goal = True, ""
+                self.sent, self.length = len(output.frames), event.programme.length
+            case Send():
+                assert output.frames
+                assert self.borrowed, "key frames for joints that are not borrowed"
+                self.sent += len(output.frames)
+                assert self.sent <= self.length
+            case Answer(message=reply):
+                self.waiting -= 1
+                assert self.waiting >= 0, "somebody was answered who did not wait"
+                if reply.accepted:
+                    self.leases.append(reply.lease)
+            case Reply(message=reply) if reply.accepted and reply.lease:
+                self.leases.append(reply.lease)
+            case Halt() | LetGo():
+                self.borrowed = False
+            case Result(message=result):
+                assert result.reason
+
+    @rule(
+        source=SOURCES,
+        motion=st.sampled_from(["wave", "walk", "waves"]),
+        times=st.sampled_from([1, 90]),
+        lease=st.integers(-3, 0),
+        take_over=st.booleans(),
+        remote=st.booleans(),
+        late_s=st.sampled_from([0.0, 0.0, 0.05, 1.0]),
+        trouble=st.sampled_from(["", "", "joints operation is not running"]),
+    )
+    def play(self, source, motion, times, lease, take_over, remote, late_s, trouble):
+        number = next(self.numbers)
+        known = motion in {one.name for one in MOTIONS}
+        received = self.now + 0.001 - late_s
+        quoted = self.leases[max(lease, -len(self.leases))] if lease else ""
+        ask = Ask(
+            source=source,
+            role="operate",
+            lease=quoted,
+            what=(motion, times),
+            moves=True,
+            received=received,
+            new_lease=f"lease-{number}",
+            take_over=take_over,
+            remote=remote,
+            sender_s=received - 50.0,
+        )
+        wanted = programme(MOTIONS, PlayCommand(motion=motion, times=times)) if known else None
+        reason = "" if known else "there is no such motion"
+        event = Play(ask=ask, programme=wanted, new_goal=f"goal-{number}", reason=reason, trouble=trouble)
+        outputs = self.happens(event)
+        answered = sum(isinstance(one, Reply) for one in outputs)
+        begun = sum(isinstance(one, Send) and not one.append for one in outputs)
+        assert answered + begun == 1
+        assert not (begun and (trouble or not known))
+        assert not (begun and quoted in self.dead), "a lease that was stopped or lost began something"
+
+    def die(self):
+        """Note the leases that are worth nothing any more, whatever is quoted later."""
+        known = (self.state.hold, *self.state.holding.offers)
+        self.dead |= {one.lease for one in known if one is not None}
+
+    @rule(source=SOURCES)
+    def stop(self, source):
+        self.die()
+        self.stopped = self.now + 0.001
+        outputs = self.happens(Stop(source=source, received=self.stopped))
+        assert self.state.hold is None
+        assert any(isinstance(one, Reply) and one.message.accepted for one in outputs)
+
+    @rule(engaged=st.booleans())
+    def emergency_stop(self, engaged):
+        self.die()
+        self.stopped = self.now + 0.001
+        self.happens(EstopChanged(engaged=engaged, reason="test"))
+        assert self.state.hold is None
+
+    @rule()
+    def joints_were_stopped(self):
+        self.die()
+        self.stopped = self.now + 0.001
+        self.happens(JointsStopped(at=self.stopped, why="stopped by phone"))
+        assert self.state.holding.offers == ()
+
+    @rule()
+    def granted(self):
+        if self.borrowed:
+            self.joints_goal = f"joints-{next(self.numbers)}"
+        self.happens(Granted(goal=self.joints_goal))
+
+    @rule()
+    def lost(self):
+        self.dead |= {self.state.hold.lease} if self.state.hold is not None else set()
+        self.happens(Lost(why="the joints do not answer"))
+
+    @rule(how=ENDINGS, ours=st.booleans())
+    def joints_ended(self, how, ours):
+        before = self.state.hold
+        goal = self.joints_goal if ours else "somebody's"
+        self.happens(JointsEnded(result=GoalResult(goal=goal, result=how, reason="so it was", elapsed_s=1.0)))
+        if before is not None and not before.motion.asked and ours and goal == before.motion.joints_goal:
+            assert self.state.hold is None
+
+    @rule(frames=st.integers(0, 300))
+    def passed(self, frames):
+        self.happens(Passed(goal=self.joints_goal, frames=frames))
+
+    @rule(seconds=st.sampled_from([0.01, 0.1, 0.31, 2.0]))
+    def time_goes_by(self, seconds):
+        self.now += seconds
+        self.happens(Tick())
+        if seconds >= 2.0:
+            assert self.state.hold is None
+            assert self.waiting == 0
+
+    @rule()
+    def the_clock_goes_back(self):
+        self.now -= 10.0
+        self.leases = [""]
+        self.happens(Tick())
+        self.stopped = self.now
+        assert self.state.hold is None
+
+    @invariant()
+    def who_holds_has_the_joints_or_waits_for_them(self):
+        hold = self.state.hold
+        assert self.waiting == (hold is not None and hold.motion.asked)
+        assert self.borrowed == (hold is not None)
+        told = motions_state(self.state)
+        assert told.playing == (hold is not None and not hold.motion.asked)
+        assert not (self.state.holding.estop and hold is not None)
+
+
+TestMotions = Motions.TestCase
+TestMotions.settings = settings(deadline=None, max_examples=80, stateful_step_count=30)
