@@ -1,7 +1,7 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lbr.drivers.dynamixel import packet, table
@@ -130,6 +130,7 @@ def test_positions_survive_the_way_to_radians_and_back(raw):
     assert table.position_raw(table.position_rad(raw)) == raw
 
 
+@example(5e307, 5e-324)
 @given(st.floats(), st.floats())
 def test_no_number_leaves_the_servo_s_range(angle, torque):
     if abs(angle) < float("inf"):
@@ -138,6 +139,8 @@ def test_no_number_leaves_the_servo_s_range(angle, torque):
         with pytest.raises(ValueError, match="no position"):
             table.position_raw(angle)
     assert 0 <= table.torque_raw(torque) <= 1023
+    if 0.0 < angle < float("inf"):
+        assert 1 <= table.speed_raw(angle) <= 1023
 
 
 def test_units_are_the_manual_s():

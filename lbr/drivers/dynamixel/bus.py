@@ -138,7 +138,7 @@ class Bus:
         answer = self.ask(question)
         if answer is None:
             return None
-        motion = Motion(*_MOTION.unpack(answer))
+        motion = Motion._make(_MOTION.unpack(answer))
         return motion if motion.position <= POSITION_STEPS else None
 
     def read_motions(self, servos: Sequence[int]) -> list[Motion | None]:

@@ -5,6 +5,7 @@ Source: ROBOTIS e-manual of the AX-12A; ranges of what is written: AX-12 manual 
 
 from dataclasses import dataclass
 from math import isfinite, radians
+from typing import NamedTuple
 
 MODEL = 12
 POSITION_STEPS = 1023
@@ -91,8 +92,7 @@ REGISTERS = tuple(value for value in tuple(globals().values()) if isinstance(val
 """All of them, by address."""
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
+class Motion(NamedTuple):
     """Position, speed and load as one READ of 36..41 gives them, raw, and the error bits that came with them."""
 
     error: int
@@ -129,7 +129,7 @@ def position_raw(angle_rad: float) -> int:
     """Return the position nearest to an angle, within what the servo can reach; a ValueError for what is no number."""
     if not isfinite(angle_rad):
         raise ValueError(f"an angle of {angle_rad} rad is no position")
-    return max(0, min(POSITION_STEPS, CENTRE + round(angle_rad / RAD_PER_STEP)))
+    return max(0, min(POSITION_STEPS, CENTRE + round(_bounded(angle_rad) / RAD_PER_STEP)))
 
 
 def speed_raw(speed_rps: float | None) -> int:
@@ -138,7 +138,7 @@ def speed_raw(speed_rps: float | None) -> int:
         return 0
     if not isfinite(speed_rps) or speed_rps <= 0.0:
         raise ValueError(f"a speed of {speed_rps} rad/s moves nothing")
-    return max(1, min(MAX_SPEED, round(speed_rps / RPS_PER_STEP)))
+    return max(1, min(MAX_SPEED, round(_bounded(speed_rps) / RPS_PER_STEP)))
 
 
 def torque_raw(fraction: float) -> int:
@@ -146,6 +146,11 @@ def torque_raw(fraction: float) -> int:
     if not 0.0 < fraction <= 1.0:
         return FULL_TORQUE if fraction > 1.0 else 0
     return max(1, round(fraction * FULL_TORQUE))
+
+
+def _bounded(value: float) -> float:
+    """Beyond anything a servo does there is no need to compute."""
+    return max(-100.0, min(100.0, value))
 
 
 def signed(raw: int) -> int:
