@@ -11,9 +11,10 @@ import os
 import secrets
 import signal
 import socket
+import sys
+import threading
 import time
 from collections.abc import Callable
-from contextlib import closing
 from pathlib import Path
 
 from lbr.bus import session
@@ -22,10 +23,12 @@ from lbr.console import remote, target
 from lbr.console.remote import RefusedError
 from lbr.console.target import Target
 from lbr.errors import BusError
+from lbr.executive import scheduling
 from lbr.executive.mainthread import MainThread
 from lbr.executive.stay import Stay
 
 AGAIN_S = 0.5
+CLOSE_S = 0.3
 Say = Callable[[str], None]
 
 
@@ -41,10 +44,12 @@ class Agent:
         self._said = ""
         self._main = MainThread()
         self._stopping = False
+        self._closing = threading.Thread()
         self._id = secrets.token_hex(8)
 
     def run(self) -> int:
         """Serve until told to end, and return 0; raise RefusedError or InputError if the robot does not want us."""
+        scheduling.rank(os.getpid(), scheduling.MOTION)  # contact is to end with the link, not with a busy moment
         keep_private()
         signal.set_wakeup_fd(self._main.wake_fd, warn_on_full_buffer=False)
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
@@ -59,6 +64,9 @@ class Agent:
             if not self._stopping:
                 self._tell(f"{why}; waiting for the robot")
                 self._pause()
+        if self._closing.is_alive():
+            sys.stdout.flush()
+            os._exit(0)  # its thread is in the bus library, and would hold up the end
         return 0
 
     def _found(self) -> Target:
@@ -77,9 +85,18 @@ class Agent:
 
     def _stay(self, found: Target) -> str:
         where = f"{socket.gethostname()[:40]}, pid {os.getpid()}"
-        with closing(session.open_client(found.endpoints, found.credentials, certificate=found.certificate)) as bus:
+        bus = session.open_client(found.endpoints, found.credentials, certificate=found.certificate)
+        try:
             stay = Stay(bus, found, self._host, self._main, agent=self._id, where=where, say=self._tell)
             return stay.run(lambda: self._stopping)
+        finally:
+            self._close(bus)
+
+    def _close(self, bus: session.Session) -> None:
+        """Leave the bus; without a link that takes as long as there is none, and nobody waits for it."""
+        self._closing = threading.Thread(target=bus.close, daemon=True)
+        self._closing.start()
+        self._closing.join(CLOSE_S)
 
     def _pause(self) -> None:
         until = time.monotonic() + AGAIN_S
