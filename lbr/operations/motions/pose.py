@@ -1,6 +1,6 @@
 """The pose that the joints have: as a key frame, and how long the way from it takes. Pure."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import degrees, isfinite, radians
 
 from lbr.errors import InputError
@@ -20,11 +20,12 @@ def key_frame(joints: Sequence[Joint], state: JointsState, duration_s: float) ->
     """Return the pose of all joints; raise InputError naming those that were not measured or are out of their limits."""
     if not joints:
         raise InputError("there are no joints among the rows, so there is no pose")
-    missing = [_missing(joint, state.joints.get(joint.name)) for joint in joints]
-    if told := [text for text in missing if text]:
-        more = f", and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
-        raise InputError(f"not all joints were measured: {'; '.join(told[:MOST_TOLD])}{more}")
-    positions = {joint.name: _within(joint, state.joints[joint.name].position_rad or 0.0) for joint in joints}
+    if missing := _several(_missing(joint, state.joints.get(joint.name)) for joint in joints):
+        raise InputError(f"not all joints were measured: {missing}")
+    angles = [(joint, state.joints[joint.name].position_rad or 0.0) for joint in joints]
+    if beyond := _several(_beyond(joint, angle_rad) for joint, angle_rad in angles):
+        raise InputError(f"{beyond}; move it, or change its row")
+    positions = {joint.name: _clipped(joint, angle_rad) for joint, angle_rad in angles}
     return KeyFrame(positions=positions, duration_s=duration_s)
 
 
@@ -63,9 +64,20 @@ def _missing(joint: Joint, state: JointState | None) -> str:
     return ""
 
 
-def _within(joint: Joint, angle_rad: float) -> float:
-    if not joint.lower_rad - BEYOND_RAD <= angle_rad <= joint.upper_rad + BEYOND_RAD:
-        limits = f"{degrees(joint.lower_rad):.1f} to {degrees(joint.upper_rad):.1f}"
-        why = f"{joint.name} is at {degrees(angle_rad):.1f} degrees, its limits are {limits}"
-        raise InputError(f"{why}; move it, or change its row")
+def _beyond(joint: Joint, angle_rad: float) -> str:
+    """Return how far a joint is outside its limits, or nothing."""
+    if joint.lower_rad - BEYOND_RAD <= angle_rad <= joint.upper_rad + BEYOND_RAD:
+        return ""
+    limits = f"{degrees(joint.lower_rad):.1f} to {degrees(joint.upper_rad):.1f}"
+    return f"{joint.name} is at {degrees(angle_rad):.1f} degrees, its limits are {limits}"
+
+
+def _clipped(joint: Joint, angle_rad: float) -> float:
     return min(max(round(angle_rad, DIGITS), joint.lower_rad), joint.upper_rad)
+
+
+def _several(whys: Iterable[str]) -> str:
+    """Say the first few of what is wrong, and how many more there are."""
+    told = [why for why in whys if why]
+    more = f", and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
+    return "; ".join(told[:MOST_TOLD]) + more

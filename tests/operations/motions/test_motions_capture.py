@@ -28,10 +28,12 @@ def test_a_joint_a_little_beyond_its_limit_is_taken_at_its_limit(stage, world):
     assert world.kept[0].frame.positions["right_elbow"] == lower
 
 
-def test_a_joint_far_beyond_its_limit_is_named(stage, world):
+def test_joints_far_beyond_their_limits_are_named(stage, world):
     world.pose["right_elbow"] = JOINTS[0].lower_rad - radians(1.1)
     why = "right_elbow is at -115.7 degrees, its limits are -114.6 to 5.7; move it, or change its row"
     assert stage.capture().answer.reason == why
+    world.pose["neck"] = 2.0
+    assert "; neck is at 114.6 degrees, its limits are -57.3 to 57.3; move it" in stage.capture().answer.reason
     assert world.kept == []
 
 

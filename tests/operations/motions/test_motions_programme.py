@@ -16,7 +16,7 @@ def motion(name, count, **leads):
     return Motion(name=name, frames=tuple(frame(1.0, neck=index / 100) for index in range(count)), **leads)
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)
 @given(
     before=st.integers(0, 3),
     body=st.integers(1, 60),
