@@ -18,6 +18,7 @@ poses = st.dictionaries(st.sampled_from([*NAMES, "tail"]), angles, max_size=3)
 good = st.sampled_from([name for name in NAMES if name != "right_grip"]).flatmap(
     lambda name: st.floats(BODY.joints[name].lower_rad, BODY.joints[name].upper_rad).map(lambda angle: {name: angle})
 )
+anywhere = st.dictionaries(st.sampled_from(NAMES), st.floats(-2.6, 2.6), min_size=1, max_size=1)
 durations = st.none() | st.floats(0.05, 2.0) | st.just(nan)
 
 
@@ -31,7 +32,7 @@ class Motion(RuleBasedStateMachine):
         self.told = self.bench.setpoint
         self.told_at = self.bench.now
         self.leases = {}
-        self.outside = set()
+        self.outside = {}
         self.renewed = -inf
         self.bench.standing()
         self._look()
@@ -55,7 +56,9 @@ class Motion(RuleBasedStateMachine):
         if goal.position_rad is None:
             return
         position = BODY.joint_rad(name, goal.position_rad)
-        assert name in self.outside or joint.lower_rad - 1e-9 <= position <= joint.upper_rad + 1e-9
+        assert BODY.beyond_rad(name, position) <= self.outside.get(name, 0.0) + 1e-9
+        if not BODY.beyond_rad(name, position):
+            self.outside.pop(name, None)
         assert goal.speed_rps <= joint.speed_rps
         began = before is None or before.torque == 0.0 or before.position_rad is None
         if began or halted:
@@ -104,11 +107,24 @@ class Motion(RuleBasedStateMachine):
         if hold is not None and hold.lease == reply.lease:
             self.renewed = self.bench.now
 
-    @rule(source=sources, positions=poses | good, duration_s=durations, take_over=st.booleans(), mirror=st.booleans())
+    @rule(
+        source=sources,
+        positions=poses | anywhere | good,
+        duration_s=durations,
+        take_over=st.booleans(),
+        mirror=st.booleans(),
+    )
     def somebody_commands(self, source, positions, duration_s, take_over, mirror):
         more = {"remote": True, "sender_s": self.bench.now + 3.0} if source == "far" else {}
         command = {"positions": positions, "duration_s": duration_s, "take_over": take_over, "mirror": mirror, **more}
         self._ask(source, command)
+
+    @rule(source=sources, positions=anywhere | good, duration_s=st.floats(0.05, 1.0), rounds=st.integers(2, 8))
+    def somebody_moves_a_joint_for_a_while(self, source, positions, duration_s, rounds):
+        self.somebody_commands(source, positions, duration_s, take_over=True, mirror=False)
+        for _ in range(rounds):
+            self.somebody_renews(source)
+            self.time_passes(10, hear=True)
 
     @rule(source=sources, through=st.lists(good, min_size=1, max_size=3), append=st.booleans(), smooth=st.booleans())
     def somebody_goes_through_frames(self, source, through, append, smooth):
@@ -151,7 +167,7 @@ class Motion(RuleBasedStateMachine):
     def somebody_pushes(self, name, by_rad):
         self.bench.push(name, self.bench.measured(name) + by_rad)
         if BODY.beyond_rad(name, self.bench.measured(name)) > MARGIN_RAD:
-            self.outside.add(name)
+            self.outside[name] = BODY.beyond_rad(name, self.bench.measured(name))
 
     @rule(source=sources, names=st.lists(st.sampled_from(NAMES), max_size=2), on=st.booleans(), sure=st.booleans())
     def somebody_switches(self, source, names, on, sure):
@@ -188,7 +204,7 @@ class Motion(RuleBasedStateMachine):
 
 TestMotion = Motion.TestCase
 TestMotion.settings = settings(
-    max_examples=40,
+    max_examples=25,
     stateful_step_count=25,
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow],
