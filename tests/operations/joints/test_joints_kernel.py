@@ -4,6 +4,7 @@ import pytest
 from joints_bench import DT, NAMES, START, Bench, frame
 
 from lbr.messages.servos import ServosState
+from lbr.operations.joints.view import joints_state
 
 SLOW = {"left_knee": -1.0}
 
@@ -181,8 +182,11 @@ def test_frames_that_are_appended_follow_under_the_same_goal_without_a_stop(benc
     assert more.goal == again.goal == first.goal
     bench.run(0.25, first.lease)
     before = bench.goals["left_knee"]
+    assert joints_state(bench.state, bench.now).passed == 1
     bench.run(0.05, first.lease)
     assert before - bench.goals["left_knee"] > 0.03
+    bench.run(0.6, first.lease)
+    assert joints_state(bench.state, bench.now).passed == 2
     bench.run(1.0, first.lease)
     assert bench.goals["left_knee"] == -1.2
     assert [each.result for each in bench.results] == ["reached"]
