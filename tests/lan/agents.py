@@ -80,7 +80,12 @@ class Two:
             end(popen)
 
     def ready(self) -> None:
-        until(lambda: self.phases() == {"ready"}, limit_s=9.0, what="the operator's share is ready")
+        try:
+            until(lambda: self.phases() == {"ready"}, limit_s=15.0)
+        except AssertionError:
+            said, logs = self.said.read_text()[-1000:], sorted((self.away / "logs").glob("*.log"))
+            written = {log.name: log.read_text()[-500:] for log in logs}
+            raise AssertionError(f"the share is not ready: {self.units()}; the agent: {said}; {written}") from None
 
     def units(self) -> dict[str, dict]:
         return {one["name"]: one for one in self.robot.status()["capabilities"] if one["host"] == "operator"}
