@@ -122,9 +122,9 @@ FAULTS = [
 @pytest.mark.parametrize("faults", FAULTS, ids=lambda faults: next(iter(faults)))
 def test_on_a_bad_line_every_state_is_true(faults, dongle):
     rig = Rig(dongle, **faults)
-    states = rig.sweep(3.0)
+    states = rig.sweep(1.5)
     seen = [(number, seen.motion) for state in states for number, seen in state.servos.items() if seen.motion]
-    assert len(seen) > 300
+    assert len(seen) > 100
     assert all(motion.position == rig.raw(number) for number, motion in seen)
     assert all(
         state.servos[number].slow is None or not state.servos[number].slow.enabled for state in states for number in IDS
@@ -226,7 +226,7 @@ def test_a_stop_waits_no_longer_than_the_wire_is_taken_though_an_answer_is_lost(
     began = rig.line.now
     assert bus.read_motions([7]) == [None]
     assert bus.cut_short
-    assert rig.line.now - began < 0.0025
+    assert rig.line.now - began < 0.0035
     began = rig.line.now
     bus.write_all(table.GOAL_POSITION.address, {7: b"\0\2"})
     assert rig.line.now == began

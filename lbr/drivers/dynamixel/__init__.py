@@ -64,7 +64,7 @@ class DynamixelSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields
     guard: bool = True
     guard_silence_ms: Annotated[
         int, Meta(ge=60, le=2000, description="while a servo has torque, a driver silent for longer is killed")
-    ] = 250
+    ] = 500
 
     def __post_init__(self) -> None:
         """Refuse what would take a servo its protection."""

@@ -25,7 +25,7 @@ from lbr.drivers.dynamixel.table import MODEL_NUMBER, MOTION_ADDRESS, MOTION_BYT
 MARGIN_S = 0.01
 QUIET_S = 0.002
 """A line that says nothing for so long has ended its answer, if that is long enough to be one."""
-LISTEN_SLICE_S = 0.001
+LISTEN_SLICE_S = 0.002
 WARY_S = 1.0
 """For so long after an answer was lost the line is emptied before each request: a late one must not pass for the next."""
 ADAPTER_MODEL = 0x4201
