@@ -338,7 +338,7 @@ class Executive:
     def _measured(self, one: Measured) -> None:
         if one.calibration:
             self._calibrated(one.name, one.calibration)
-        if one.captured is not None:
+        if one.captured is not None and "motion" in self.plan.kinds[one.name].rows:
             self._captured(one.name, one.captured)
 
     def _calibrated(self, name: str, values: dict[str, float]) -> None:

@@ -15,6 +15,8 @@ LOST_S = 2.0
 """An agent that is not answered for so long ends its share; one whose link is lost does at once."""
 GONE_S = 3.0
 """An agent that does not report for so long is gone; one whose link is lost, or who died, is at once."""
+TOLD = frozenset(["started", "recovered", "degraded", "stopped", "crashed", "hung", "ended", "failed", "need_lost"])
+"""What a supervisor tells of its processes; an agent is believed nothing else."""
 MOST_EVENTS = 16
 LONGEST_TEXT = 500
 

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
-from lbr.executive.hosting import GONE_S, HostReport, HostShare, Measured, Placed, mark
+from lbr.executive.hosting import GONE_S, TOLD, HostReport, HostShare, Measured, Placed, mark
 from lbr.executive.units import Unit
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import CapabilityStatus
@@ -140,7 +140,7 @@ class Hosts:
                 self._begun(name)
         host.states = states
         for event in report.events:
-            if event.subject in host.units:
+            if event.subject in host.units and event.kind in TOLD:
                 self._happened(event.kind, event.subject, event.text, event.level)
         for one in report.measured:
             if one.name in host.units:

@@ -210,10 +210,11 @@ def test_an_agent_gets_its_share_once_and_again_when_somebody_asks_for_a_restart
 def test_what_it_reports_is_told_and_is_told_of_its_own_processes_only(executive):
     forged = Event(kind="holder", subject="drive", text="forged")
     own = Event(kind="crashed", subject="dance", text="crashed: of itself", level="error")
-    executive.answer(states=(STATE, replace(STATE, name="drive")), events=(forged, own))
+    unheard = Event(kind="estop_reset", subject="dance", text="of another kind")
+    executive.answer(states=(STATE, replace(STATE, name="drive")), events=(forged, unheard, own))
     assert executive.hosts.capabilities() == {"dance": replace(STATE, host="operator")}
     assert ("crashed", "dance", "crashed: of itself", "error") in executive.told
-    assert not [about for about in executive.told if about[1] == "drive"]
+    assert not [about for about in executive.told if about[1] == "drive" or about[0] == "estop_reset"]
     assert executive.begun == ["dance"]
 
 
