@@ -2,7 +2,6 @@
 
 from collections import deque
 from dataclasses import dataclass, field
-from math import nan
 from typing import Any
 
 from imu_bench import MadeUpImu
@@ -13,37 +12,10 @@ from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.attitude.capability import Attitude
 from lbr.operations.attitude.settings import AttitudeSettings
+from tests.operations.fakes import FakeAsked, FakeCall
 
 TURN_DPS = 400.0
 """How fast the made-up base spins at full power."""
-
-
-@dataclass
-class FakeCall:
-    name: str
-    message: Any
-    source: str = "console"
-    role: str = "operate"
-    arrived: float = 0.0
-    remote: bool = False
-    sender_s: float = nan
-    answerable: bool = True
-    answer: Any = None
-
-    def reply(self, answer, *, quiet=False):
-        assert self.answer is None, "answered twice"
-        self.answer = answer
-
-    def refuse(self, reason):
-        self.reply(CommandReply(accepted=False, reason=reason))
-
-
-@dataclass
-class FakeAsked:
-    given: Any
-
-    def answers(self):
-        return self.given
 
 
 @dataclass
@@ -117,7 +89,7 @@ class FakeContext:
         return taken
 
     def ask(self, request, message, timeout_s):
-        return FakeAsked(self.drive.answer(request, message, self.clock()))
+        return FakeAsked(message, self.drive.answer(request, message, self.clock()))
 
     def event(self, kind, text, *, level="info", data=None):
         self.events.append((kind, text))

@@ -1,54 +1,14 @@
 """A robot around one drive capability, for tests: what it hears is set by hand, what it says is kept."""
 
-from dataclasses import dataclass, field
-from math import nan
 from typing import Any
 
 from drive_bench import motors, ranges
 
 from lbr.capability.context import Received
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.operations.drive.settings import DriveSettings
-
-
-@dataclass
-class FakeEstop:
-    engaged: bool = False
-    reason: str = ""
-    acknowledged: list[bool] = field(default_factory=list)
-
-    def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
-        self.acknowledged.append(stopped)
-
-
-@dataclass
-class FakeCall:
-    name: str
-    message: Any
-    arrived: float
-    source: str = "console"
-    role: str = "operate"
-    answer: Any = None
-    remote: bool = False
-    sender_s: float = nan
-    answerable: bool = True
-
-    def reply(self, answer, *, quiet=False):
-        assert self.answer is None, "answered twice"
-        self.answer = answer
-
-    def refuse(self, reason):
-        self.reply(CommandReply(accepted=False, reason=reason))
-
-
-@dataclass
-class FakeAsked:
-    message: Any
-    given: Any = None
-
-    def answers(self):
-        return self.given
+from tests.operations.fakes import FakeAsked, FakeCall, FakeEstop
 
 
 class FakeContext:

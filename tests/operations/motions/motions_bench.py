@@ -1,6 +1,5 @@
 """Motions with joints operation on the other side of the wire, scripted, and time that is set by hand."""
 
-from dataclasses import dataclass, field
 from itertools import count
 from math import nan
 from types import SimpleNamespace
@@ -20,6 +19,7 @@ from lbr.messages.joints import (
 )
 from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
 from lbr.operations.motions import KIND
+from tests.operations.fakes import FakeCall, FakeEstop
 
 STEP_S = 0.02
 JOINTS = (
@@ -44,36 +44,6 @@ MOTIONS = (
     ),
     Motion(name="empty", frames=()),
 )
-
-
-@dataclass
-class FakeEstop:
-    engaged: bool = False
-    reason: str = ""
-    acknowledged: list[bool] = field(default_factory=list)
-
-    def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
-        self.acknowledged.append(stopped)
-
-
-@dataclass
-class FakeCall:
-    name: str
-    message: Any
-    arrived: float
-    source: str = "console"
-    role: str = "operate"
-    remote: bool = False
-    sender_s: float = nan
-    answerable: bool = True
-    answer: Any = None
-
-    def reply(self, answer, *, quiet=False):
-        assert self.answer is None, "answered twice"
-        self.answer = answer
-
-    def refuse(self, reason):
-        self.reply(CommandReply(accepted=False, reason=reason))
 
 
 class FakeJoints:
