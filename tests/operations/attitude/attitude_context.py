@@ -56,6 +56,23 @@ class FakeDrive:
         return self.power * TURN_DPS if self.lease and now <= self.until_s else 0.0
 
 
+class Silent:
+    """Draws nothing; remembers what it should have drawn."""
+
+    def __init__(self):
+        self.begun: list[tuple] = []
+
+    def begin(self, drawing, path, now):
+        self.begun.append((drawing, path))
+        return ""
+
+    def poll(self, now):
+        return None
+
+    def close(self):
+        pass
+
+
 class FakeContext:
     """What the runtime gives a capability, without a bus; `run` lets time pass."""
 

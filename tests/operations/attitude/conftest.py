@@ -4,25 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from attitude_context import FakeContext
+from attitude_context import FakeContext, Silent
 from imu_bench import MadeUpImu
-
-
-class Silent:
-    """Draws nothing; remembers what it should have drawn."""
-
-    def __init__(self):
-        self.begun: list[tuple] = []
-
-    def begin(self, drawing, path, now):
-        self.begun.append((drawing, path))
-        return ""
-
-    def poll(self, now):
-        return None
-
-    def close(self):
-        pass
 
 
 @pytest.fixture

@@ -5,8 +5,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from attitude_context import FakeContext
-from conftest import Silent
+from attitude_context import FakeContext, Silent
 from imu_bench import MadeUpImu, about, apart_deg
 
 from lbr.messages.attitude import CalibrateCommand
