@@ -13,6 +13,7 @@ from lbr.drivers.dynamixel.mover import first, receive, strength, tick
 from lbr.drivers.dynamixel.owner import READ, WRITE
 from lbr.drivers.dynamixel.recovery import recovery
 from lbr.drivers.dynamixel.session import Session
+from lbr.drivers.dynamixel.sweep import Snapshot
 from lbr.drivers.dynamixel.view import servo_state, statistics
 from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply
@@ -24,6 +25,7 @@ SILENT_S = 1.5
 PUBLISH_S = 0.1
 CONFIRM_S = 0.05
 NAMED = 3
+NOTABLE_BYTES = 200
 
 
 class Dynamixel(Capability[DynamixelSettings]):
@@ -38,6 +40,7 @@ class Dynamixel(Capability[DynamixelSettings]):
         self._session: Session | None = None
         self._told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
         self._recovering: list[tuple[Call, dict[int, Future[str]]]] = []
+        self._snapshot = Snapshot(0, -inf, {})
         self._estopped = False
         self._left_on = False
         self._asked_at = -inf
@@ -73,11 +76,12 @@ class Dynamixel(Capability[DynamixelSettings]):
         )
         if estop.engaged and settings.on_estop == "release" and session.outputs.turning:
             session.outputs.release("the emergency stop let it go; switch its torque off, then on")
-        session.outputs.apply(self._mover, self._strength(now), session.sweeper.snapshot)
+        snapshot = self._snapshot = session.sweeper.snapshot
+        session.outputs.apply(self._mover, self._strength(now), snapshot)
         session.beat()
         self._heed_estop(session, now)
         self._answer_recoveries()
-        if session.sweeper.searched:  # before, silence is all that can be said of who has torque
+        if snapshot.searched:  # before, silence is all that can be said of who has torque
             self._report()
             self._publish_when_due(session, now)
 
@@ -131,7 +135,7 @@ class Dynamixel(Capability[DynamixelSettings]):
         seen = session.sweeper.snapshot.servos.values()
         if self.ctx.clock() - max(session.opened, session.sweeper.heard) > SILENT_S and all(one.reason for one in seen):
             counts = session.bus.counts
-            said = f"babbles ({counts.babble} bytes that mean nothing), and " if counts.babble > counts.timeouts else ""
+            said = f"babbles ({counts.babble} bytes that mean nothing), and " if counts.babble > NOTABLE_BYTES else ""
             raise DeviceError(
                 f"device '{self.ctx.settings.device}': {said}none of its {len(self._joints)} servos answers; "
                 f"is their power on? Check the cable, and the row's baud ({self.ctx.settings.baud})"
@@ -163,11 +167,11 @@ class Dynamixel(Capability[DynamixelSettings]):
             return
         self._estopped = True
         released = self.ctx.settings.on_estop == "release"
-        left = session.outputs.unconfirmed(session.sweeper.snapshot, released=released)
+        left = session.outputs.unconfirmed(self._snapshot, released=released)
         if left and now - self._asked_at >= CONFIRM_S:
             self._asked_at = now
             session.owner.submit(lambda _bus: session.sweeper.look(left), READ, key="confirm")
-        known = session.sweeper.searched
+        known = self._snapshot.searched
         why = (
             self._named(left, "not confirmed by") if left else "" if known else "the servos are still being looked for"
         )
@@ -204,12 +208,10 @@ class Dynamixel(Capability[DynamixelSettings]):
         self._told.put((kind, text, level))
 
     def _report(self) -> None:
-        session = self._session
-        assert session is not None
         while not self._told.empty():
             kind, text, level = self._told.get()
             self.ctx.event(kind, text, level=level)
-        away = [servo for servo, seen in session.sweeper.snapshot.servos.items() if seen.reason]
+        away = [servo for servo, seen in self._snapshot.servos.items() if seen.reason]
         wrong = self._named(away, "cannot be used:") if away else ""
         if wrong != self._warned:
             self._warned = wrong
@@ -228,7 +230,7 @@ class Dynamixel(Capability[DynamixelSettings]):
 
     def _publish_when_due(self, session: "Session", now: float) -> None:
         shown = (
-            session.sweeper.snapshot.sweep,
+            self._snapshot.sweep,
             self._phase(),
             self._mover.reason,
             self.ctx.estop.engaged,
@@ -248,7 +250,7 @@ class Dynamixel(Capability[DynamixelSettings]):
             )  # fmt: skip
             self.ctx.publish("state", state)
             return
-        snapshot = session.sweeper.snapshot
+        snapshot = self._snapshot
         inhibited = mover.estop or bool(self._gone())
         self.ctx.publish(
             "state",

@@ -59,6 +59,11 @@ class Snapshot:
     states_hz: float = 0.0
     sweep_s: float = 0.0
 
+    @property
+    def searched(self) -> bool:
+        """Whether every servo was looked for; before, nothing can be said of what has torque."""
+        return all(seen.reason not in {UNSEEN, SETTING_UP} for seen in self.servos.values())
+
 
 @dataclass(slots=True)
 class _Servo:
@@ -87,7 +92,7 @@ class Sweeper:
         prepare: Callable[[Bus, int], str] = lambda _bus, _servo: "",
         told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
     ) -> None:
-        self.snapshot = Snapshot(0, -inf, {servo: Seen() for servo in servos})
+        self.snapshot = Snapshot(0, -inf, {servo: Seen(reason=UNSEEN) for servo in servos})
         self.heard = -inf
         """When any servo was heard last."""
         self._servos = {servo: _Servo(servo) for servo in servos}
@@ -105,11 +110,6 @@ class Sweeper:
         self._counted = (0, 0)
         self._states = 0
         self._rates = (0.0, 0.0)
-
-    @property
-    def searched(self) -> bool:
-        """Whether every servo was looked for; before, nothing can be said of what has torque."""
-        return all(servo.seen.reason not in {UNSEEN, SETTING_UP} for servo in self._servos.values())
 
     def look(self, servos: Sequence[int]) -> None:
         """Read all of these servos next, before the sweep goes on; call it in the bus's thread."""
