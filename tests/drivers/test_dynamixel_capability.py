@@ -316,6 +316,17 @@ def test_a_line_that_goes_away_is_degraded_and_comes_back(chain):
     rig.driver.close()
 
 
+def test_a_line_that_babbles_or_echoes_is_told_of_and_the_servos_are_read_all_the_same(rig, chain):
+    chain.echo = True
+    chain.answer = lambda _request, usual: bytes(range(64)) + usual if usual else None
+    rig.until(rig.seen)
+    assert [servo.raw for servo in rig.ctx.state.servos] == [513, 514, 515]
+    rig.ahead_s += 6.0
+    rig.until(lambda: "babble" in rig.ctx.kinds())
+    chain.answer = lambda _request, _usual: None
+    rig.until(lambda: "echo" in rig.ctx.kinds())
+
+
 @pytest.mark.parametrize(("ending", "torque"), [("hold", True), ("release", False)])
 def test_closing_holds_or_lets_go_as_the_row_says(chain, ending, torque):
     rig = Rig(chain, SETTINGS.replace("{", f'{{"on_close": "{ending}", ', 1))

@@ -12,7 +12,7 @@ from lbr.drivers.dynamixel.line import open_servo_line
 from lbr.drivers.dynamixel.mover import first, receive, strength, tick
 from lbr.drivers.dynamixel.owner import READ, WRITE
 from lbr.drivers.dynamixel.recovery import recovery
-from lbr.drivers.dynamixel.session import Session
+from lbr.drivers.dynamixel.session import NOTABLE_BYTES, Session
 from lbr.drivers.dynamixel.sweep import Snapshot
 from lbr.drivers.dynamixel.view import servo_state, statistics
 from lbr.errors import DeviceError
@@ -25,7 +25,6 @@ SILENT_S = 1.5
 PUBLISH_S = 0.1
 CONFIRM_S = 0.05
 NAMED = 3
-NOTABLE_BYTES = 200
 
 
 class Dynamixel(Capability[DynamixelSettings]):
@@ -79,6 +78,7 @@ class Dynamixel(Capability[DynamixelSettings]):
         snapshot = self._snapshot = session.sweeper.snapshot
         session.outputs.apply(self._mover, self._strength(now), snapshot)
         session.beat()
+        session.judge()
         self._heed_estop(session, now)
         self._answer_recoveries()
         if snapshot.searched:  # before, silence is all that can be said of who has torque

@@ -17,6 +17,8 @@ from lbr.drivers.dynamixel.table import Register
 from lbr.errors import DeviceError
 
 CLOSING_S = 0.3
+JUDGED_S = 5.0
+NOTABLE_BYTES = 200
 ASKED = 3
 """So often an adapter is asked whether it is a USB2AX; most are none, and say nothing."""
 Tell = Callable[[str, str, str], None]
@@ -28,7 +30,9 @@ class Session:
     def __init__(self, ctx: Context[DynamixelSettings], line: ServoLine, servos: list[int], tell: Tell) -> None:
         self._ctx, self._line, self._servos = ctx, line, servos
         settings = ctx.settings
-        self.opened = ctx.clock()
+        self.opened = self._judged = ctx.clock()
+        self._babble, self._echo = 0, False
+        self._tell = tell
         self.guard: Guard | None = None
         self.bus = Bus(line, clock=ctx.clock, urgent=self._urgent)
         self.setup = Setup(_wanted(settings), tell)
@@ -50,6 +54,19 @@ class Session:
                 ) from err
         if self.guard is not None:
             self.guard.beat(turning=self.outputs.turning)
+
+    def judge(self) -> None:
+        """Tell of a line that babbles or echoes, now and then."""
+        now, bus = self._ctx.clock(), self.bus
+        if bus.echo and not self._echo:
+            self._echo = True
+            self._tell("echo", "the adapter hears what it says itself; that is taken out", "info")
+        if now - self._judged < JUDGED_S:
+            return
+        came, self._babble, self._judged = bus.counts.babble - self._babble, bus.counts.babble, now
+        if came > NOTABLE_BYTES:
+            text = f"{came} bytes within {JUDGED_S:g} s belong to no packet; check the cables, and for a second sender"
+            self._tell("babble", text, "warning")
 
     def close(self, *, release: bool) -> None:
         """Say the last word, and let go; what still has torque then is the guard's."""
