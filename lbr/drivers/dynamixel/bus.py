@@ -20,6 +20,7 @@ from lbr.capability.context import Device
 from lbr.drivers.dynamixel import packet
 from lbr.drivers.dynamixel.line import ServoLine, open_servo_line
 from lbr.drivers.dynamixel.packet import Status, StatusParser
+from lbr.drivers.dynamixel.question import GOOD_SUM, Question, packet_in
 from lbr.drivers.dynamixel.table import MODEL_NUMBER, MOTION_ADDRESS, MOTION_BYTES, POSITION_STEPS, Motion, Register
 
 MARGIN_S = 0.01
@@ -33,7 +34,6 @@ ADAPTER_SERVOS = 30
 ADAPTER_SILENCE_S = 0.0012
 """What a USB2AX waits for each servo that does not answer."""
 MOST_BYTES = 4096
-_GOOD_SUM = 0xFD
 _REFUSALS = packet.error_mask("angle_limit", "range", "instruction", "checksum")
 _MOTION = Struct("<4xB3Hx")
 _MOTION_DATA = Struct("<3H")
@@ -49,21 +49,6 @@ class Counts:
     retries: int = 0
     strays: int = 0
     babble: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Question:
-    """A request made ready: its bytes, how its answer begins, how long that is and how long it may take.
-
-    For `busy_s` the wire is taken, by the request or by its answer; what comes later was held up elsewhere.
-    """
-
-    servo: int
-    request: bytes
-    head: bytes
-    size: int
-    busy_s: float
-    within_s: float
 
 
 class Bus:
@@ -197,7 +182,7 @@ class Bus:
             if (
                 len(data) == question.size
                 and data.startswith(question.head)
-                and sum(data) & 0xFF == _GOOD_SUM
+                and sum(data) & 0xFF == GOOD_SUM
                 and data[4] < 0x80
                 and data != question.request
             ):
@@ -233,7 +218,7 @@ class Bus:
         until = self._clock() + question.within_s
         while True:
             rest = self._without_echo(data, question)
-            found = _packet_in(rest, question)
+            found = packet_in(rest, question)
             if found is not None:
                 if len(rest) > question.size:
                     self._judge(rest.replace(found, b"", 1), question)
@@ -310,16 +295,6 @@ def open_bus(path: str, *, baud: int = 1_000_000, margin_s: float = MARGIN_S, re
 
 def _status(answer: bytes | None) -> Status | None:
     return None if answer is None else Status(answer[2], answer[4], answer[5:-1])
-
-
-def _packet_in(data: bytes, question: Question) -> bytes | None:
-    at = data.find(question.head)
-    while at >= 0 and len(data) >= at + question.size:
-        found = data[at : at + question.size]
-        if sum(found) & 0xFF == _GOOD_SUM and found[4] < 0x80:
-            return found
-        at = data.find(question.head, at + 1)
-    return None
 
 
 def _motion_of(block: bytes) -> Motion | None:

@@ -5,13 +5,13 @@ Lives in the loop's thread; what it wants on the wire it submits as jobs to the 
 
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import Future
-from dataclasses import dataclass
 from math import inf
 from typing import Protocol, TypeVar
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import Bus
 from lbr.drivers.dynamixel.mover import Mover
+from lbr.drivers.dynamixel.output import Output, confirms, switching
 from lbr.drivers.dynamixel.owner import STOP, WRITE
 from lbr.drivers.dynamixel.packet import error_names
 from lbr.drivers.dynamixel.setup import Kept
@@ -33,30 +33,6 @@ class Submits(Protocol):
 
     def submit(self, job: Callable[[Bus], T], priority: int, key: object = None) -> "Future[T]":
         """Have a job done."""
-
-
-@dataclass(slots=True)
-class Output:
-    """What one servo was told. `settled`: when its torque was on the wire; inf while that waits; `aimed`: its goal.
-
-    `blocked` says why it gets no torque before a setpoint had it without. `stays`: its goal is where it was measured.
-    """
-
-    id: int
-    known: bool = False
-    on: bool = False
-    goal: int | None = None
-    speed: int = 0
-    limit: int = 0
-    full: int = table.FULL_TORQUE
-    settled: float = -inf
-    aimed: float = -inf
-    blocked: str = ""
-    trouble: str = ""
-    latched: tuple[str, ...] = ()
-    stays: bool = False
-    switching: "Future[int | str] | None" = None
-    again: float = -inf
 
 
 class Outputs:
@@ -110,7 +86,7 @@ class Outputs:
     def unconfirmed(self, snapshot: Snapshot, *, released: bool) -> list[int]:
         """Return the servos that have not yet been read to hold their goal, or to be without torque if `released`."""
         asked = [out for out in self._all() if out.known and (released or out.on)]
-        return [out.id for out in asked if not _confirms(out, snapshot.servos[out.id], released=released)]
+        return [out.id for out in asked if not confirms(out, snapshot.servos[out.id], released=released)]
 
     def recovered(self, servo: int) -> None:
         """Note that a latched servo was taken out of its fault; it has no torque before somebody switches it on anew."""
@@ -226,7 +202,7 @@ class Outputs:
                 out.full = out.limit = self._full(out, goal)
                 out.speed = table.speed_raw(goal.speed_rps)
                 out.settled = inf
-                job = _switching(out.id, out.speed, out.limit)
+                job = switching(out.id, out.speed, out.limit)
                 out.switching = self._owner.submit(job, WRITE)
 
     def _switched(self, out: Output) -> None:
@@ -290,28 +266,3 @@ class Outputs:
 
         note(inf)
         return self._owner.submit(job, priority, key)
-
-
-def _switching(servo: int, speed: int, limit: int) -> Callable[[Bus], int | str]:
-    """Return the job that gives a servo torque where it is, and returns that position, or why not."""
-
-    def job(bus: Bus) -> int | str:
-        motion = bus.read_motion(servo)
-        if motion is None:
-            return bus.trouble
-        goal = table.GOAL_POSITION.encode(motion.position)
-        block = goal + table.MOVING_SPEED.encode(speed) + table.TORQUE_LIMIT.encode(limit)
-        if not bus.write(servo, table.GOAL_POSITION.address, block):
-            return "does not take the position where it is for its goal; look at its own angle limits"
-        if not bus.put(servo, table.TORQUE_ENABLE, 1):
-            return "does not acknowledge its torque"
-        return motion.position
-
-    return job
-
-
-def _confirms(out: Output, seen: Seen, *, released: bool) -> bool:
-    slow = seen.slow
-    if slow is None or slow.at <= max(out.settled, out.aimed) or seen.reason or out.switching is not None:
-        return False
-    return not slow.enabled if released else out.goal == slow.goal

@@ -4,7 +4,8 @@ from math import isfinite
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.dynamixel.outputs import MEASURED_S, Output
+from lbr.drivers.dynamixel.output import Output
+from lbr.drivers.dynamixel.outputs import MEASURED_S
 from lbr.drivers.dynamixel.packet import error_names
 from lbr.drivers.dynamixel.sweep import Seen, Slow, Snapshot
 from lbr.messages.servos import BusStatistics, ServoState
