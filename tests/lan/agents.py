@@ -96,6 +96,9 @@ class Two:
     def pids(self) -> dict[str, int]:
         return {name: one["pid"] for name, one in self.units().items()}
 
+    def losses(self) -> list[str]:
+        return [f"{one['wall_ns']} {one['text']}" for one in self.robot.events() if one["kind"] == "host_lost"]
+
     def moving(self) -> bool:
         return not self.trace.now().zero
 
