@@ -5,7 +5,7 @@ with open_bus("/dev/ttyACM0") as bus:
     for servo, motion in zip((1, 2), bus.read_motions((1, 2))):
         print(servo, motion and motion.position_rad)
     bus.put(1, table.GOAL_POSITION, 512)
-    bus.write_all(table.MOVING_SPEED.address, {1: b"\x1e\x00", 2: b"\x1e\x00"})
+    bus.write_all(table.MOVING_SPEED.address, {servo: table.MOVING_SPEED.encode(30) for servo in (1, 2)})
 """
 
 import time
