@@ -1,8 +1,10 @@
 """The last good copies of a database, beside it."""
 
+import fcntl
 import os
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from msgspec import Struct
@@ -31,27 +33,11 @@ class Copy(Struct, frozen=True, kw_only=True):
 
 def keep(path: Path, digest: str) -> Path | None:
     """Copy a database whose rows are known to run; None if the newest copy holds the same. Raises RowError."""
-    new = path.with_name(f"{path.name}.good-new")
-    new.unlink(missing_ok=True)
     try:
-        copy_whole(path, new)
-        found = look(new)
-        if found.fault or found.digest != digest:
-            raise RowError((f"database {path} is not as it runs ({found.fault or 'its rows differ'}): not copied",))
-        newest = _name(path, 1)
-        if newest.exists() and _same(newest, new):
-            return None
-        for number in range(GENERATIONS - 1, 0, -1):
-            if _name(path, number).exists():
-                _name(path, number).replace(_name(path, number + 1))
-        new.replace(newest)
-        sync(path.parent)
+        with _one_at_a_time(path.parent):
+            return _keep(path, path.with_name(f"{path.name}.good-new"), digest)
     except OSError as err:
         raise RowError((f"database {path} cannot be copied ({err.strerror}): check the folder",)) from err
-    finally:
-        with suppress(OSError):
-            new.unlink()
-    return newest
 
 
 def kept(path: Path) -> tuple[Copy, ...]:
@@ -118,6 +104,38 @@ def sync(folder: Path) -> None:
     fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         os.fsync(fd)
+    finally:
+        os.close(fd)
+
+
+def _keep(path: Path, new: Path, digest: str) -> Path | None:
+    new.unlink(missing_ok=True)
+    try:
+        copy_whole(path, new)
+        found = look(new)
+        if found.fault or found.digest != digest:
+            raise RowError((f"database {path} is not as it runs ({found.fault or 'its rows differ'}): not copied",))
+        newest = _name(path, 1)
+        if newest.exists() and _same(newest, new):
+            return None
+        for number in range(GENERATIONS - 1, 0, -1):
+            if _name(path, number).exists():
+                _name(path, number).replace(_name(path, number + 1))
+        new.replace(newest)
+        sync(path.parent)
+    finally:
+        with suppress(OSError):
+            new.unlink()
+    return newest
+
+
+@contextmanager
+def _one_at_a_time(folder: Path) -> Iterator[None]:
+    """Wait until nobody else copies here: two robots may run from one database."""
+    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX)
+        yield
     finally:
         os.close(fd)
 

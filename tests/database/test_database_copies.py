@@ -4,6 +4,7 @@ import sqlite3
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -55,6 +56,15 @@ def test_a_copy_is_whole_private_and_newest_first(path):
     assert [(copy.number, copy.revision, copy.fault) for copy in found] == [(1, 2, ""), (2, 1, "")]
     assert [owner(Path(copy.path)) for copy in found] == ["second", "first"]
     assert path.with_name("robot.db.good-1").stat().st_mode & 0o777 == 0o600
+
+
+def test_two_robots_of_one_database_keep_copies_at_the_same_moment(path):
+    edit(path, "first")
+    now = digest(path)
+    with ThreadPoolExecutor(4) as robots:
+        found = list(robots.map(lambda _one: copies.keep(path, now), range(8)))
+    assert [one for one in found if one] == [path.with_name("robot.db.good-1")]
+    assert [copy.fault for copy in copies.kept(path)] == [""]
 
 
 def test_the_same_rows_are_copied_once(path):
