@@ -217,7 +217,8 @@ def test_setting_up_writes_only_what_differs_and_moves_nothing(chain, bus):
     assert setup.prepare(bus, 1) == ""
     assert setup.prepare(bus, 1) == ""
     assert [request[5] for request in chain.log if request[4] == 3] == [5]
-    assert [text for _, text, _ in told] == ["servo 1: set return delay time"]
+    assert setup.done == ((1, "return delay time"),)
+    assert told == []
     assert setup.kept[1].temperature_limit == 70
     assert chain.servos[1].torque == 0
 

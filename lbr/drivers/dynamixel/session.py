@@ -19,6 +19,7 @@ from lbr.errors import DeviceError
 CLOSING_S = 0.3
 JUDGED_S = 5.0
 NOTABLE_BYTES = 200
+SET_UP_QUIET_S = 0.5
 ASKED = 3
 """So often an adapter is asked whether it is a USB2AX; most are none, and say nothing."""
 Tell = Callable[[str, str, str], None]
@@ -32,6 +33,8 @@ class Session:
         settings = ctx.settings
         self.opened = self._judged = ctx.clock()
         self._babble, self._echo = 0, False
+        self._done = self._told_of = 0
+        self._done_at = -inf
         self._tell = tell
         self.guard: Guard | None = None
         self.bus = Bus(line, clock=ctx.clock, urgent=self._urgent)
@@ -58,6 +61,7 @@ class Session:
     def judge(self) -> None:
         """Tell of a line that babbles or echoes, now and then."""
         now, bus = self._ctx.clock(), self.bus
+        self._tell_set_up(now)
         if bus.echo and not self._echo:
             self._echo = True
             self._tell("echo", "the adapter hears what it says itself; that is taken out", "info")
@@ -67,6 +71,18 @@ class Session:
         if came > NOTABLE_BYTES:
             text = f"{came} bytes within {JUDGED_S:g} s belong to no packet; check the cables, and for a second sender"
             self._tell("babble", text, "warning")
+
+    def _tell_set_up(self, now: float) -> None:
+        """Tell what servos were given to keep, in one sentence once there are no more of them."""
+        done = self.setup.done
+        if len(done) > self._done:
+            self._done, self._done_at = len(done), now
+        elif len(done) > self._told_of and now - self._done_at >= SET_UP_QUIET_S:
+            for what in dict.fromkeys(names for _, names in done[self._told_of :]):
+                servos = sorted(servo for servo, names in done[self._told_of :] if names == what)
+                whom = f"servo {servos[0]}" if len(servos) == 1 else f"servos {', '.join(map(str, servos))}"
+                self._tell("servo_set_up", f"{whom}: set {what}", "info")
+            self._told_of = len(done)
 
     def close(self, *, release: bool) -> None:
         """Say the last word, and let go; what still has torque then is the guard's."""

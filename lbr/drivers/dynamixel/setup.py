@@ -31,6 +31,7 @@ class Setup:
     """Checks a servo and gives its EEPROM the wanted values: only where they differ, without torque, and read back.
 
     One value at a time: the servo `is being set up` until it was asked again, and nobody waits for it meanwhile.
+    `done` are the servos that were, and what each was given.
     """
 
     def __init__(
@@ -39,6 +40,7 @@ class Setup:
         told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
     ) -> None:
         self.kept: dict[int, Kept] = {}
+        self.done: tuple[tuple[int, str], ...] = ()
         self._wanted = tuple(wanted)
         self._told = told
         self._written: dict[int, dict[Register, int]] = {}
@@ -107,7 +109,7 @@ class Setup:
         if other:
             self._warn(servo, f"does not take {names}")
         elif written:
-            self._told("servo_set_up", f"servo {servo}: set {', '.join(one.name for one in written)}", "info")
+            self.done = (*self.done, (servo, ", ".join(one.name for one in written)))
         self._written[servo] = {}
         return False
 
