@@ -34,6 +34,7 @@ from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
 from lbr.executive.hosting import Measured
 from lbr.executive.hosts import Hosts
+from lbr.executive.inforce import RowsInForce
 from lbr.executive.journal import Journal
 from lbr.executive.keeper import Keeper
 from lbr.executive.latch import Latch, LatchKeeper
@@ -49,7 +50,6 @@ from lbr.executive.supervisor import Supervisor
 from lbr.executive.troubles import Troubles
 from lbr.executive.units import Unit
 from lbr.executive.watch import RowWatch
-from lbr.messages.joints import CapturedFrame
 from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
@@ -91,7 +91,6 @@ class Executive:
         self._code = 0
         self._status_due = 0.0
         self._ready = False
-        self._problems: tuple[str, ...] = ()
         self._troubles = Troubles(self._happened)
         self._keeper = Keeper(database.path, self._troubles.tell)
         self._recent: list[Event] = []
@@ -102,17 +101,22 @@ class Executive:
             listen=listen,
             token_key=token_key(),
         )
+        self._rows = RowsInForce(
+            database,
+            RowWatch(database, profile, self._site),
+            self._keeper,
+            happened=self._happened,
+            take_over=self._change,
+            kept=self._kept,
+        )
         self._supervisor = Supervisor(
             self._start,
             self._happened,
             lambda name: name in self._presence.names,
-            calibrated=self._calibrated,
-            captured=self._captured,
+            calibrated=self._rows.calibrated,
+            captured=self._rows.captured,
         )
         self._overview = Overview(self._supervisor)
-        self._watch = RowWatch(database, profile, self._site)
-        self.plan = self._watch.first()
-        self.vocabulary = self._words(self.plan)
 
     def run(self, *, console: bool) -> int:
         """Open the bus, start everything, and stay until told to shut down."""
@@ -128,6 +132,16 @@ class Executive:
             finally:
                 self._close()
         return self._code
+
+    @property
+    def plan(self) -> Plan:
+        """What runs."""
+        return self._rows.plan
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said."""
+        return self._rows.vocabulary
 
     # -- what console lines need; from any thread ---------------------------------------------------------------
 
@@ -236,11 +250,13 @@ class Executive:
         (Path(self._site.home) / "run" / f"{robot}-devices").mkdir(mode=0o700, exist_ok=True)
         self._say_how_to_reach()
         self._database.record_start(robot)
-        self._happened("run", "executive", f"robot '{robot}' with profile '{self._profile_name}'", data=self._adopted())
+        self._happened(
+            "run", "executive", f"robot '{robot}' with profile '{self._profile_name}'", data=self._rows.adopted()
+        )
         if estop.engaged:
             text = f"the emergency stop is still latched ({estop.reason or 'pressed'}); 'reset' releases it"
             self._happened("estop", "executive", text, "warning")
-        self._take_over(self.plan, plans.Change(start=tuple(self.plan.units)))
+        self._take_over(plans.Change(start=tuple(self.plan.units)))
 
     def _close(self) -> None:
         self._notifier.stopping(self._stopping or "shutdown")
@@ -273,7 +289,7 @@ class Executive:
             self._keeper.step(now, self.plan.rows.digest)
             if now >= rows_at:
                 rows_at = now + LOOK_AT_ROWS_S
-                self._look_at_rows()
+                self._rows.look()
                 self._external.prune({row.name for row in self.plan.rows.external_commands})
             if now >= self._status_due:
                 self._status_due = now + STATUS_S
@@ -294,42 +310,14 @@ class Executive:
         self._wait(timeout_s)
         self._hosts.step(time.monotonic())
 
-    def _look_at_rows(self) -> None:
-        news = self._watch.look(self.plan)
-        if news is None:
-            return
-        if news.plan is None or news.problems:
-            self._keeper.not_well()
-            if news.problems != self._problems:
-                self._problems = news.problems
-                what = "the rows cannot be read" if news.unreadable else "the edit is not applied"
-                text = f"{what}, the robot goes on as it was: " + "; ".join(news.problems)
-                self._happened("rows_refused", "executive", text, "error")
-        if news.plan is None:
-            return
-        if not news.problems:
-            self._keeper.touched(time.monotonic())
-        if self._problems and not news.problems:
-            self._problems = ()
-            self._happened("rows_good", "executive", "the rows are good again")
-        if news.edited or news.change != plans.Change():
-            self._adopt(news.plan, news.change, news.edited or "a capability's file")
-
-    def _adopt(self, plan: Plan, change: plans.Change, edited: str) -> None:
-        self.vocabulary = self._words(plan)
-        self.plan = plan
-        steps = (("stop", change.stop), ("restart", change.restart), ("start", change.start))
-        done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
-        self._happened(
-            "rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self._adopted()
-        )
-        self._take_over(plan, change)
+    def _change(self, change: plans.Change) -> None:
+        self._take_over(change)
         with contextlib.suppress(OSError):
             self._say_how_to_reach()
 
-    def _take_over(self, plan: Plan, change: plans.Change) -> None:
-        here = plan.here
-        self._hosts.adopt(plan.units.values())
+    def _take_over(self, change: plans.Change) -> None:
+        here = self.plan.here
+        self._hosts.adopt(self.plan.units.values())
         self._supervisor.adopt(here, plans.only(change, here.keys() | self._supervisor.slots.keys()))
 
     def _begun_elsewhere(self, name: str) -> None:
@@ -337,41 +325,14 @@ class Executive:
 
     def _measured(self, one: Measured) -> None:
         if one.calibration:
-            self._calibrated(one.name, one.calibration)
-        if one.captured is not None and "motion" in self.plan.kinds[one.name].rows:
-            self._captured(one.name, one.captured)
+            self._rows.calibrated(one.name, one.calibration)
+        if one.captured is not None:
+            self._rows.captured(one.name, one.captured)
 
-    def _calibrated(self, name: str, values: dict[str, float]) -> None:
-        """Write down what a capability has measured; it goes on with it already, and is not restarted for it."""
-        device = self.plan.units[name].config.calibrates if name in self.plan.units else ""
-        if not device:
-            return
-        try:
-            self._database.save_calibration(self.plan.robot, device, values)
-        except LbrError as err:
-            text = (
-                f"the calibration of '{device}' holds until the next restart only, it could not be written down: {err}"
-            )
-            self._happened("calibration_lost", name, text, "error")
-            return
-        self._keeps(plans.calibrated(self.plan, name, values), name)
-
-    def _captured(self, name: str, captured: CapturedFrame) -> None:
-        """Write down a key frame that a capability has made; it goes on with it already, and is not restarted for it."""
-        try:
-            self._database.append_frame(self.plan.robot, captured)
-        except LbrError as err:
-            text = f"the key frame of '{captured.motion}' holds until the next restart only, it was not written: {err}"
-            self._happened("frame_lost", name, text, "error")
-            return
-        self._keeps(plans.captured(self.plan, name, captured), name)
-
-    def _keeps(self, plan: Plan, name: str) -> None:
-        self.plan = plan
+    def _kept(self, name: str) -> None:
         if name in self._supervisor.slots:
-            self._supervisor.slots[name].unit = plan.units[name]
-        self._hosts.adopt(plan.units.values())
-        self._watch.look_again()
+            self._supervisor.slots[name].unit = self.plan.units[name]
+        self._hosts.adopt(self.plan.units.values())
 
     def _became_ready(self, *, announce: bool) -> None:
         self._ready = True
@@ -440,7 +401,7 @@ class Executive:
             uptime_s=round(time.monotonic() - self._started_at, 1),
             estop=self._emergency.state(),
             capabilities=self._capabilities(),
-            problems=(*self._problems, *self._troubles.current),
+            problems=(*self._rows.problems, *self._troubles.current),
             revision=self.plan.rows.revision,
         )
 
@@ -448,19 +409,6 @@ class Executive:
         here = {one.name: one for one in self._overview.capabilities(time.monotonic())}
         known = here | self._hosts.capabilities()
         return tuple(known[name] for name in self.plan.units if name in known)
-
-    def _words(self, plan: Plan) -> Vocabulary:
-        messages = {
-            f"{name}.{command}": kind for name in plan.kinds for command, kind in plan.kinds[name].commands.items()
-        }
-        return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages)
-
-    def _adopted(self) -> dict[str, Any]:
-        """Write down that the plan's rows run, and return which they are."""
-        rows = self.plan.rows
-        with contextlib.suppress(LbrError):
-            self._database.adopt(rows)
-        return {"revision": rows.revision, "rows": rows.digest}
 
     def _note(self, kind: str, text: str) -> None:
         self._happened(kind, "executive", text)

@@ -10,8 +10,13 @@ from lbr.messages.system import ConsoleResult, Event, Status
 class Robot(Protocol):
     """A running robot; every method may be called from any thread."""
 
-    plan: Plan
-    vocabulary: Vocabulary
+    @property
+    def plan(self) -> Plan:
+        """What runs."""
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said."""
 
     def status(self) -> Status:
         """Return the robot at a glance."""

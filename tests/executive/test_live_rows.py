@@ -88,7 +88,8 @@ def test_an_external_command_is_a_row_and_ends_with_it(robot):
     )
     until(lambda: robot.line("nap")["code"] == 0)
     assert "runs already" in robot.line("nap")["text"]
-    assert robot.line("stop nap") | {"data": None} == {"code": 0, "text": "'nap' has ended", "hold": None, "data": None}
+    ended = robot.line("stop nap")
+    assert (ended["code"], ended["text"], ended["hold"]) == (0, "'nap' has ended", None)
     assert robot.line("nap")["code"] == 0
     robot.edit("DELETE FROM external_command WHERE name = 'nap'")
     until(lambda: robot.line("nap")["code"] == 2)

@@ -1,0 +1,125 @@
+"""The rows in force: the plan that runs, and how it becomes another by edits, and by what the robot learns of itself."""
+
+import contextlib
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from lbr.console.verbs import Vocabulary
+from lbr.database.store import Database
+from lbr.errors import LbrError
+from lbr.executive import plan as plans
+from lbr.executive.keeper import Keeper
+from lbr.executive.plan import Change, Plan
+from lbr.executive.watch import RowWatch
+from lbr.messages.joints import CapturedFrame
+
+
+class Happened(Protocol):
+    """Makes an event."""
+
+    def __call__(
+        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
+    ) -> None:
+        """Make it."""
+
+
+class RowsInForce:
+    """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force.
+
+    `take_over(change)` starts and stops what another plan wants, `kept(name)` has a process go on with what it learnt.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        watch: RowWatch,
+        keeper: Keeper,
+        *,
+        happened: Happened,
+        take_over: Callable[[Change], None],
+        kept: Callable[[str], None],
+    ) -> None:
+        self._database = database
+        self._watch = watch
+        self._keeper = keeper
+        self._happened = happened
+        self._take_over = take_over
+        self._kept = kept
+        self.problems: tuple[str, ...] = ()
+        self.plan = watch.first()
+        self.vocabulary = _words(self.plan)
+
+    def look(self) -> None:
+        """Adopt what was edited, or say why not."""
+        news = self._watch.look(self.plan)
+        if news is None:
+            return
+        if news.plan is None or news.problems:
+            self._keeper.not_well()
+            if news.problems != self.problems:
+                self.problems = news.problems
+                what = "the rows cannot be read" if news.unreadable else "the edit is not applied"
+                text = f"{what}, the robot goes on as it was: " + "; ".join(news.problems)
+                self._happened("rows_refused", "executive", text, "error")
+        if news.plan is None:
+            return
+        if not news.problems:
+            self._keeper.touched(time.monotonic())
+        if self.problems and not news.problems:
+            self.problems = ()
+            self._happened("rows_good", "executive", "the rows are good again")
+        if news.edited or news.change != Change():
+            self._adopt(news.plan, news.change, news.edited or "a capability's file")
+
+    def adopted(self) -> dict[str, Any]:
+        """Write down that the plan's rows run, and return which they are."""
+        rows = self.plan.rows
+        with contextlib.suppress(LbrError):
+            self._database.adopt(rows)
+        return {"revision": rows.revision, "rows": rows.digest}
+
+    def calibrated(self, name: str, values: dict[str, float]) -> None:
+        """Write down what a capability has measured; it goes on with it already, and is not restarted for it."""
+        device = self.plan.units[name].config.calibrates if name in self.plan.units else ""
+        if not device:
+            return
+        try:
+            self._database.save_calibration(self.plan.robot, device, values)
+        except LbrError as err:
+            text = (
+                f"the calibration of '{device}' holds until the next restart only, it could not be written down: {err}"
+            )
+            self._happened("calibration_lost", name, text, "error")
+            return
+        self._keep(plans.calibrated(self.plan, name, values), name)
+
+    def captured(self, name: str, frame: CapturedFrame) -> None:
+        """Write down a key frame that a capability has made; it goes on with it already, and is not restarted for it."""
+        if name not in self.plan.kinds or "motion" not in self.plan.kinds[name].rows:
+            return
+        try:
+            self._database.append_frame(self.plan.robot, frame)
+        except LbrError as err:
+            text = f"the key frame of '{frame.motion}' holds until the next restart only, it was not written: {err}"
+            self._happened("frame_lost", name, text, "error")
+            return
+        self._keep(plans.captured(self.plan, name, frame), name)
+
+    def _adopt(self, plan: Plan, change: Change, edited: str) -> None:
+        self.vocabulary = _words(plan)
+        self.plan = plan
+        steps = (("stop", change.stop), ("restart", change.restart), ("start", change.start))
+        done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
+        self._happened("rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self.adopted())
+        self._take_over(change)
+
+    def _keep(self, plan: Plan, name: str) -> None:
+        self.plan = plan
+        self._kept(name)
+        self._watch.look_again()
+
+
+def _words(plan: Plan) -> Vocabulary:
+    messages = {f"{name}.{command}": kind for name in plan.kinds for command, kind in plan.kinds[name].commands.items()}
+    return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages)
