@@ -91,7 +91,8 @@ def _change(state: State, event: Command, ask: Ask, now: float) -> Decision:
         held, said = holding.change(state.holding, ask, moving.append(state, move, command), now)
         said = tuple(each for each in said if not isinstance(each, Ended))
     else:
-        held, said = holding.change(state.holding, ask, moving.begin(state, command, event.new_goal, now), now)
+        other = moving.instead(move, moving.begin(state, command, event.new_goal, now))
+        held, said = holding.change(state.holding, ask, other, now)
     state, outputs = take(state, (held, said), now)
     return state, (*outputs, _yes(state, ask), *setpoint(state))
 

@@ -24,7 +24,12 @@ NOTABLE_STRETCH = 1.01
 
 def begin(state: State, command: JointsCommand, goal: str, now: float) -> Move:
     """Return the motion that a command asks for, from where its joints were told to be last."""
-    return Move(goal=goal, begun=now, trajectory=_plan(state, command, _frames(state, command)))
+    return Move(goal=goal, begun=now, trajectory=_plan(state, command, _frames(state, command)), told=now)
+
+
+def instead(move: Move, other: Move) -> Move:
+    """Return what follows a motion under the same lease; however often that happens, the servos are to follow it."""
+    return replace(other, told=move.told, followed=move.followed)
 
 
 def append(state: State, move: Move, command: JointsCommand) -> Move:
@@ -128,7 +133,7 @@ def _fault(state: State, name: str, now: float) -> str:
 def _not_followed(state: State, move: Move, now: float) -> str:
     """Say that the driver holds the servos, although it is told otherwise."""
     servos = state.servos
-    if servos is None or servos.phase == "following" or not (move.followed or now - move.begun > FOLLOWING_S):
+    if servos is None or servos.phase == "following" or not (move.followed or now - move.told > FOLLOWING_S):
         return ""
     return f"the servos do not follow: {servos.reason or f'their driver says {servos.phase}'}"
 

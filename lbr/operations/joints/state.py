@@ -93,11 +93,12 @@ class Move(Struct, frozen=True, kw_only=True):
     """A motion under way, `elapsed_s` after the start of its trajectory; what was only offered has none yet.
 
     `passed` key frames lay behind when the trajectory began. `arrived` is when its end was commanded (NaN: not yet).
-    `followed`: the driver said that the servos follow.
+    `followed`: the driver said that the servos follow; it has been `told` so since then, under this lease.
     """
 
     goal: str
     begun: float
+    told: float = nan
     trajectory: Trajectory | None = None
     elapsed_s: float = 0.0
     passed: int = 0

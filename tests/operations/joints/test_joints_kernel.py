@@ -352,6 +352,18 @@ def test_a_driver_that_holds_although_it_is_told_to_follow_ends_the_motion(bench
     assert last(bench) == ("fault", f"the servos do not follow: {bench.servos.reason}")
 
 
+@pytest.mark.parametrize("followed_s", [0.0, 0.1])
+def test_a_stream_of_commands_is_no_reason_to_wait_for_servos_for_ever(bench, followed_s):
+    reply = bench.command(SLOW, duration_s=2.0)
+    bench.run(followed_s, reply.lease)
+    bench.servos.obey = lambda setpoint: None
+    bench.servos.phase, bench.servos.reason = "holding", "the lease of this motion has died; stop, then move anew"
+    for turn in range(40):
+        bench.run(0.01)
+        bench.command(SLOW, duration_s=2.0 + turn / 100, lease=reply.lease)
+    assert last(bench) == ("fault", f"the servos do not follow: {bench.servos.reason}")
+
+
 def test_a_servo_that_was_without_power_stays_without_torque_until_it_is_switched_on(bench):
     bench.run(1.0)
     bench.servos.powerless = {14: "lost its torque: was it without power?"}
