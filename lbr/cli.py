@@ -22,7 +22,7 @@ COMMANDS = {
     "token": ("token", "Let people on other machines in, and lock them out."),
     "topic": ("topic", "List, describe, print, measure and publish streams."),
     "graph": ("graph", "Show who feeds whom."),
-    "view": ("view", "Watch a simulated robot from above."),
+    "view": ("view", "Watch a simulated robot: its room from above, or its joints."),
     "db": ("db", "Create, check and compare the robot's rows."),
 }
 NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2 it prints the help by itself

@@ -18,6 +18,7 @@ from lbr.errors import LbrError
 EXTRAS = {
     "sim": (("mujoco", "PIL"), "simulated robots need it"),
     "camera": (("linuxpy",), "V4L2 cameras need it"),
+    "phidgets": (("Phidget22",), "a PhidgetSpatial on USB needs it"),
     "plots": (("matplotlib",), "a compass calibration goes without its picture"),
     "web": (("starlette", "uvicorn"), "programs that serve over HTTP, such as navcam, need it"),
 }

@@ -147,7 +147,7 @@ class Vocabulary:
         words = {verb.pattern.word if verb.pattern.alias else f"/{verb.pattern.word}" for verb in self._verbs}
         words |= set(self._external)
         exact = [known for known in sorted(words) if known.lower().lstrip("/") == word.lower().lstrip("/")]
-        near = exact or difflib.get_close_matches(word[:80], sorted(words), n=1, cutoff=0.5)
+        near = exact or difflib.get_close_matches(word[:80], sorted(words), n=1, cutoff=0.6)
         hint = f"did you mean '{near[0]}'? " if near else ""
         return InputError(f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said")
 

@@ -213,6 +213,8 @@ def changed(faults: F, name: str, value: FaultValue) -> F:
     if name not in known:
         raise InputError(f"no fault '{name}'; allowed here: {', '.join((*known, 'replug'))}")
     fields: dict[str, Any] = msgspec.structs.asdict(faults)
+    if isinstance(fields[name], tuple) and isinstance(value, bool):
+        raise InputError(f"fault '{name}' strikes one or several: name them after it, with commas between")
     if value is None:
         del fields[name]
     elif isinstance(fields[name], tuple) and isinstance(value, str):

@@ -60,7 +60,7 @@ class Lan(Capability[LanSettings]):
             via=self.ctx.name,
             refused=self._too_much.append,
         )
-        self._says = f"at {', '.join(self._lan.listen)}{self._certified()}, {len(self._users)} tokens"
+        self._says = f"at {', '.join(self._lan.listen)}{self._certified()}, tokens: {len(self._users)}"
         self.ctx.event("listening", self._says)
         self._tell_unproven()
 

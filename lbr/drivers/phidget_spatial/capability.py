@@ -133,4 +133,5 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
 
 
 def _said(err: Exception) -> str:
-    return str(getattr(err, "details", "") or err) or type(err).__name__
+    details = getattr(err, "details", "") or getattr(err, "strerror", "") or err
+    return str(details) or type(err).__name__
