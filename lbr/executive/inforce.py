@@ -14,6 +14,9 @@ from lbr.executive.plan import Change, Plan
 from lbr.executive.watch import RowWatch
 from lbr.messages.joints import CapturedFrame
 
+PROBLEMS_TOLD = 3
+"""So many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
+
 
 class Happened(Protocol):
     """Makes an event."""
@@ -60,7 +63,7 @@ class RowsInForce:
             if news.problems != self.problems:
                 self.problems = news.problems
                 what = "the rows cannot be read" if news.unreadable else "the edit is not applied"
-                text = f"{what}, the robot goes on as it was: " + "; ".join(news.problems)
+                text = f"{what}, the robot goes on as it was: {_first(news.problems)}"
                 self._happened("rows_refused", "executive", text, "error")
         if news.plan is None:
             return
@@ -118,6 +121,12 @@ class RowsInForce:
         self.plan = plan
         self._kept(name)
         self._watch.look_again()
+
+
+def _first(problems: tuple[str, ...]) -> str:
+    more = len(problems) - PROBLEMS_TOLD
+    rest = f"; and {more} more, which `lbr db check` lists" if more > 0 else ""
+    return "; ".join(problems[:PROBLEMS_TOLD]) + rest
 
 
 def _words(plan: Plan) -> Vocabulary:

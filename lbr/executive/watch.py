@@ -19,6 +19,8 @@ from lbr.executive.site import Site
 UNKNOWN_VERSION = -1
 NEVER = datetime.max.replace(tzinfo=UTC)
 EDITS_TOLD = 4
+PART_OF = {"motion_step", "choreography", "phrase"}
+"""Tables whose rows are known by two names: of which motion it is a step, say."""
 
 
 class News(Struct, frozen=True):
@@ -119,7 +121,8 @@ def _edit(row: RevisionRow) -> str:
     """Say what was edited; the many numbers of one calibration are one edit."""
     if row.table == "calibration":
         return f"calibration of '{row.row_key[-2]}'"
-    return f"{row.operation} {row.table} '{row.row_key[-1]}'"
+    named = row.row_key[-2:] if row.table in PART_OF else row.row_key[-1:]
+    return f"{row.operation} {row.table} '{'/'.join(map(str, named))}'"
 
 
 def _tokens_edited(old: RobotRows, new: RobotRows) -> str:
