@@ -267,6 +267,39 @@ def test_a_servo_without_power_is_named_and_never_comes_back_with_torque_by_itse
     rig.until(lambda: rig.ctx.phases[-1] == "ready")
 
 
+@pytest.mark.parametrize("end", [{"halt": 2}, {"halt": 1, "lost": True}, "estop"])
+def test_a_servo_that_hears_again_after_a_motion_has_ended_does_not_catch_up_with_it(rig, chain, end):
+    rig.on(halt=1)
+    rig.go(600, halt=1)
+    chain.dead.add(2)
+    rig.send(goals=tuple(ServoGoal(id=servo, position_rad=position_rad(700)) for servo in chain.servos), halt=1)
+    rig.until(lambda: chain.servos[1].goal == 700 and rig.servo(2).raw is None)
+    if end == "estop":
+        rig.ctx.estop.engaged = True
+    else:
+        rig.send(**end)
+    rig.until(lambda: rig.servo(2).goal_rad is None)
+    chain.dead.clear()
+    rig.until(lambda: rig.servo(2).raw == 600 and rig.servo(2).goal_rad is not None)
+    rig.until(lambda: len(chain.log) > 20)
+    assert chain.servos[2].goal == 600
+    if end == "estop":
+        rig.until(lambda: rig.ctx.estop.acknowledged[-1] == (True, ""))
+
+
+def test_a_stop_takes_no_servo_back_to_where_it_was_when_it_was_measured_last(rig, chain):
+    rig.on(halt=1)
+    rig.go(600, halt=1)
+    chain.answer = lambda request, _usual: b"" if request[2] == 2 else None
+    rig.go(700, halt=1)
+    rig.until(lambda: rig.servo(2).age_s > 0.06)
+    rig.send(halt=2)
+    rig.until(lambda: rig.ctx.state.halt == 2)
+    chain.log.clear()
+    rig.until(lambda: len(chain.log) > 20)
+    assert chain.servos[2].goal == 700
+
+
 def test_torque_that_was_found_is_held_where_the_servo_is(chain):
     chain.servos[1].write(24, b"\1")
     chain.servos[1].stuck = 400

@@ -14,7 +14,8 @@ from lbr.drivers.dynamixel.sweep import Seen
 class Output:
     """What one servo was told. `settled`: when its torque was on the wire; inf while that waits; `aimed`: its goal.
 
-    `blocked` says why it gets no torque before a setpoint had it without. `stays`: its goal is where it was measured.
+    `blocked` says why it gets no torque before a setpoint had it without. `stays`: its goal is where it was measured;
+    `adrift`: it is to be held where it is as soon as that is measured.
     """
 
     id: int
@@ -30,6 +31,7 @@ class Output:
     trouble: str = ""
     latched: tuple[str, ...] = ()
     stays: bool = False
+    adrift: bool = False
     switching: "Future[int | str] | None" = None
     again: float = -inf
 

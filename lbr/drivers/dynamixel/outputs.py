@@ -16,10 +16,13 @@ from lbr.drivers.dynamixel.owner import STOP, WRITE
 from lbr.drivers.dynamixel.packet import error_names
 from lbr.drivers.dynamixel.setup import Kept
 from lbr.drivers.dynamixel.sweep import Seen, Snapshot
+from lbr.drivers.dynamixel.table import Motion
 from lbr.messages.servos import ServoGoal
 
 MEASURED_S = 0.25
-"""A position older than this is not where the servo is."""
+"""A position older than this is not where the servo is, and a servo that was not heard for so long is told no goals."""
+FRESH_S = 0.05
+"""Nor is this old where a servo is that moves: to be held there would take it back."""
 REPEAT_S = 0.1
 AGAIN_S = 0.2
 FADE_STEP = 10
@@ -59,12 +62,13 @@ class Outputs:
 
     def apply(self, mover: Mover, strength: float, snapshot: Snapshot) -> None:
         """Do what follows from the mover's state and from what the servos said last."""
-        adopted = [out for out in self._all() if self._read_back(out, snapshot.servos[out.id], mover)]
+        found = [out for out in self._all() if self._read_back(out, snapshot.servos[out.id], mover)]
+        found += [out for out in self._all() if out.adrift and self._motion(out, snapshot, FRESH_S)]
         self._unblock(mover)
         self._let_go(mover, strength)
         halted = mover.halts != self._halts or (self._followed and not mover.follows)
         self._halts, self._followed = mover.halts, mover.follows
-        self._freeze([out for out in self._all() if out.on] if halted else adopted, snapshot)
+        self._freeze([out for out in self._all() if out.on] if halted else found, snapshot)
         self._limit(mover, strength)
         if mover.follows:
             self._switch_on(mover, snapshot)
@@ -114,7 +118,11 @@ class Outputs:
         elif slow.enabled and not out.on:
             self._off([out], "")
         elif out.on and not slow.enabled:
-            out.on, out.blocked = False, "lost its torque: was it without power? Switch it off, then on"
+            out.on, out.adrift, out.blocked = (
+                False,
+                False,
+                "lost its torque: was it without power? Switch it off, then on",
+            )
             self._told("torque_lost", f"servo {out.id} {out.blocked}", "error")
         elif out.on and not mover.follows and slow.at > out.aimed and out.goal not in {None, slow.goal}:
             self._write(table.GOAL_POSITION.address, {out.id: table.GOAL_POSITION.encode(out.goal)}, STOP)
@@ -144,7 +152,7 @@ class Outputs:
             if out.switching is not None:
                 out.switching.cancel()
                 out.switching = None
-            out.on, out.stays = False, False
+            out.on = out.stays = out.adrift = False
             out.blocked = out.blocked or why
         if outs:
             self._forget_goals()
@@ -158,16 +166,22 @@ class Outputs:
         self._sending, self._sent_at = None, -inf
 
     def _freeze(self, outs: list[Output], snapshot: Snapshot) -> None:
+        """Have servos hold where they are; one that was not measured just now keeps the goal it has heard until it is."""
         if outs:
             self._forget_goals()
-        now = self._clock()
         goals = {}
-        for out in outs:
-            seen = snapshot.servos[out.id]
-            if out.on and seen.motion is not None and now - seen.at < MEASURED_S:
-                out.goal, out.stays = seen.motion.position, True
-                goals[out.id] = table.GOAL_POSITION.encode(out.goal)
+        for out in (out for out in outs if out.on):
+            motion = self._motion(out, snapshot, FRESH_S)
+            out.stays, out.adrift, out.goal = False, True, None
+            if motion is not None:
+                out.stays, out.adrift, out.goal = True, False, motion.position
+                goals[out.id] = table.GOAL_POSITION.encode(motion.position)
         self._write(table.GOAL_POSITION.address, goals, STOP)
+
+    def _motion(self, out: Output, snapshot: Snapshot, within_s: float) -> Motion | None:
+        """Return what was measured of a servo, if that is not too old."""
+        seen = snapshot.servos[out.id]
+        return seen.motion if self._clock() - seen.at < within_s else None
 
     def _limit(self, mover: Mover, strength: float) -> None:
         now = self._clock()
@@ -215,7 +229,8 @@ class Outputs:
             return
         result = future.result()
         if isinstance(result, int):
-            out.on, out.goal, out.trouble, out.stays = True, result, "", True
+            out.on, out.goal, out.trouble = True, result, ""
+            out.stays, out.adrift = True, False
             out.aimed = out.settled
             return
         if out.trouble != result:
@@ -231,8 +246,8 @@ class Outputs:
             before = (out.goal, out.speed)
             out.speed = table.speed_raw(goal.speed_rps)
             if goal.position_rad is not None:
-                out.goal, out.stays = table.position_raw(goal.position_rad), False
-            elif not out.stays:
+                out.goal, out.stays, out.adrift = table.position_raw(goal.position_rad), False, False
+            elif not (out.stays or out.adrift):
                 self._freeze([out], snapshot)
             changed = changed or before != (out.goal, out.speed)
         now = self._clock()
@@ -241,7 +256,7 @@ class Outputs:
             goals = {
                 out.id: table.GOAL_POSITION.encode(out.goal) + table.MOVING_SPEED.encode(out.speed)
                 for out in self._all()
-                if out.on and out.goal is not None
+                if out.on and out.goal is not None and self._motion(out, snapshot, MEASURED_S)
             }
             self._sending = self._write(table.GOAL_POSITION.address, goals, WRITE, key="goals")
 
