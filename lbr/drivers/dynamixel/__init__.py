@@ -49,7 +49,7 @@ class DynamixelSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields
     ] = "hold"
     reply_margin_s: Annotated[
         float, Meta(ge=0.001, le=0.1, description="an answer so much later than wire and servo explain is lost")
-    ] = 0.01
+    ] = 0.004
     sync_read: Annotated[bool, Meta(description="let a USB2AX read all servos at once")] = True
     write_eeprom: Annotated[bool, Meta(description="set what servos keep without power, where it differs")] = True
     return_delay_us: Annotated[int, Meta(ge=0, le=508)] = 0

@@ -28,7 +28,9 @@ QUIET_S = 0.002
 """A line that says nothing for so long has ended its answer, if that is long enough to be one."""
 LISTEN_SLICE_S = 0.002
 WARY_S = 1.0
-"""For so long after an answer was lost the line is emptied before each request: a late one must not pass for the next."""
+"""For so long after an answer was lost the line is emptied before each request."""
+LATE_S = 0.01
+"""A lost answer may still come so late: who is asked the same again waits for that, lest it pass for the next."""
 ADAPTER_MODEL = 0x4201
 ADAPTER_SERVOS = 30
 ADAPTER_SILENCE_S = 0.0012
@@ -78,7 +80,7 @@ class Bus:
         self._clock = clock
         self._urgent = urgent
         self._wary_until = 0.0
-        self._listen_until = 0.0
+        self._late: dict[bytes, float] = {}
         self._motions: dict[int, Question] = {}
         self._together: dict[tuple[int, ...], Question] = {}
 
@@ -176,7 +178,7 @@ class Bus:
         for attempt in range(tries or self._tries):
             self.counts.retries += attempt > 0
             if self._wary_until:
-                self._settle()
+                self._settle(question)
             line.send(question.request)
             data = line.receive(question.busy_s) or self._patience(question.within_s - question.busy_s)
             if (
@@ -260,7 +262,7 @@ class Bus:
         elif not self._judge(data, question):
             self.counts.corrupt += 1
             self.trouble = "answers garbled"
-        self._listen_until = now + self._line.margin_s
+        self._late[question.head] = now + LATE_S
         self._wary_until = now + WARY_S
 
     def _judge(self, data: bytes, question: Question) -> bool:
@@ -278,12 +280,14 @@ class Bus:
         self.counts.babble += parser.noise + parser.held_bytes
         return explained
 
-    def _settle(self) -> None:
-        """After a lost answer: listen until it cannot come any more, and throw away what comes."""
-        while (now := self._clock()) < self._listen_until and not self._urgent():
-            self.counts.babble += len(self._line.receive(min(LISTEN_SLICE_S, self._listen_until - now)))
+    def _settle(self, question: Question) -> None:
+        """After a lost answer: throw away what came late, and wait until nothing can that would pass for the next one."""
+        listen_until = self._late.pop(question.head, 0.0)
+        while (now := self._clock()) < listen_until and not self._urgent():
+            self.counts.babble += len(self._line.receive(min(LISTEN_SLICE_S, listen_until - now)))
         if now >= self._wary_until:
             self._wary_until = 0.0
+            self._late.clear()
         elif late := self._line.receive(0.0):
             self.counts.babble += len(late)
 

@@ -14,7 +14,7 @@ from lbr.drivers.dynamixel.setup import SETTING_UP
 from lbr.drivers.dynamixel.table import Motion
 
 SLOW_ADDRESS, SLOW_BYTES = table.TORQUE_ENABLE.address, 20
-MISSES = 2
+MISSES = 4
 """So many sweeps in a row without an answer make a servo silent."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
@@ -175,7 +175,7 @@ class Sweeper:
             self._note(servo, motion, bus.trouble)
 
     def _read_slow(self, bus: Bus, servo: _Servo) -> None:
-        status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES)
+        status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES, tries=1)
         if bus.cut_short:
             return
         if status is None:
