@@ -160,6 +160,24 @@ def test_silence_holds_then_fades_then_lets_go_and_wants_to_be_switched_on_anew(
     rig.on(lease="b")
 
 
+def test_what_becomes_of_servos_that_nobody_cares_for_is_told_once_and_when_it_has(rig, chain):
+    def told():
+        return [(kind, text) for kind, text in rig.ctx.events if kind in {"mover_lost", "let_go"}]
+
+    rig.on(lease="a")
+    rig.sent = None
+    rig.until(lambda: rig.ctx.state.phase == "holding")
+    rig.ahead_s += 2.0
+    rig.until(told)
+    rig.ahead_s += 32.0
+    rig.until(lambda: rig.ctx.state.phase == "releasing")
+    assert len(told()) == 1
+    assert "and are then let go" in told()[0][1]
+    rig.ahead_s += 5.0
+    rig.until(lambda: len(told()) == 2)
+    assert not any(servo.torque for servo in chain.servos.values())
+
+
 def test_a_source_that_died_is_lost_at_once(rig, chain):
     rig.on()
     rig.ctx.living.clear()

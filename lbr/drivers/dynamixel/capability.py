@@ -25,6 +25,8 @@ SILENT_S = 1.5
 PUBLISH_S = 0.1
 CONFIRM_S = 0.05
 NAMED = 3
+LOST_S = 1.0
+"""Whoever moves the servos may stumble for so long before anybody is told."""
 
 
 class Dynamixel(Capability[DynamixelSettings]):
@@ -42,6 +44,7 @@ class Dynamixel(Capability[DynamixelSettings]):
         self._snapshot = Snapshot(0, -inf, {})
         self._estopped = False
         self._left_on = False
+        self._lost = False
         self._asked_at = -inf
         self._published = -inf
         self._shown: tuple[object, ...] = ()
@@ -82,6 +85,7 @@ class Dynamixel(Capability[DynamixelSettings]):
         self._heed_estop(session, now)
         self._answer_recoveries()
         if snapshot.searched:  # before, silence is all that can be said of who has torque
+            self._tell_of_loss(session, now)
             self._report()
             self._publish_when_due(session, now)
 
@@ -206,6 +210,23 @@ class Dynamixel(Capability[DynamixelSettings]):
     def _tell(self, kind: str, text: str, level: str) -> None:
         """Keep an event for the loop's thread."""
         self._told.put((kind, text, level))
+
+    def _tell_of_loss(self, session: "Session", now: float) -> None:
+        """Tell what becomes of servos that nobody cares for, and when it has."""
+        since, settings = self._mover.lost_since, self.ctx.settings
+        if since is None:
+            self._lost = False
+        elif not self._lost and session.outputs.turning and now - since >= LOST_S:
+            self._lost = True
+            left = f"hold for {max(0.0, settings.hold_s + since - now):.0f} s and are then let go"
+            self.ctx.event(
+                "mover_lost",
+                f"{self._mover.reason}: the servos {left}; a motion or /torque/on keeps them",
+                level="warning",
+            )
+        elif self._lost and not session.outputs.turning:
+            self._lost = False
+            self.ctx.event("let_go", "nobody cared for the servos: they have no torque now", level="warning")
 
     def _report(self) -> None:
         while not self._told.empty():
