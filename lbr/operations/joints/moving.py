@@ -111,11 +111,11 @@ def freeze(state: State) -> State:
 def measured(state: State, name: str) -> float | None:
     """Return where a joint is to be held, so that it does not move: where it is, or the limit that it is just beyond.
 
-    None, which has the driver hold it where it is, if that is not measured, or is far beyond.
+    None, which has the driver hold it where it is, if that was not measured just now, or is far beyond.
     """
     found = position_rad(state, name)
     far = found is None or state.body.beyond_rad(name, found) > MARGIN_RAD
-    return None if found is None or far else state.body.within(name, found)
+    return None if found is None or far or not _age_s(state, name) <= FRESH_S else state.body.within(name, found)
 
 
 def held_again(state: State) -> State:
@@ -150,11 +150,11 @@ def _arrival(state: State, move: Move, targets: dict[str, float], now: float) ->
 
 
 def _here_rad(state: State, name: str, *, moved: bool) -> float | None:
-    """Return where a joint is held; while it moves only the driver knows that if it was not measured just now."""
-    here, goal = measured(state, name), state.goals.get(name)
-    if here is None or (moved and not _age_s(state, name) <= FRESH_S):
-        return None
-    return goal if not moved and goal is not None and abs(goal - here) <= state.settings.tolerance_rad else here
+    """Return where a joint is held: where it should be, if nobody moves it and it is there; else where it is."""
+    found, goal = position_rad(state, name), state.goals.get(name)
+    if moved or found is None or goal is None or abs(goal - found) > state.settings.tolerance_rad:
+        return measured(state, name)
+    return goal
 
 
 def _age_s(state: State, name: str) -> float:

@@ -55,6 +55,7 @@ class Servos:
         self.stuck = set()
         self.powerless = {}
         self.unread = False
+        self.ages_s = {}
         self.phase = "released"
         self.armed, self.reason, self.estop = True, "", False
         self.sweep = 0
@@ -96,7 +97,7 @@ class Servos:
             position_rad=self.at[servo],
             torque=0.0 if servo in self.powerless else self.torque[servo],
             latched=self.latched.get(servo, ()),
-            age_s=0.0,
+            age_s=self.ages_s.get(servo, 0.0),
             reason=self.powerless.get(servo, ""),
         )
 

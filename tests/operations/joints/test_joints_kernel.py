@@ -249,6 +249,20 @@ def test_a_stop_leaves_it_to_the_driver_where_a_joint_is_that_was_not_measured_j
     assert bench.goals["right_knee"] == 0.0
 
 
+def test_a_joint_whose_measure_is_old_is_not_taken_back_there_after_a_stop(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    bench.run(0.25, reply.lease)
+    bench.servos.ages_s = {14: 0.2}
+    bench.hear()
+    bench.stop()
+    bench.run(0.1)
+    assert bench.goals["left_knee"] is None
+    bench.push("left_knee", -0.4)
+    bench.servos.ages_s = {}
+    bench.run(0.02)
+    assert bench.goals["left_knee"] == pytest.approx(-0.4)
+
+
 def test_a_joint_that_was_pushed_far_beyond_its_limits_stays_and_may_be_brought_back(bench):
     bench.servos.stuck = {14}
     bench.push("left_knee", 0.6)
