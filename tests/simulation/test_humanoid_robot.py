@@ -14,7 +14,7 @@ def test_a_command_raises_an_arm_of_a_robot_that_stands_by_itself(tmp_path):
     others = f"UPDATE capability SET enabled = 0 WHERE robot = 'bioloid' AND name NOT IN {NEEDED}"
     home = prepare(tmp_path / "home", edits=(others,))
     with running(home, profile="bioloid-sim") as robot:
-        assert robot.line("/torque/on")["code"] == 0
+        until(lambda: robot.line("/torque/on")["code"] == 0, what="the servos are known")
         until(lambda: not robot.ask("world/pose")["held"], what="the hand lets go")
         lease = ""
 

@@ -19,11 +19,11 @@ def bench(tmp_path):
 def test_a_thing_that_is_placed_is_seen_until_it_is_removed(bench):
     call = bench.ask("place", PlaceRequest(x_m=1.2, y_m=0.0))
     assert call.answer.things == ("obstacle",)
-    assert bench.until(lambda: (bench.world._loop.ranges_m["forward"] or 9.0) < 1.2)
+    assert bench.until(lambda: (bench.world._physics.ranges_m["forward"] or 9.0) < 1.2)
     assert bench.until(lambda: [wall.name for wall in bench.ctx.published["scene"][-1].walls] == ["obstacle"])
     assert bench.ctx.events[-1] == ("world_changed", "'obstacle' stands in the world")
     assert bench.ask("remove", RemoveRequest()).answer.things == ()
-    assert bench.until(lambda: bench.world._loop.ranges_m["forward"] is None)
+    assert bench.until(lambda: bench.world._physics.ranges_m["forward"] is None)
 
 
 @pytest.mark.parametrize(
