@@ -72,10 +72,10 @@ class Pico(Capability[PicoSettings]):
     def _tell(self, state: UpsState) -> None:
         self._publish(state)
         trouble = state.reason
-        if trouble:
-            self._notices.tell("ups", f"device '{self.ctx.settings.device}': {trouble}")
         if bool(trouble) != bool(self._trouble):
-            self.ctx.warn(trouble) if trouble else self.ctx.ready()
+            self.ctx.warn(f"device '{self.ctx.settings.device}': {trouble}") if trouble else self.ctx.ready()
+        elif trouble not in {"", self._trouble}:
+            self._notices.tell("ups", f"device '{self.ctx.settings.device}': {trouble}")
         self._trouble = trouble
 
     def _publish(self, state: UpsState) -> None:
