@@ -10,6 +10,7 @@ from msgspec import Struct
 
 from lbr.console.printable import listed, shown
 from lbr.errors import InputError
+from lbr.messages.units import NAME_PATTERN
 
 Schema = Mapping[str, Any]
 MessageType = type[Struct] | Schema
@@ -31,6 +32,7 @@ _UNITS = {
     "hz": "Hz",
     "percent": "percent",
 }
+_PATTERNS = {NAME_PATTERN: "is no name: those are of lower-case letters, digits and _, a letter first"}
 _FLAGS = {"true": True, "yes": True, "1": True, "on": True, "false": False, "no": False, "0": False, "off": False}
 
 
@@ -126,7 +128,8 @@ class Field(Struct, frozen=True):
             raise InputError(f"{self.word} is too short; at least {self.schema['minLength']} characters")
         pattern = self.schema.get("pattern")
         if pattern is not None and not re.search(pattern, text):
-            raise InputError(f"{self.word} '{shown(text)}' does not fit the pattern {shown(pattern)}")
+            why = _PATTERNS.get(pattern, f"does not fit the pattern {shown(pattern)}")
+            raise InputError(f"{self.word} '{shown(text)}' {why}")
         return text
 
 

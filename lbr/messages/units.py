@@ -12,7 +12,8 @@ AngleDeg = Annotated[
 RangeCm = Annotated[float, Meta(ge=0.0, le=769.0, description="centimetres; 0 sets no range")]
 IntervalS = Annotated[float, Meta(ge=0.0, le=3600.0, description="seconds; 0 sets no time")]
 TtlS = Annotated[float, Meta(gt=0.0, le=1.0, description="seconds a command lives unless it is renewed")]
-Name = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
+NAME_PATTERN = "^[a-z][a-z0-9_]*$"
+Name = Annotated[str, Meta(pattern=NAME_PATTERN, max_length=40)]
 Vector = tuple[float, float, float]
 """Along x, y and z."""
 Quaternion = tuple[float, float, float, float]
