@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -244,30 +244,38 @@ class ProcessContext:
         """Say that it does not work as it should."""
         self._reporter.phase("degraded", reason)
 
-    def calls(self) -> list[Call]:
-        """Return the commands that wait; malformed ones are refused here."""
+    def calls(self) -> Iterator[Call]:
+        """Yield the commands that wait; malformed ones are refused here.
+
+        What moves hears of a stop before each of them: it knows by their dates what came before that, and begins none.
+        """
         self.estop.serve()
-        calls: list[Call] = []
-        for name, (served, decoder) in self._commands.items():
+        overtaken = self._kind.moves and STOP in self._commands
+        for name, (served, _) in self._commands.items():
             if served.dropped > self._dropped.get(name, 0):
                 self._dropped[name] = served.dropped
                 self._refused(served.key, f"too many commands at once on {served.key}; {served.dropped} were dropped")
             for request in served.take():
-                call = BusCall(
-                    name,
-                    None,
-                    request,
-                    self.name,
-                    lambda who, why: self._refused(who, f"{who}: {why}"),
-                    away=bool(self.config.host),
-                )
-                try:
-                    call.message = _read(name, request.payload, decoder)
-                except MalformedError as err:
-                    call.refuse(f"malformed command: {err}")
-                    continue
-                calls.append(call)
-        return calls
+                if overtaken and name != STOP:
+                    yield from (call for stop in self._commands[STOP][0].take() for call in self._call(STOP, stop))
+                yield from self._call(name, request)
+
+    def _call(self, name: str, request: wire.Request) -> list[Call]:
+        """Return what is asked for, or refuse it."""
+        call = BusCall(
+            name,
+            None,
+            request,
+            self.name,
+            lambda who, why: self._refused(who, f"{who}: {why}"),
+            away=bool(self.config.host),
+        )
+        try:
+            call.message = _read(name, request.payload, self._commands[name][1])
+        except MalformedError as err:
+            call.refuse(f"malformed command: {err}")
+            return []
+        return [call]
 
     def counts(self) -> dict[str, int]:
         """Return how many messages each output has published."""

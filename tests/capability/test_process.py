@@ -18,6 +18,8 @@ from tests.robot import until
 
 PROBE = """
     import sys
+    import time
+    from pathlib import Path
     from msgspec import Struct
     from lbr.capability import Capability, Kind
     from lbr.errors import DeviceError
@@ -44,6 +46,7 @@ PROBE = """
             if self.ctx.settings.device_there and not __import__("os").path.exists(self.ctx.settings.device_there):
                 raise DeviceError("device 'x' is missing; plug it in")
             self.n = 0
+            self.heard = []
 
         def step(self):
             for received in self.ctx.take("setpoint"):
@@ -53,12 +56,17 @@ PROBE = """
                 self.ctx.estop.acknowledge(stopped=True)
 
         def command(self, call):
-            call.reply(CommandReply(accepted=True, reason=call.message.what))
-            {"raise": self.boom, "exit": lambda: sys.exit(0), "recurse": self.recurse, "hang": self.hang,
+            call.reply(CommandReply(accepted=True, reason=" ".join((*self.heard, call.message.what))))
+            self.heard.append(call.message.what)
+            {"raise": self.boom, "wait": self.wait, "exit": lambda: sys.exit(0), "recurse": self.recurse, "hang": self.hang,
              "memory": lambda: bytearray(1 << 60)}.get(call.message.what, lambda: None)()
 
         def boom(self):
             raise ValueError("out of cheese")
+
+        def wait(self):
+            while not Path(self.ctx.home, "go on").exists():
+                time.sleep(0.001)
 
         def recurse(self):
             self.recurse()
@@ -69,7 +77,7 @@ PROBE = """
 
 
     KIND = Kind(name="probe", summary="", family="app", entry=Probe, settings=Settings, moves=True,
-                setpoints={"setpoint": MotorSetpoint}, outputs={"count": Count}, commands={"do": Do})
+                setpoints={"setpoint": MotorSetpoint}, outputs={"count": Count}, commands={"do": Do, "stop": Do})
 """
 KEY = "5e" * 32
 NOT_ENGAGED = EstopState(engaged=False, reason="")
@@ -160,6 +168,18 @@ def test_commands_are_answered_and_malformed_ones_refused_in_one_line(stage):
     huge = json.dumps({"what": "x" * 70_000}).encode()
     reply = json.loads(next(iter(stage.bus.get("r/probe/do", payload=huge))).ok.payload.to_bytes())
     assert "65536 bytes" in reply["reason"]
+
+
+def test_a_stop_is_heard_before_the_commands_that_still_wait(stage):
+    stage.start().ready()
+    for what in ("wait", "a", "b"):
+        wire.put(stage.bus, "r/probe/do", {"what": what}, source="test")
+    wire.put(stage.bus, "r/probe/stop", {"what": "stop"}, source="test")
+    stage.ask("r/probe/count")  # answered by another thread: all of it has come in
+    (stage.home / "go on").touch()
+    heard = stage.ask("r/probe/do", {"what": "c"})["reason"]
+    assert heard.split().index("stop") < heard.split().index("a")
+    assert heard.replace("stop ", "") == "wait a b c"
 
 
 def test_a_wildcard_get_executes_no_command(stage):
