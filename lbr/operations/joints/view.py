@@ -40,8 +40,7 @@ def _passed(move: Move | None) -> int:
 def _joint(state: State, joint: Joint, now: float) -> JointState:
     servo = state.seen.get(joint.name)
     if servo is None:
-        heard = "the servo driver does not know it" if state.servos else state.servos_gone
-        return JointState(id=joint.device_id, reason=heard)
+        return JointState(id=joint.device_id, reason=_unheard(state))
     return JointState(
         id=servo.id,
         position_rad=_angle(joint, servo.position_rad),
@@ -57,6 +56,12 @@ def _joint(state: State, joint: Joint, now: float) -> JointState:
         age_s=_age_s(state, servo, now),
         reason=servo.reason,
     )
+
+
+def _unheard(state: State) -> str:
+    if state.servos is None:
+        return state.servos_gone
+    return "the servo driver does not know it" if state.servos.armed else "the servos are not armed"
 
 
 def _angle(joint: Joint, servo_rad: float | None) -> float | None:

@@ -351,6 +351,9 @@ def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench):
     )
     bench.run(0.1)
     assert bench.command(SLOW).reason == "the servos are not armed: the cable is out"
+    assert {joint.reason for joint in joints_state(bench.state, bench.now).joints.values()} == {
+        "the servos are not armed"
+    }
     bench.servos.state = sweep
     bench.run(0.1)
     assert set(bench.goals) == set(NAMES)
