@@ -459,6 +459,19 @@ def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_lets_them
     assert len(limits) > 2
 
 
+def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain):
+    process = driving(chain, 0.5)
+    silent = {2, 3}
+    chain.answer = lambda request, _usual: b"" if request[2] in silent else None
+    process.kill()
+    until(lambda: chain.servos[1].goal == 540, 5.0)
+    assert chain.servos[2].goal == 512
+    silent.remove(2)
+    until(lambda: chain.servos[2].goal == 540, 5.0)
+    until(lambda: not any(servo.torque for servo in chain.servos.values()), 5.0)
+    process.wait(5.0)
+
+
 def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain):
     process = driving(chain, 60.0)
     process.kill()

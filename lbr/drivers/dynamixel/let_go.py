@@ -8,7 +8,8 @@ import fcntl
 import sys
 import termios
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections import deque
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 
 from lbr.drivers.dynamixel import table
@@ -41,47 +42,52 @@ class LastMover:
         self._servos = servos
         self._sleep = sleep
         self._clock = clock
+        self._limits: dict[int, int] = {}
+        self._unheard = deque(servos)
 
     def act(self, hold_s: float, release_s: float) -> None:
         """Return when nothing has torque any more, or another driver took the line."""
         with suppress(OSError, termios.error):
             fcntl.ioctl(self._tty, termios.TIOCNXCL)
         with suppress(TakenError, OSError, termios.error):
-            limits = self._hold()
-            if limits:
+            with self._line():
+                self._hold(len(self._unheard))
+            if self._limits or 0 < len(self._unheard) < len(self._servos):
                 self._wait(hold_s)
-                self._fade(limits, release_s)
+                self._fade(release_s)
 
-    def _hold(self) -> dict[int, int]:
-        """Give each servo with torque the place where it is for its goal; return their torque limits."""
-        limits, goals = {}, {}
-        with self._line():
-            for servo in self._servos:
-                status = self._bus.read(servo, table.TORQUE_ENABLE.address, 20, tries=1)
-                if status is not None and table.TORQUE_ENABLE.decode(status.params, 24):
-                    limits[servo] = table.TORQUE_LIMIT.decode(status.params, 24)
-                    goals[servo] = status.params[12:14]
-            self._bus.write_all(table.GOAL_POSITION.address, goals)
-        return limits
+    def _hold(self, most: int) -> None:
+        """Give so many servos that were not heard yet, if they have torque, the place where they are for their goal."""
+        goals = {}
+        for servo in [self._unheard.popleft() for _ in range(min(most, len(self._unheard)))]:
+            status = self._bus.read(servo, table.TORQUE_ENABLE.address, 20, tries=1)
+            if status is None:
+                self._unheard.append(servo)
+            elif table.TORQUE_ENABLE.decode(status.params, 24):
+                self._limits[servo] = table.TORQUE_LIMIT.decode(status.params, 24)
+                goals[servo] = status.params[12:14]
+        self._bus.write_all(table.GOAL_POSITION.address, goals)
 
     def _wait(self, hold_s: float) -> None:
         until = self._clock() + hold_s
         while (left_s := until - self._clock()) > 0.0:
             with self._line():
                 self._bus.leftover()  # notices a line that is gone
+                self._hold(1)
             self._sleep(min(STEP_S, left_s))
 
-    def _fade(self, limits: Mapping[int, int], release_s: float) -> None:
+    def _fade(self, release_s: float) -> None:
+        """Take the torque away slowly; at once from who was not heard in all that time, but hears perhaps."""
         began = self._clock()
         while (strength := 1.0 - (self._clock() - began) / release_s) > 0.0:
-            faded = {servo: max(1, round(limit * strength)) for servo, limit in limits.items() if limit}
+            faded = {servo: max(1, round(limit * strength)) for servo, limit in self._limits.items() if limit}
             with self._line():
                 blocks = {servo: table.TORQUE_LIMIT.encode(limit) for servo, limit in faded.items()}
                 self._bus.write_all(table.TORQUE_LIMIT.address, blocks)
             self._sleep(STEP_S)
         for _ in range(SURE):
             with self._line():
-                self._bus.write_all(table.TORQUE_ENABLE.address, dict.fromkeys(limits, b"\0"))
+                self._bus.write_all(table.TORQUE_ENABLE.address, dict.fromkeys(self._servos, b"\0"))
             self._sleep(STEP_S / SURE)
 
     @contextmanager
