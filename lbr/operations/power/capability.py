@@ -165,7 +165,7 @@ class Power(Capability[PowerSettings]):
         if answer.trouble:
             self._ask_at = self.ctx.clock() + ASK_AGAIN_S
             if answer.trouble != self._can_trouble:
-                text = f"the computer could not be shut down: {answer.trouble}"
+                text = f"this computer cannot be powered off from here: {answer.trouble}"
                 self.ctx.event("power_off_denied", text, level="warning")
         self._can, self._can_trouble = answer.said or "unknown", answer.trouble
 

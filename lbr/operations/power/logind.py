@@ -71,7 +71,8 @@ def ask(address: str, question: Question, timeout_s: float) -> Answer:
         return Answer(question, trouble=f"logind does not answer within {timeout_s:g} s")
     except Exception as err:  # noqa: BLE001 - the library has many; none may end the process, each is told
         where = address or "the system's D-Bus"
-        return Answer(question, trouble=f"logind cannot be asked at {where}: {err or type(err).__name__}")
+        why = getattr(err, "strerror", "") or err or type(err).__name__
+        return Answer(question, trouble=f"logind cannot be asked at {where}: {why}")
     return said if isinstance(said, Answer) else Answer(question, said, meaning(said) if said else "")
 
 

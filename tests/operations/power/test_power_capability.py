@@ -97,7 +97,7 @@ def test_who_arms_is_told_when_the_computer_may_not_be_powered_off(make, logind,
     assert meaning(said) in answers[0]
     assert (
         "power_off_denied",
-        f"the computer could not be shut down: {meaning(said)}",
+        f"this computer cannot be powered off from here: {meaning(said)}",
         "warning",
     ) in running.ctx.events
     assert running.state.can_power_off == f"{said}: {meaning(said)}"
