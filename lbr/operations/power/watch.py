@@ -117,7 +117,9 @@ def _troubled(watch: Watch, view: View, now: float, settings: PowerSettings) -> 
     watch = replace(watch, view=replace(view, backed=watch.view.backed))
     if now - watch.seen_s < settings.stale_s:
         return watch, ()
-    told: tuple[Told, ...] = () if watch.silent else (Told("supply_unknown", "the voltage is not known" + _unguarded(watch)),)
+    told: tuple[Told, ...] = (
+        () if watch.silent else (Told("supply_unknown", "the voltage is not known" + _unguarded(watch)),)
+    )
     return replace(watch, silent=True, low=None, well=None, wanting=None), told
 
 
