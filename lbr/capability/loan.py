@@ -81,10 +81,10 @@ class Loan:
         self._asked.append(asked)
         return asked
 
-    def release(self, why: str) -> None:
-        """Halt what was borrowed, if it is still ours to halt or may become so."""
+    def release(self, why: str, *, lost: bool = False) -> None:
+        """Halt what was borrowed, if it is still ours to halt or may become so; `lost`: whoever wanted it is gone."""
         if not self.ended:
-            self._halt(why)
+            self._halt(why, lost=lost)
             self.ended = "released"
 
     def _take(self, taking: Asked) -> None:
@@ -118,5 +118,5 @@ class Loan:
             self._halt(why)
         self.ended = self.ended or why.removeprefix(DEAD_LEASE)
 
-    def _halt(self, why: str) -> None:
-        self._ctx.ask(self._lender.halt, StopCommand(reason=why[:LONGEST_REASON]), ANSWER_S)
+    def _halt(self, why: str, *, lost: bool = False) -> None:
+        self._ctx.ask(self._lender.halt, StopCommand(reason=why[:LONGEST_REASON], lost=lost), ANSWER_S)

@@ -13,9 +13,13 @@ DEAD_LEASE = "lease is dead: "
 
 
 class StopCommand(Struct, frozen=True, kw_only=True):
-    """Stop, whoever holds the robot; ends every goal, observer and timer."""
+    """Stop, whoever holds the robot; ends every goal, observer and timer.
+
+    `lost`: whoever wanted the motion is gone. Said by who holds the robot for them, it ends as if its lease had lapsed.
+    """
 
     reason: Annotated[str, Meta(max_length=200)] = ""
+    lost: bool = False
 
 
 class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):

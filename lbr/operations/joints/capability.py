@@ -81,7 +81,9 @@ class Joints(Capability[JointsSettings]):
         self._listen()
         match call.name:
             case "stop":
-                self._decide(Stop(source=call.source, received=call.arrived, reason=call.message.reason), call)
+                asked_for = call.message
+                stop = Stop(source=call.source, received=call.arrived, reason=asked_for.reason, lost=asked_for.lost)
+                self._decide(stop, call)
             case "command":
                 self._decide(_motion(call, call.message), call)
             case "move":

@@ -92,6 +92,8 @@ def stop(holding: Holding[M], event: Stop, now: float) -> Decision[M]:
     """Stand still, whoever says so; what was sent before it begins nothing any more."""
     sent = min(now, event.received)  # this way round, NaN means now
     holding = forget_insisting(replace(holding, stopped=max(holding.stopped, sent)), event.source)
+    if event.lost and holding.hold is not None and holding.hold.source == event.source:
+        return end_all(holding, "lapsed", event.reason or "whoever wanted it is gone", now)
     why = f"stopped by {event.source}" + (f": {event.reason}" if event.reason else "")
     return end_all(holding, "stopped", why, now)
 

@@ -51,11 +51,12 @@ class Ask(Struct, frozen=True, kw_only=True):
 
 
 class Stop(Struct, frozen=True, kw_only=True):
-    """Somebody wants it to stand still."""
+    """Somebody wants it to stand still; `lost` says that whoever wanted the motion is gone, and counts from its holder."""
 
     source: str
     received: float
     reason: str = ""
+    lost: bool = False
 
 
 class EstopChanged(Struct, frozen=True, kw_only=True):

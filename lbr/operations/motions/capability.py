@@ -95,7 +95,8 @@ class Motions(Capability[MotionsSettings]):
         holder = self._state.hold.source if self._state.hold is not None else ""
         alive = bool(holder) and self.ctx.alive(holder)
         if holder and holder == self._alive_holder and not alive:
-            self._decide(Stop(source=holder, received=self.ctx.clock(), reason="its process is gone"))
+            gone = f"the process of {holder} is gone"
+            self._decide(Stop(source=holder, received=self.ctx.clock(), reason=gone, lost=True))
         self._alive_holder = holder if alive else ""
 
     def _play(self, call: Call, command: PlayCommand) -> None:
@@ -164,8 +165,8 @@ class Motions(Capability[MotionsSettings]):
         match output:
             case Send():
                 self._send(output, call)
-            case Halt(why=why):
-                self._follower.halt(why)
+            case Halt(why=why, lost=lost):
+                self._follower.halt(why, lost=lost)
             case LetGo():
                 self._follower.let_go()
 

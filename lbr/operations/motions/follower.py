@@ -65,10 +65,10 @@ class Follower:
         if self._loan is not None:
             self._loan.send(command)
 
-    def halt(self, why: str) -> None:
-        """Hold where the joints are."""
+    def halt(self, why: str, *, lost: bool = False) -> None:
+        """Hold where the joints are; `lost`: whoever wanted them to move is gone."""
         if self._loan is not None:
-            self._loan.release(why)
+            self._loan.release(why, lost=lost)
         self.let_go()
 
     def let_go(self) -> None:

@@ -263,7 +263,8 @@ def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
     playing = ended.hold.motion
     if not ended.held:
         return (_result(ended, now),)
-    joints: Outputs = (LetGo(),) if ended.how == "reached" or playing.lost else (Halt(why=ended.why),)
+    halt = Halt(why=ended.why, lost=ended.how == "lapsed")
+    joints: Outputs = (LetGo(),) if ended.how == "reached" or playing.lost else (halt,)
     joints = () if goes_on else joints
     if playing.asked:
         return (*joints, Answer(message=CommandReply(accepted=False, reason=ended.why)))

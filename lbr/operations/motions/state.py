@@ -88,9 +88,10 @@ class Send(Struct, frozen=True, kw_only=True):
 
 
 class Halt(Struct, frozen=True, kw_only=True):
-    """The joints are to hold where they are."""
+    """The joints are to hold where they are; `lost`: whoever had it played is gone."""
 
     why: str
+    lost: bool = False
 
 
 class LetGo(Struct, frozen=True):

@@ -5,6 +5,7 @@ from joints_bench import DT, NAMES, START, Bench, frame
 
 from lbr.messages.servos import ServosState
 from lbr.operations.joints.view import joints_state
+from lbr.operations.leasing.state import Stop
 
 SLOW = {"left_knee": -1.0}
 
@@ -238,6 +239,15 @@ def test_anybody_stops_every_joint_where_it_was_measured(bench):
     assert bench.setpoint.halt > halts
     assert not bench.setpoint.lost
     assert last(bench) == ("stopped", "stopped by phone: test")
+
+
+@pytest.mark.parametrize(("source", "how"), [("console", "lapsed"), ("phone", "stopped")])
+def test_who_holds_the_joints_for_others_may_say_that_these_are_lost(bench, source, how):
+    bench.command(SLOW)
+    bench.give(Stop(source=source, received=bench.now, reason="test", lost=True))
+    assert last(bench)[0] == how
+    assert bench.setpoint.lost == (how == "lapsed")
+    assert bench.stop().accepted
 
 
 def test_a_stop_leaves_it_to_the_driver_where_a_joint_is_that_was_not_measured_just_now(bench):

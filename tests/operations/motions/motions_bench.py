@@ -59,6 +59,7 @@ class FakeJoints:
         self.frames: list[KeyFrame] = []
         self.commands: list[Any] = []
         self.halts: list[str] = []
+        self.lost = False
         self.results: list[GoalResult] = []
         self.stopped_s: float | None = None
         self._numbers = count(1)
@@ -86,6 +87,7 @@ class FakeJoints:
 
     def halt(self, message):
         self.halts.append(message.reason)
+        self.lost = message.lost
         if self.holder:
             self.end("stopped", f"stopped by motions: {message.reason}")
         return CommandReply(accepted=True, reason="stopped")

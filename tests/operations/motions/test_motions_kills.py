@@ -129,13 +129,13 @@ def test_a_motion_is_played_to_its_end_and_what_the_joints_reached_they_hold(rob
     assert stays(robot)
 
 
-def test_a_killed_player_stops_the_motion_and_the_joints_hold(robot, player):
+def test_a_killed_player_stops_the_motion_and_its_servos_are_left_to_the_driver(robot, player):
     halts = robot.ask("servos/state")["halt"]
     player.kill()
     soon(lambda: robot.ask("servos/state")["halt"] > halts)
     assert stays(robot)
     assert "lapsed" in newest_result(robot)
-    assert phase(robot) == "following"  # nobody is lost who had the joints: they hold for as long as there is power
+    assert phase(robot) == "holding"
     assert idle(robot)
 
 

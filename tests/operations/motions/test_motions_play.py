@@ -79,6 +79,7 @@ def test_the_player_that_renews_no_more_stops_the_motion(stage, world):
     (result,) = world.said("result")
     assert result.result == "lapsed"
     assert world.body.halts == ["it lapsed, not renewed within 0.3 s"]
+    assert world.body.lost
     late = stage.play("wave", lease=call.answer.lease)
     assert late.answer.reason == "lease is dead: it lapsed, not renewed within 0.3 s"
     stage.run(0.5)
@@ -192,7 +193,8 @@ def test_a_player_whose_process_dies_stops_at_once(stage, world):
     stage.begun("wave", source="power", ttl_s=1.0)
     world.living.discard("power")
     stage.run(0.1)
-    assert world.said("result")[0].reason == "stopped by power: its process is gone"
+    assert world.said("result")[0].reason == "the process of power is gone"
+    assert world.body.lost
     assert world.body.holder == ""
 
 
