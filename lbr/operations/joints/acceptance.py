@@ -6,7 +6,8 @@ from math import isfinite
 
 from msgspec.structs import replace
 
-from lbr.messages.joints import JointsCommand
+from lbr.messages.joints import MAX_FRAMES, JointsCommand
+from lbr.operations.joints import moving
 from lbr.operations.joints.asked import Asked, asked, empty
 from lbr.operations.joints.state import Command, State, joint_trouble, servos_trouble
 from lbr.operations.leasing import acceptance
@@ -75,11 +76,17 @@ def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
 
 
 def _order(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
-    """What is appended follows something."""
+    """What is appended follows something, and is not more than can be planned without being late."""
     del now
     hold = state.holding.hold
-    follows = hold is not None and ask.lease == hold.lease
-    return "" if follows or not command.append else "append follows a motion under way: quote its lease"
+    if not command.append:
+        return ""
+    if hold is None or ask.lease != hold.lease:
+        return "append follows a motion under way: quote its lease"
+    ahead = moving.frames_ahead(hold.motion)
+    if ahead + len(command.frames) > MAX_FRAMES:
+        return f"{ahead} key frames lie ahead, and {MAX_FRAMES} may: append more when some of them are passed"
+    return ""
 
 
 def _rest(state: State, command: JointsCommand, ask: Ask, now: float) -> str:

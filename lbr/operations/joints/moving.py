@@ -42,6 +42,12 @@ def append(state: State, move: Move, command: JointsCommand) -> Move:
     return replace(move, trajectory=planned, elapsed_s=0.0, passed=move.passed + behind, arrived=nan)
 
 
+def frames_ahead(move: Move) -> int:
+    """Return how many key frames it has still before it."""
+    way = move.trajectory
+    return 0 if way is None else len(way.times_s) - 1 - trajectory.passed(way, move.elapsed_s)
+
+
 def note(state: State, move: Move, command: JointsCommand) -> str:
     """Return what the asker should know: that it takes longer than asked for, and because of which joint."""
     way = move.trajectory

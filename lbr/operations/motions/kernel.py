@@ -3,7 +3,7 @@
 from msgspec.structs import replace
 
 from lbr.messages.drive import GoalResult
-from lbr.messages.joints import MotionsState
+from lbr.messages.joints import MAX_FRAMES, MotionsState
 from lbr.messages.leases import CommandReply
 from lbr.operations.leasing import acceptance, ending, holding
 from lbr.operations.leasing.state import Ended, Ending, EstopChanged, Happened, Hold, Stop, confirmed
@@ -31,6 +31,8 @@ ANSWER_S = 1.5
 """So long a motion waits for joints operation to answer; its own lease counts from then on."""
 AHEAD_S = 4.0
 """How much of a motion is to lie ahead of the joints: enough for any pause of this process, little enough to compute."""
+AHEAD_FRAMES = MAX_FRAMES // 2
+"""And no more than that, however short they are: the joints take no more than `MAX_FRAMES`."""
 GRACE_S = 0.2
 """How a goal of the joints ended may be heard a little later than that its lease is dead."""
 BUT = ", but "
@@ -235,7 +237,8 @@ def _feed(state: State, now: float) -> Decision:
     if hold is None or hold.motion.asked or hold.motion.lost or not now < hold.expires:
         return state, ()
     playing = hold.motion
-    if playing.sent >= playing.programme.length or _ahead_s(playing) >= AHEAD_S:
+    enough = _ahead_s(playing) >= AHEAD_S or playing.sent - playing.passed > AHEAD_FRAMES
+    if playing.sent >= playing.programme.length or enough:
         return state, ()
     frames = playing.programme.portion(playing.sent)
     more = Send(frames=frames, append=True, mirror=playing.programme.mirror)

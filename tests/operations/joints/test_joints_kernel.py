@@ -228,6 +228,15 @@ def test_a_holder_whose_process_is_gone_is_lost(bench):
     assert bench.setpoint.lost
 
 
+def test_no_more_is_appended_than_can_be_planned_without_being_late(bench):
+    many = tuple(frame(0.01, left_knee=-0.01 * (at % 2)) for at in range(600))
+    lease = bench.command(frames=many).lease
+    bench.run(0.05, lease)
+    refused = bench.command(frames=many, append=True, lease=lease)
+    assert "key frames lie ahead, and 1000 may" in refused.reason
+    assert bench.command(frames=many[:100], append=True, lease=lease).accepted
+
+
 def test_anybody_stops_every_joint_where_it_was_measured(bench):
     bench.command(SLOW, duration_s=2.0)
     bench.run(0.25)
