@@ -18,7 +18,8 @@ STANDARD_GRAVITY_MPS2 = 9.80665
 MAG_MS = 8
 ZEROING_MS = 2000
 _LONGEST_LINE = 200
-_LATEST_MS = 200.0
+_LATEST_MS = 80.0
+"""What is later is lost: after a halt of the world more of the same feeling would look like a frozen unit."""
 _JUMP_DPS = 400.0
 
 

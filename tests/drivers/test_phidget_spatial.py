@@ -13,12 +13,14 @@ from peers import FakeContext
 
 from lbr.capability.context import Device
 from lbr.drivers.phidget_spatial import KIND
+from lbr.drivers.phidget_spatial.capability import MOST_ALIKE
 from lbr.drivers.phidget_spatial.emulated import EmulatedSpatial
 from lbr.drivers.phidget_spatial.library import Spatial, find
 from lbr.drivers.phidget_spatial.readings import DeviceClock, Reading, sample, scaled
 from lbr.errors import DeviceError
 from lbr.messages.imu import ZeroCommand
 from lbr.simulation.measured import ImuReading
+from lbr.simulation.phidget_spatial import RECORD, PhidgetSpatial
 from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.phidget_spatial import PhidgetSpatialTwin
 
@@ -160,6 +162,12 @@ def test_a_unit_that_is_gone_or_silent_is_opened_anew(imu, ctx, world, fault, sa
             imu.close()
     ctx.published.clear()
     assert samples(imu, ctx, lambda one: one.valid)
+
+
+def test_a_world_that_halts_for_a_moment_looks_like_no_frozen_unit():
+    unit = PhidgetSpatial(now=0.0)
+    unit.hear(b'{"interval_ms": 4}\n', 0.0)
+    assert 0 < len(unit.records(5.0)) // RECORD.size < MOST_ALIKE
 
 
 def test_the_gyro_is_zeroed_only_while_it_lies_still(imu, ctx, world):
