@@ -12,6 +12,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from struct import Struct
 from types import TracebackType
 from typing import Self
@@ -56,7 +57,7 @@ class Counts:
 class Bus:
     """One servo bus. Lost answers are None, `trouble` then says why; a line that is gone is a DeviceError.
 
-    `urgent` is asked while the bus waits although the wire is free, and between tries: the rest is left undone then,
+    `written_all` counts what was written to several servos at once. `urgent` is asked while the bus waits although the wire is free, and between tries: the rest is left undone then,
     and `cut_short` tells.
     """
 
@@ -73,6 +74,7 @@ class Bus:
         self.trouble = ""
         self.refused = 0
         self.cut_short = False
+        self.written_all = 0
         self.echo = False
         self.adapter: int | None = None
         self._line = line
@@ -92,9 +94,11 @@ class Bus:
             return self.read(servo, 0, 1)
         return _status(answer)
 
-    def read(self, servo: int, address: int, count: int, *, tries: int | None = None) -> Status | None:
-        """Return `count` bytes of a servo's control table."""
-        return _status(self.ask(self._question(servo, packet.read(servo, address, count), count), tries))
+    def read(
+        self, servo: int, address: int, count: int, *, tries: int | None = None, until: float = inf
+    ) -> Status | None:
+        """Return `count` bytes of a servo's control table; `until` cuts the patience with a late answer short."""
+        return _status(self.ask(self._question(servo, packet.read(servo, address, count), count), tries, until))
 
     def get(self, servo: int, register: Register) -> int | None:
         """Return the value of a register."""
@@ -115,6 +119,7 @@ class Bus:
         if blocks:
             for request in packet.sync_write(address, blocks):
                 self._line.send(request)
+            self.written_all += 1
 
     def read_motion(self, servo: int) -> Motion | None:
         """Return position, speed and load of one servo."""
@@ -171,7 +176,7 @@ class Bus:
         data = self._line.receive(QUIET_S)
         return StatusParser().feed(data) if data else []
 
-    def ask(self, question: Question, tries: int | None = None) -> bytes | None:
+    def ask(self, question: Question, tries: int | None = None, until: float = inf) -> bytes | None:
         """Send a request and return the whole packet that answers it, tried again as often as agreed."""
         line = self._line
         self.cut_short = False
@@ -180,7 +185,7 @@ class Bus:
             if self._wary_until:
                 self._settle(question)
             line.send(question.request)
-            data = line.receive(question.busy_s) or self._patience(question.within_s - question.busy_s)
+            data = line.receive(question.busy_s) or self._patience(question.within_s - question.busy_s, until)
             if (
                 len(data) == question.size
                 and data.startswith(question.head)
@@ -189,7 +194,7 @@ class Bus:
                 and data != question.request
             ):
                 return data
-            found = self._sift(data, question)
+            found = self._sift(data, question, until)
             if found is not None:
                 return found
             if self._urgent():
@@ -215,9 +220,9 @@ class Bus:
         busy_s = self._line.busy_s(len(request), size)
         return Question(servo, request, head, size, busy_s, busy_s + self._line.margin_s)
 
-    def _sift(self, data: bytes, question: Question) -> bytes | None:
+    def _sift(self, data: bytes, question: Question, until: float) -> bytes | None:
         """Find the answer in what comes until its time is over; judge what else there was."""
-        until = self._clock() + question.within_s
+        until = min(until, self._clock() + question.within_s)
         while True:
             rest = self._without_echo(data, question)
             found = packet_in(rest, question)
@@ -235,9 +240,9 @@ class Bus:
         self._lose(rest, question)
         return None
 
-    def _patience(self, wait_s: float) -> bytes:
+    def _patience(self, wait_s: float, until: float = inf) -> bytes:
         """Return what comes in that time; not a moment longer when something is urgent."""
-        until = self._clock() + wait_s
+        until = min(until, self._clock() + wait_s)
         while (left_s := until - self._clock()) > 0.0 and not self._urgent():
             data = self._line.receive(min(LISTEN_SLICE_S, left_s))
             if data:

@@ -73,6 +73,7 @@ class Owner:
                     wait_s = self._background(self._bus)
                 else:
                     self._do(*taken)
+                    wait_s = 0.0
         except Exception as err:  # noqa: BLE001  whoever owns this thread raises it in its own
             self._fail(err)
 

@@ -18,6 +18,11 @@ MISSES = 4
 """So many sweeps in a row without an answer make a servo silent."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
+WAITING_SHARE = 0.1
+"""A sweep begins right after goals were written, so that they do not get into each other's way; it waits so long for them."""
+HASTY_S = 0.003
+HASTY_LOSSES = 4
+"""An answer that would hold up the next sweep is not waited for, unless all are so late: so many in a row."""
 WRITING_S = 0.02
 """A servo is deaf for so long after it was given two bytes to keep without power (datasheet: 9 ms each at worst)."""
 UNSEEN = "was not looked for yet"
@@ -106,6 +111,8 @@ class Sweeper:
         self._due = -inf
         self._began = 0.0
         self._sync_failures = 0
+        self._hasty_losses = 0
+        self._written = 0
         self._counted_at = -inf
         self._counted = (0, 0)
         self._states = 0
@@ -124,10 +131,11 @@ class Sweeper:
         for _ in self._turns:
             return 0.0
         now = self._clock()
-        if now < self._due:
+        follows = bus.written_all != self._written and self._due - now < self._period_s / 2
+        if now < self._due and not follows:
             return self._due - now
-        self._due = max(self._due + self._period_s, now)
-        self._began = now
+        self._due = now + self._period_s * (1.0 + WAITING_SHARE) if follows else max(self._due + self._period_s, now)
+        self._began, self._written = now, bus.written_all
         self._turns = self._sweep(bus)
         next(self._turns, None)
         return 0.0
@@ -150,6 +158,8 @@ class Sweeper:
         for servo in self._overdue():
             self._seek(bus, servo)
             yield
+        if bus.written_all != self._written:
+            self._written, self._due = bus.written_all, self._due + self._period_s * WAITING_SHARE
         self._finish()
 
     def _read_together(self, bus: Bus, present: list[_Servo]) -> None:
@@ -175,12 +185,17 @@ class Sweeper:
             self._note(servo, motion, bus.trouble)
 
     def _read_slow(self, bus: Bus, servo: _Servo) -> None:
-        status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES, tries=1)
+        hasty = self._hasty_losses < HASTY_LOSSES
+        until = max(self._due, self._clock() + HASTY_S) if hasty else inf
+        status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES, tries=1, until=until)
         if bus.cut_short:
             return
         if status is None:
+            self._hasty_losses += hasty
             self._note(servo, None, bus.trouble)
             return
+        if hasty:
+            self._hasty_losses = 0
         value = {register: register.decode(status.params, SLOW_ADDRESS) for register in _SLOW_REGISTERS}
         slow = Slow(
             at=self._clock(),

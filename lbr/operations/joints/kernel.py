@@ -83,7 +83,7 @@ def _begin(state: State, event: Command, ask: Ask, now: float) -> Decision:
 
 
 def _change(state: State, event: Command, ask: Ask, now: float) -> Decision:
-    """Move otherwise under the same lease; what is appended goes on under the same goal."""
+    """Move otherwise under the same lease, from the next setpoint on; what is appended goes on under the same goal."""
     state, command = moving.advance(state, now), command_of(ask)
     move = state.move
     assert move is not None
@@ -94,7 +94,7 @@ def _change(state: State, event: Command, ask: Ask, now: float) -> Decision:
         other = moving.instead(move, moving.begin(state, command, event.new_goal, now))
         held, said = holding.change(state.holding, ask, other, now)
     state, outputs = take(state, (held, said), now)
-    return state, (*outputs, _yes(state, ask), *setpoint(state))
+    return state, (*outputs, _yes(state, ask))
 
 
 def _yes(state: State, ask: Ask) -> Reply:
