@@ -12,6 +12,8 @@ from lbr.operations.leasing.state import Happened
 
 UNREAD_S = 3.0
 """A driver that has not said by then whether a servo has torque never does."""
+SILENT_S = 1.0
+"""So long one that is silent may take to be heard: if its torque was not known of, it would be taken away."""
 SWITCHING_S = 1.0
 """So long a servo may take to have the torque that it was given."""
 
@@ -59,8 +61,9 @@ def _adopted(state: State, now: float) -> State:
     """
     if state.adopted or not _known(state, now):
         return state
-    unread = any(servo.torque is None and not servo.reason for servo in state.seen.values())
-    if unread and now - state.heard < UNREAD_S:
+    unread = [servo for servo in state.seen.values() if servo.torque is None]
+    asked = any(not servo.reason for servo in unread)
+    if now - state.heard < (UNREAD_S if asked else SILENT_S if unread and not state.begun else 0.0):
         return state
     on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))
     goals = {name: moving.measured(state, name) for name in on}

@@ -51,6 +51,7 @@ def _refusal(state: State, event: Torque, now: float) -> str:
         _form(state, event, now),
         _holder(state, event),
         _rest(state, event, now) if command.on else "",
+        _known(state, now),
     )
     return next((why for why in links if why), "")
 
@@ -87,6 +88,11 @@ def _rest(state: State, event: Torque, now: float) -> str:
     if not event.received > held.stopped:
         return "a stop came after this command"
     return servos_trouble(state, now)
+
+
+def _known(state: State, now: float) -> str:
+    """Until it is known which servos have torque, nothing is told to any."""
+    return "" if state.adopted else servos_trouble(state, now) or "servos are still being looked for; say it again"
 
 
 def _not_to_be_held(state: State, name: str, now: float) -> str:

@@ -361,6 +361,23 @@ def test_a_driver_that_has_just_begun_is_not_believed_before_it_knows_which_serv
     assert bench.goals["left_knee"] is None
 
 
+def test_a_servo_that_is_heard_a_little_later_than_the_others_is_not_let_go_by_a_process_that_begins(bench):
+    bench.servos.missing = {14}
+    bench.restart()
+    bench.run(0.5)
+    assert bench.setpoint is None
+    for on in (True, False):
+        assert "still being looked for" in bench.torque("left_knee", on=on).reason
+    bench.servos.missing = set()
+    bench.run(0.05)
+    assert set(bench.goals) == set(NAMES)
+    assert bench.setpoint.lost
+    bench.servos.missing = {14}
+    bench.restart()
+    bench.run(1.1)
+    assert set(bench.goals) == set(NAMES) - {"left_knee"}
+
+
 def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench):
     sweep, bench.servos.state = (
         bench.servos.state,
@@ -535,7 +552,7 @@ def test_a_joint_that_cannot_be_held_stays_without_torque(joints, more, said):
     bench = Bench()
     bench.push("left_knee", -2.3)
     bench.servos.latched, bench.servos.missing = {13: ("overload",)}, {20}
-    bench.run(0.05)
+    bench.run(1.1)
     reply = bench.torque(*joints, on=True, **more)
     assert not reply.accepted
     assert reply.reason.startswith(said)
