@@ -81,9 +81,7 @@ class Joints(Capability[JointsSettings]):
         self._listen()
         match call.name:
             case "stop":
-                asked_for = call.message
-                stop = Stop(source=call.source, received=call.arrived, reason=asked_for.reason, lost=asked_for.lost)
-                self._decide(stop, call)
+                self._decide(_stop(call), call)
             case "command":
                 self._decide(_motion(call, call.message), call)
             case "move":
@@ -224,6 +222,12 @@ def _motion(call: Call, command: JointsCommand) -> Command:
         sender_s=call.sender_s,
         answerable=call.answerable,
     )
+
+
+def _stop(call: Call) -> Stop:
+    """Return a stop; a name that comes from another machine proves nothing, so that nobody is lost by it."""
+    lost = call.message.lost and not call.remote
+    return Stop(source=call.source, received=call.arrived, reason=call.message.reason, lost=lost)
 
 
 def _torque(call: Call) -> Torque:
