@@ -21,7 +21,7 @@ from lbr.executive.robot import Robot
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.joints import JointMove, JointsCommand, PlayCommand
 from lbr.messages.leases import DEAD_LEASE
-from lbr.messages.system import RANKS, ConsoleResult, Hold, Role
+from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 MAX_RUN_S = 30.0
@@ -174,10 +174,12 @@ class Dispatcher:
         return decoded if isinstance(decoded, dict) else {"answer": decoded}
 
     def _why_silent(self, name: str) -> str:
-        for unit in self._robot.status().capabilities:
-            if unit.name == name:
-                return f"it is {unit.phase}" + (f": {unit.reason}" if unit.reason else "")
-        return "it does not run"
+        if (found := self._found(name)) is None:
+            return "it does not run"
+        return f"it is {found.phase}" + (f": {found.reason}" if found.reason else "")
+
+    def _found(self, name: str) -> CapabilityStatus | None:
+        return next((unit for unit in self._robot.status().capabilities if unit.name == name), None)
 
     def _report(self, call: VerbCall, _source: str) -> ConsoleResult:
         data, text = self._reports.make(str(call.payload.get("name", "telemetry")))
@@ -196,6 +198,8 @@ class Dispatcher:
         name = str(call.payload.get("name", ""))
         if name not in self._robot.plan.units:
             raise InputError(f"'{name}' does not run; {', '.join(self._robot.plan.units)} do")
+        if (found := self._found(name)) is not None and found.host and found.phase == "waiting":
+            raise InputError(f"'{name}' does not run: {found.reason}")
         self._robot.restart(name)
         return ConsoleResult(code=DONE, text=f"'{name}' is starting anew")
 
