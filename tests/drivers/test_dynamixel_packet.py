@@ -155,3 +155,9 @@ def test_units_are_the_manual_s():
     assert table.speed_raw(None) == 0
     assert table.speed_raw(0.001) == 1
     assert table.torque_raw(1e-9) == 1
+
+
+@given(position=st.integers(0, 1023), goal=st.integers(0, 1023), speed=st.integers(0, 2047))
+def test_a_servo_is_held_at_its_goal_if_it_rests_near_it_and_else_where_it_is(position, goal, speed):
+    held = table.holding_goal(position, speed, goal)
+    assert held == (goal if abs(goal - position) <= table.SAG and speed in {0, 1024} else position)

@@ -65,7 +65,7 @@ class LastMover:
                 self._unheard.append(servo)
             elif table.TORQUE_ENABLE.decode(status.params, 24):
                 self._limits[servo] = table.TORQUE_LIMIT.decode(status.params, 24)
-                goals[servo] = status.params[12:14]
+                goals[servo] = _goal(status.params)
         self._bus.write_all(table.GOAL_POSITION.address, goals)
 
     def _wait(self, hold_s: float) -> None:
@@ -101,6 +101,13 @@ class LastMover:
             yield
         finally:
             fcntl.flock(self._tty, fcntl.LOCK_UN)
+
+
+def _goal(block: bytes) -> bytes:
+    """Return the goal that holds a servo where it is, out of what was read from TORQUE_ENABLE on."""
+    first = table.TORQUE_ENABLE.address
+    registers = (table.PRESENT_POSITION, table.PRESENT_SPEED, table.GOAL_POSITION)
+    return table.GOAL_POSITION.encode(table.holding_goal(*(one.decode(block, first) for one in registers)))
 
 
 def main(words: list[str]) -> None:

@@ -112,7 +112,9 @@ class Outputs:
             out.limit = out.full = slow.limit
             if slow.limit == 0:
                 self._latch(out, seen)
-            return out.on
+            motion = seen.motion if self._clock() - seen.at < FRESH_S else None
+            out.stays = motion is not None and table.holding_goal(motion.position, motion.speed, slow.goal) == slow.goal
+            return out.on and not out.stays
         if slow.limit == 0 and not out.latched:
             self._latch(out, seen)
         elif slow.enabled and not out.on:

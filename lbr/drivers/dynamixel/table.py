@@ -118,6 +118,13 @@ class Motion(NamedTuple):
 
 MOTION_BYTES = 6
 MOTION_ADDRESS = PRESENT_POSITION.address
+SAG = 10
+"""2.9 degrees: so far below its goal a servo may rest under its load."""
+
+
+def holding_goal(position: int, speed: int, goal: int) -> int:
+    """Return the goal that holds a servo where it is, all raw: its own while it rests near that, or it would sag anew."""
+    return goal if signed(speed) == 0 and abs(goal - position) <= SAG else position
 
 
 def position_rad(raw: int) -> float:

@@ -110,7 +110,7 @@ def freeze(state: State) -> State:
     One that nobody moves and that is where it should be keeps its goal, or it would sag a little with every stop.
     """
     moved = frozenset(state.move.joints if state.move is not None else ())
-    goals = {name: _here_rad(state, name, moved=name in moved) for name in state.on}
+    goals = {name: _here_rad(state, name, None if name in moved else state.goals.get(name)) for name in state.on}
     return replace(state, goals=goals, halt=state.halt + 1)
 
 
@@ -122,6 +122,13 @@ def measured(state: State, name: str) -> float | None:
     found = position_rad(state, name)
     far = found is None or state.body.beyond_rad(name, found) > MARGIN_RAD
     return None if found is None or far or not _age_s(state, name) <= FRESH_S else state.body.within(name, found)
+
+
+def as_found(state: State, name: str) -> float | None:
+    """Return where a joint is to be held that somebody else held before: where that was, if it is there."""
+    servo = state.seen.get(name)
+    goal = None if servo is None or servo.goal_rad is None else state.body.joint_rad(name, servo.goal_rad)
+    return _here_rad(state, name, None if goal is None or state.body.beyond_rad(name, goal) > 0.0 else goal)
 
 
 def held_again(state: State) -> State:
@@ -155,10 +162,10 @@ def _arrival(state: State, move: Move, targets: dict[str, float], now: float) ->
     return "reached", f"over after {now - move.begun:.2f} s, but {name} is {worst_rad:.2f} rad away from its goal"
 
 
-def _here_rad(state: State, name: str, *, moved: bool) -> float | None:
-    """Return where a joint is held: where it should be, if nobody moves it and it is there; else where it is."""
-    found, goal = position_rad(state, name), state.goals.get(name)
-    if moved or found is None or goal is None or abs(goal - found) > state.settings.tolerance_rad:
+def _here_rad(state: State, name: str, goal: float | None) -> float | None:
+    """Return where a joint is held: at its goal, if it is there, or it would sag anew; else where it is."""
+    found = position_rad(state, name)
+    if found is None or goal is None or not abs(goal - found) <= state.settings.tolerance_rad:
         return measured(state, name)
     return goal
 

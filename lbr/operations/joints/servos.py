@@ -66,7 +66,7 @@ def _adopted(state: State, now: float) -> State:
     if now - state.heard < (UNREAD_S if asked else SILENT_S if unread and not state.begun else 0.0):
         return state
     on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))
-    goals = {name: moving.measured(state, name) for name in on}
+    goals = {name: moving.as_found(state, name) for name in on}
     lost = bool(on) and (state.lost or not state.begun)
     halt = state.halt + 1
     return replace(state, adopted=True, begun=True, on=on, goals=goals, lost=lost, halt=halt, switched=now)

@@ -56,6 +56,7 @@ class Servos:
         self.powerless = {}
         self.unread = False
         self.ages_s = {}
+        self.held_at = {}
         self.phase = "released"
         self.armed, self.reason, self.estop = True, "", False
         self.sweep = 0
@@ -96,6 +97,7 @@ class Servos:
             id=servo,
             position_rad=self.at[servo],
             torque=0.0 if servo in self.powerless else self.torque[servo],
+            goal_rad=self.held_at.get(servo),
             latched=self.latched.get(servo, ()),
             age_s=self.ages_s.get(servo, 0.0),
             reason=self.powerless.get(servo, ""),

@@ -1,7 +1,7 @@
 """The joints kernel: who may move what, how motions begin, go on and end, and what the servos are told."""
 
 import pytest
-from joints_bench import DT, NAMES, START, Bench, frame
+from joints_bench import BODY, DT, NAMES, START, Bench, frame
 
 from lbr.messages.servos import ServosState
 from lbr.operations.joints.view import joints_state
@@ -346,6 +346,21 @@ def test_a_driver_that_is_gone_ends_the_motion_and_back_again_is_taken_as_it_is(
     bench.run(0.02)
     assert bench.goals["left_knee"] == pytest.approx(-0.5)
     assert not bench.setpoint.lost
+
+
+def test_a_joint_that_sags_under_its_load_is_taken_over_at_its_goal_and_not_where_it_sagged_to(bench):
+    bench.standing()
+    knee, yaw = BODY.joints["left_knee"], BODY.joints["head_yaw"]
+    bench.push("left_knee", -1.0)
+    bench.push("head_yaw", 0.5)
+    bench.servos.held_at = {
+        knee.device_id: BODY.servo_rad("left_knee", -1.0 + bench.settings.tolerance_rad / 2),
+        yaw.device_id: BODY.servo_rad("head_yaw", 0.5 - 3 * bench.settings.tolerance_rad),
+    }
+    bench.restart()
+    bench.run(0.1)
+    assert bench.goals["left_knee"] == pytest.approx(-1.0 + bench.settings.tolerance_rad / 2)
+    assert bench.goals["head_yaw"] == pytest.approx(0.5), "far from its goal it is held where it is"
 
 
 def test_a_driver_that_has_just_begun_is_not_believed_before_it_knows_which_servos_have_torque(bench):
