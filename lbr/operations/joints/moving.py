@@ -132,11 +132,8 @@ def as_found(state: State, name: str) -> float | None:
 
 
 def held_again(state: State) -> State:
-    """Return the state in which somebody cares again; joints that were being let go are held where they are by now."""
-    if not state.lost:
-        return state
-    releasing = state.servos is not None and state.servos.phase == "releasing"
-    return replace(freeze(state) if releasing else state, lost=False)
+    """Return the state in which somebody cares again; joints that gave way meanwhile are held where they are by now."""
+    return replace(freeze(state), lost=False) if state.lost else state
 
 
 def _fault(state: State, name: str, now: float) -> str:

@@ -583,10 +583,11 @@ def test_no_torque_comes_on_under_the_emergency_stop(bench):
     assert bench.torque("left_knee", on=True).reason.startswith("emergency stop")
 
 
-def test_servos_that_were_let_go_slowly_are_held_again_where_they_sank_to(bench):
+@pytest.mark.parametrize("phase", ["releasing", "holding"])
+def test_servos_that_gave_way_while_nobody_cared_are_held_again_where_they_are_by_then(bench, phase):
     bench.command(SLOW, duration_s=2.0)
     bench.run(0.5)
-    bench.servos.phase = "releasing"
+    bench.servos.phase = phase
     bench.push("left_knee", -0.9)
     bench.hear()
     bench.torque(on=True)
