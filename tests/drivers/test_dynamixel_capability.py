@@ -330,6 +330,19 @@ def test_torque_that_was_found_is_held_where_the_servo_is(chain):
     rig.driver.close()
 
 
+def test_a_servo_that_is_found_with_torque_keeps_it_until_its_mover_knows_of_it(chain):
+    chain.servos[2].write(24, b"\1")
+    chain.dead.add(2)
+    rig = Rig(chain)
+    rig.send(goals=(ServoGoal(id=1), ServoGoal(id=3)))
+    rig.until(lambda: rig.ctx.state.phase == "following")
+    chain.dead.clear()
+    rig.until(lambda: rig.servo(2).torque)
+    assert chain.servos[2].torque
+    rig.until(lambda: not chain.servos[2].torque)
+    rig.driver.close()
+
+
 def test_nothing_is_said_before_every_servo_was_looked_for(chain):
     chain.servos[3].write(24, b"\1")
     chain.dead.add(2)
@@ -460,7 +473,7 @@ def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_lets_them
 
 
 def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain):
-    process = driving(chain, 0.5)
+    process = driving(chain, 2.0)
     silent = {2, 3}
     chain.answer = lambda request, _usual: b"" if request[2] in silent else None
     process.kill()

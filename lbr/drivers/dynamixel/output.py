@@ -15,7 +15,7 @@ class Output:
     """What one servo was told. `settled`: when its torque was on the wire; inf while that waits; `aimed`: its goal.
 
     `blocked` says why it gets no torque before a setpoint had it without. `stays`: its goal is where it was measured;
-    `adrift`: it is to be held where it is as soon as that is measured.
+    `adrift`: it is to be held where it is as soon as that is measured; `found`: when it was first heard, with torque.
     """
 
     id: int
@@ -32,6 +32,7 @@ class Output:
     latched: tuple[str, ...] = ()
     stays: bool = False
     adrift: bool = False
+    found: float = -inf
     switching: "Future[int | str] | None" = None
     again: float = -inf
 

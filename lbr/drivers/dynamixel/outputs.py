@@ -23,6 +23,8 @@ MEASURED_S = 0.25
 """A position older than this is not where the servo is, and a servo that was not heard for so long is told no goals."""
 FRESH_S = 0.05
 """Nor is this old where a servo is that moves: to be held there would take it back."""
+FOUND_S = 0.5
+"""So long a servo that was found with torque keeps it until who moves them knows of it."""
 REPEAT_S = 0.1
 AGAIN_S = 0.2
 FADE_STEP = 10
@@ -110,6 +112,7 @@ class Outputs:
         if not out.known:
             out.known, out.on, out.goal, out.speed = True, slow.enabled, slow.goal, slow.speed
             out.limit = out.full = slow.limit
+            out.found = self._clock()
             if slow.limit == 0:
                 self._latch(out, seen)
             motion = seen.motion if self._clock() - seen.at < FRESH_S else None
@@ -147,7 +150,9 @@ class Outputs:
         if not strength > 0.0:
             self._off([out for out in self._all() if out.on or out.switching], LET_GO)
         elif mover.seen:
-            self._off([out for out in self._all() if (out.on or out.switching) and out.id not in mover.wanted], "")
+            turning = [out for out in self._all() if out.on or out.switching]
+            late = self._clock() - FOUND_S
+            self._off([out for out in turning if out.id not in mover.wanted and out.found < late], "")
 
     def _off(self, outs: list[Output], why: str) -> None:
         for out in outs:

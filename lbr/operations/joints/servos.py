@@ -12,8 +12,6 @@ from lbr.operations.leasing.state import Happened
 
 UNREAD_S = 3.0
 """A driver that has not said by then whether a servo has torque never does."""
-SILENT_S = 1.0
-"""So long one that is silent may take to be heard: if its torque was not known of, it would be taken away."""
 SWITCHING_S = 1.0
 """So long a servo may take to have the torque that it was given."""
 
@@ -27,7 +25,7 @@ def seen(state: State, event: ServosSeen, now: float) -> Decision:
     arrived = min(event.arrived, now)  # this way round, NaN stays NaN
     heard = arrived if state.servos is None else state.heard
     state = unlearnt(replace(state, servos=event.servos, seen=found, servos_at=arrived, heard=heard), now)
-    state = moving.followed(_let_go(_adopted(state, now), now))
+    state = moving.followed(_let_go(_found(_adopted(state, now), now), now))
     state, told = _without_torque(state, now)
     state, ended = end_what_is_over(state, now)
     return _without_unmeasured(state, now), told + ended
@@ -61,15 +59,27 @@ def _adopted(state: State, now: float) -> State:
     """
     if state.adopted or not _known(state, now):
         return state
-    unread = [servo for servo in state.seen.values() if servo.torque is None]
-    asked = any(not servo.reason for servo in unread)
-    if now - state.heard < (UNREAD_S if asked else SILENT_S if unread and not state.begun else 0.0):
+    unread = any(servo.torque is None and not servo.reason for servo in state.seen.values())
+    if unread and now - state.heard < UNREAD_S:
         return state
     on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))
     goals = {name: moving.as_found(state, name) for name in on}
     lost = bool(on) and (state.lost or not state.begun)
     halt = state.halt + 1
-    return replace(state, adopted=True, begun=True, on=on, goals=goals, lost=lost, halt=halt, switched=now)
+    silent = frozenset(name for name, servo in state.seen.items() if servo.torque is None) - on
+    state = replace(state, adopted=True, begun=True, on=on, goals=goals, lost=lost, halt=halt, switched=now)
+    return replace(state, unread=silent)
+
+
+def _found(state: State, now: float) -> State:
+    """A servo that was silent until now and has torque is held as well: it was somebody's before this process began."""
+    torque = {name: state.seen[name].torque for name in state.unread & state.seen.keys()}
+    heard = frozenset(name for name, found in torque.items() if found is not None)
+    on = frozenset(name for name in heard if torque[name])
+    if not heard:
+        return state
+    state = replace(state, unread=state.unread - heard)
+    return replace(state, on=state.on | on, goals={**state.goals, **dict.fromkeys(on)}, switched=now) if on else state
 
 
 def _has_torque(state: State, name: str, servo: ServoState) -> bool:

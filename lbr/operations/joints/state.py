@@ -118,6 +118,7 @@ class State(Struct, frozen=True, kw_only=True):
     Nothing is known of either until the driver was heard (`adopted`; `begun`: it once was); until then it is told nothing.
     `heard` is since when the driver was there, `switched` when torque was last switched on. Joints that let go at
     `let_go` are `resting`: the driver is to hear of them without torque before it hears of them with it again.
+    Of `unread` it is not known yet whether they have torque.
     `lost`: whoever moved them is gone, and the driver decides. `halt` counts how often all were to hold where
     they were measured.
     """
@@ -139,6 +140,7 @@ class State(Struct, frozen=True, kw_only=True):
     heard: float = nan
     switched: float = -inf
     let_go: float = -inf
+    unread: frozenset[str] = frozenset()
     resting: frozenset[str] = frozenset()
     servos_lost: float = -inf
     servos_gone: str = "the servo driver was not heard yet"

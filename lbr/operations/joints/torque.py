@@ -41,7 +41,8 @@ def _off(state: State, event: Torque, names: tuple[str, ...], now: float) -> Dec
     gone = state.on & frozenset(names)
     left = state.on - gone
     goals = {name: goal for name, goal in state.goals.items() if name in left}
-    state, ended = end_what_is_over(replace(state, on=left, goals=goals, lost=False), now)
+    unread = state.unread - frozenset(names)
+    state, ended = end_what_is_over(replace(state, on=left, goals=goals, unread=unread, lost=False), now)
     return state, (*setpoint(state), *ended, *_told(state, event, gone), _reply())
 
 
