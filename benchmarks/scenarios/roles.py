@@ -79,8 +79,12 @@ def _stops(under_test: Bench, what: str, how: Callable[[], Any]) -> None:
     at_ns = time.monotonic_ns()
     how()
     zero = under_test.trace.first_zero(at_ns, STOP_LIMIT_S)
+    before = under_test.trace.at(at_ns)  # now that all until then is read
     mover.cease()
-    under_test.results.check("E5", [] if zero is not None else [f"{what}: the robot went on"])
+    if before.zero:
+        under_test.results.disturbed.append(f"E5: {what}: the motors stood already")
+    else:
+        under_test.results.check("E5", [] if zero is not None else [f"{what}: the robot went on"])
     under_test.until(lambda: under_test.trace.now().zero, 2.0, "rest")
     under_test.pass_time(ARMED_S)
 
