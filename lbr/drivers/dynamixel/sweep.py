@@ -20,9 +20,9 @@ AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
 WAITING_SHARE = 0.1
 """A sweep begins right after goals were written, so that they do not get into each other's way; it waits so long for them."""
-HASTY_S = 0.003
+HASTY_S = 0.002
 HASTY_LOSSES = 4
-"""An answer that would hold up the next sweep is not waited for, unless all are so late: so many in a row."""
+"""An answer of the slow rotation that would hold up the sweep is not waited for, unless so many in a row are that late."""
 WRITING_S = 0.02
 """A servo is deaf for so long after it was given two bytes to keep without power (datasheet: 9 ms each at worst)."""
 UNSEEN = "was not looked for yet"
@@ -186,7 +186,7 @@ class Sweeper:
 
     def _read_slow(self, bus: Bus, servo: _Servo) -> None:
         hasty = self._hasty_losses < HASTY_LOSSES
-        until = max(self._due, self._clock() + HASTY_S) if hasty else inf
+        until = self._clock() + HASTY_S if hasty else inf
         status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES, tries=1, until=until)
         if bus.cut_short:
             return
