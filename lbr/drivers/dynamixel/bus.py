@@ -95,10 +95,10 @@ class Bus:
         return _status(answer)
 
     def read(
-        self, servo: int, address: int, count: int, *, tries: int | None = None, until: float = inf
+        self, servo: int, address: int, count: int, *, tries: int | None = None, patience_s: float = inf
     ) -> Status | None:
-        """Return `count` bytes of a servo's control table; `until` cuts the patience with a late answer short."""
-        return _status(self.ask(self._question(servo, packet.read(servo, address, count), count), tries, until))
+        """Return `count` bytes of a servo's control table; an answer later than wire and servo explain gets `patience_s`."""
+        return _status(self.ask(self._question(servo, packet.read(servo, address, count), count), tries, patience_s))
 
     def get(self, servo: int, register: Register) -> int | None:
         """Return the value of a register."""
@@ -176,7 +176,7 @@ class Bus:
         data = self._line.receive(QUIET_S)
         return StatusParser().feed(data) if data else []
 
-    def ask(self, question: Question, tries: int | None = None, until: float = inf) -> bytes | None:
+    def ask(self, question: Question, tries: int | None = None, patience_s: float = inf) -> bytes | None:
         """Send a request and return the whole packet that answers it, tried again as often as agreed."""
         line = self._line
         self.cut_short = False
@@ -185,7 +185,8 @@ class Bus:
             if self._wary_until:
                 self._settle(question)
             line.send(question.request)
-            data = line.receive(question.busy_s) or self._patience(question.within_s - question.busy_s, until)
+            late_s = min(patience_s, question.within_s - question.busy_s)
+            data = line.receive(question.busy_s) or self._patience(late_s)
             if (
                 len(data) == question.size
                 and data.startswith(question.head)
@@ -194,7 +195,7 @@ class Bus:
                 and data != question.request
             ):
                 return data
-            found = self._sift(data, question, until)
+            found = self._sift(data, question, question.busy_s + late_s)
             if found is not None:
                 return found
             if self._urgent():
@@ -220,9 +221,9 @@ class Bus:
         busy_s = self._line.busy_s(len(request), size)
         return Question(servo, request, head, size, busy_s, busy_s + self._line.margin_s)
 
-    def _sift(self, data: bytes, question: Question, until: float) -> bytes | None:
+    def _sift(self, data: bytes, question: Question, within_s: float) -> bytes | None:
         """Find the answer in what comes until its time is over; judge what else there was."""
-        until = min(until, self._clock() + question.within_s)
+        until = self._clock() + within_s
         while True:
             rest = self._without_echo(data, question)
             found = packet_in(rest, question)
@@ -240,9 +241,9 @@ class Bus:
         self._lose(rest, question)
         return None
 
-    def _patience(self, wait_s: float, until: float = inf) -> bytes:
+    def _patience(self, wait_s: float) -> bytes:
         """Return what comes in that time; not a moment longer when something is urgent."""
-        until = min(until, self._clock() + wait_s)
+        until = self._clock() + wait_s
         while (left_s := until - self._clock()) > 0.0 and not self._urgent():
             data = self._line.receive(min(LISTEN_SLICE_S, left_s))
             if data:

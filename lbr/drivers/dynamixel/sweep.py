@@ -20,7 +20,7 @@ AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
 WAITING_SHARE = 0.1
 """A sweep begins right after goals were written, so that they do not get into each other's way; it waits so long for them."""
-HASTY_S = 0.002
+HASTY_S = 0.001
 HASTY_LOSSES = 4
 """An answer of the slow rotation that would hold up the sweep is not waited for, unless so many in a row are that late."""
 WRITING_S = 0.02
@@ -186,8 +186,7 @@ class Sweeper:
 
     def _read_slow(self, bus: Bus, servo: _Servo) -> None:
         hasty = self._hasty_losses < HASTY_LOSSES
-        until = self._clock() + HASTY_S if hasty else inf
-        status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES, tries=1, until=until)
+        status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES, tries=1, patience_s=HASTY_S if hasty else inf)
         if bus.cut_short:
             return
         if status is None:
