@@ -8,7 +8,7 @@ from servo_peers import Chain, status
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import open_bus
 from lbr.drivers.dynamixel.owner import READ, STOP, WRITE, Owner
-from lbr.drivers.dynamixel.setup import SETTING_UP, Setup
+from lbr.drivers.dynamixel.setup import SETTING_UP, Setup, find_servos
 from lbr.errors import DeviceError
 
 
@@ -44,6 +44,12 @@ def test_it_finds_reads_and_writes_servos(chain, bus):
     assert [motion and motion.position for motion in bus.read_motions((1, 3))] == [513, 515]
     bus.write_all(table.TORQUE_ENABLE.address, {1: b"\1", 3: b"\1"})
     until(lambda: chain.servos[1].torque == chain.servos[3].torque == 1023)
+
+
+def test_servos_are_looked_for_at_each_speed_on_request(chain):
+    found = list(find_servos(str(chain.path), (1_000_000, 57_600), (1, 3, 9)))
+    assert found[:2] == [(1_000_000, 1), (1_000_000, 3)]
+    assert {servo for _, servo in found} == {1, 3}
 
 
 FAULTS = {
