@@ -7,6 +7,7 @@ import re
 import sqlite3
 import sys
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -288,7 +289,11 @@ def _messages(known: Iterable[Kind]) -> list[type[Struct]]:
         for group in ("outputs", "inputs", "setpoints", "commands", "requests", "replies"):
             named += list(getattr(kind, group).values())
     whole = {one for message in named for one in (message, *nested(message))}
-    return sorted(whole, key=lambda message: message.__name__)
+    found = sorted(whole, key=lambda message: message.__name__)
+    for one, other in pairwise(found):
+        if one.__name__ == other.__name__:
+            raise ValueError(f"{one.__module__} and {other.__module__} have a message {one.__name__} each; rename one")
+    return found
 
 
 def _message_section(message: type[Struct]) -> str:

@@ -34,7 +34,7 @@ class HushCommand(Struct, frozen=True, kw_only=True):
     song: Annotated[str, Meta(max_length=80)] = ""
 
 
-class PlayCommand(Struct, frozen=True, kw_only=True):
+class SongCommand(Struct, frozen=True, kw_only=True):
     """Play a song, `<song>.wav` below `$LBR_HOME/music`, now: what is being said is cut, what waits is said after it."""
 
     song: Annotated[str, Meta(min_length=1, max_length=80)]

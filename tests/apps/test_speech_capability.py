@@ -7,7 +7,7 @@ from lbr.apps.sound import wav
 from lbr.apps.speech import KIND
 from lbr.apps.speech.worker import Worker
 from lbr.errors import DeviceError
-from lbr.messages.speech import HushCommand, PlayCommand
+from lbr.messages.speech import HushCommand, SongCommand
 
 
 @pytest.fixture
@@ -174,7 +174,7 @@ def test_a_song_is_played_at_once_and_says_when_it_began_and_the_rest_waits(benc
     found.until(lambda: found.state.speaking)
     found.say("after it")
     before = found.ctx.clock()
-    answer = found.ask(PlayCommand(song="tune"))
+    answer = found.ask(SongCommand(song="tune"))
     assert answer.accepted
     assert before <= answer.began_s <= found.ctx.clock()
     assert answer.duration_s == 30.0
@@ -190,9 +190,9 @@ def test_a_song_that_is_not_there_or_no_song_is_refused(bench):
     found = bench()
     wav_file(found.home / "music" / "tune.wav", 1.0)
     (found.home / "music" / "text.wav").write_text("la la la")
-    assert "did you mean tune?" in found.ask(PlayCommand(song="tunes")).reason
-    assert "is no PCM WAV file" in found.ask(PlayCommand(song="text")).reason
-    assert "letters, digits" in found.ask(PlayCommand(song="../music/tune")).reason
+    assert "did you mean tune?" in found.ask(SongCommand(song="tunes")).reason
+    assert "is no PCM WAV file" in found.ask(SongCommand(song="text")).reason
+    assert "letters, digits" in found.ask(SongCommand(song="../music/tune")).reason
 
 
 def test_an_address_that_is_no_speaker_and_a_missing_row_are_device_errors(tmp_path):

@@ -8,7 +8,7 @@ from lbr.capability.kind import Kind
 from lbr.messages.dance import DanceCommand, DanceState
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SpeechState
+from lbr.messages.speech import HushCommand, SongCommand, PlayReply, SpeechState
 from lbr.messages.units import Name
 
 
@@ -39,6 +39,6 @@ KIND = Kind(
         "sound": PlayReply,
         "hush": CommandReply,
     },
-    requests={"motion": DriveCommand, "halt": StopCommand, "sound": PlayCommand, "hush": HushCommand},
+    requests={"motion": DriveCommand, "halt": StopCommand, "sound": SongCommand, "hush": HushCommand},
     rows=("choreography",),
 )

@@ -3,7 +3,7 @@
 from typing import Any, Protocol
 
 from lbr.capability.context import Asked, Received
-from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SpeechState
+from lbr.messages.speech import HushCommand, SongCommand, PlayReply, SpeechState
 
 ANSWER_S = 1.0
 PLAUSIBLE_S = 3.0
@@ -38,7 +38,7 @@ class Music:
         self._ctx = ctx
         self._song = song
         self._duration_s = duration_s
-        self._asked = ctx.ask("sound", PlayCommand(song=song), ANSWER_S)
+        self._asked = ctx.ask("sound", SongCommand(song=song), ANSWER_S)
 
     def step(self) -> None:
         """Find out when it began."""

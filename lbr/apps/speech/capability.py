@@ -18,7 +18,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import DeviceError, InputError
 from lbr.messages.leases import CommandReply
-from lbr.messages.speech import HushCommand, PlayCommand, PlayReply, SayCommand, SpeechState
+from lbr.messages.speech import HushCommand, SongCommand, PlayReply, SayCommand, SpeechState
 
 RECORDING = "<"
 STATE_EVERY_S = 1.0
@@ -79,7 +79,7 @@ class Speech(Capability[SpeechSettings]):
             match call.message:
                 case SayCommand():
                     call.reply(CommandReply(accepted=True, reason=self._say(call.message)))
-                case PlayCommand():
+                case SongCommand():
                     call.reply(self._play(call.message))
                 case HushCommand():
                     call.reply(CommandReply(accepted=True, reason=self._hush(call.message)))
@@ -126,7 +126,7 @@ class Speech(Capability[SpeechSettings]):
         after = f" after {ahead} other{'s' if ahead > 1 else ''}" if ahead else ""
         return f"says {job.title}{after}" + (f"; {cut}" if cut else "")
 
-    def _play(self, command: PlayCommand) -> PlayReply:
+    def _play(self, command: SongCommand) -> PlayReply:
         """Play a song at once: whoever moves to it has to know when it began."""
         sound, speaker = files.song(self._home, command.song), self._opened()
         if why := speaker.trouble or ("" if speaker.proven else "the speaker is still being tried; ask again"):
