@@ -8,7 +8,7 @@ from lbr.capability.kind import Kind
 from lbr.messages.dance import DanceCommand, DanceState
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.speech import HushCommand, SongCommand, PlayReply, SpeechState
+from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState
 from lbr.messages.units import Name
 
 

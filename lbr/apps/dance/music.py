@@ -3,7 +3,7 @@
 from typing import Any, Protocol
 
 from lbr.capability.context import Asked, Received
-from lbr.messages.speech import HushCommand, SongCommand, PlayReply, SpeechState
+from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState
 
 ANSWER_S = 1.0
 PLAUSIBLE_S = 3.0

@@ -6,7 +6,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.leases import CommandReply
-from lbr.messages.speech import HushCommand, SongCommand, PlayReply, SayCommand, SpeechState
+from lbr.messages.speech import HushCommand, PlayReply, SayCommand, SongCommand, SpeechState
 from lbr.messages.units import Fraction, Name
 
 LanguageTag = Annotated[str, Meta(pattern="^[a-z][a-z]+(-[a-z0-9]+)*$", max_length=20)]

@@ -18,7 +18,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import DeviceError, InputError
 from lbr.messages.leases import CommandReply
-from lbr.messages.speech import HushCommand, SongCommand, PlayReply, SayCommand, SpeechState
+from lbr.messages.speech import HushCommand, PlayReply, SayCommand, SongCommand, SpeechState
 
 RECORDING = "<"
 STATE_EVERY_S = 1.0
