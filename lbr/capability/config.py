@@ -6,6 +6,7 @@ from msgspec import Raw, Struct
 
 from lbr.bus.access import Credentials, Rights
 from lbr.messages.dance import DanceStep
+from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import CapturedFrame, Joint, Motion
 from lbr.messages.speech import Phrase
 from lbr.messages.system import EstopState, Role, TokenRole
@@ -105,6 +106,9 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     dance_steps: tuple[DanceStep, ...] = ()
     joints: tuple[Joint, ...] = ()
     motions: tuple[Motion, ...] = ()
+    motors: tuple[Motor, ...] = ()
+    buttons: tuple[Button, ...] = ()
+    users: tuple[LanUser, ...] = ()
     estop: EstopState = EstopState(engaged=False, reason="")
     release_key: str = ""
     lan: LanConfig | None = None

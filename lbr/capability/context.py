@@ -6,7 +6,9 @@ from typing import Any, Protocol, TypeVar
 
 from msgspec import Struct
 
+from lbr.capability.config import LanUser
 from lbr.messages.dance import DanceStep
+from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import CapturedFrame, Joint, Motion
 from lbr.messages.speech import Phrase
 from lbr.messages.system import Role, Stamp
@@ -100,6 +102,9 @@ class Context(Protocol[S_co]):
     dance_steps: tuple[DanceStep, ...]
     joints: tuple[Joint, ...]
     motions: tuple[Motion, ...]
+    motors: tuple[Motor, ...]
+    buttons: tuple[Button, ...]
+    users: tuple[LanUser, ...]
     on_tick: bool
 
     @property

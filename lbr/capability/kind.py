@@ -13,7 +13,7 @@ from lbr.messages.system import Role
 STOP = "stop"
 Family = Literal["driver", "operation", "app", "simulation", "program"]
 Emulation = Literal["tty", "socket", "folder"]
-Table = Literal["phrase", "choreography", "joint", "motion"]
+Table = Literal["phrase", "choreography", "joint", "motion", "motor", "button", "user_token"]
 
 
 class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):

@@ -114,6 +114,8 @@ class ProcessContext:
         self.dance_steps = config.dance_steps
         self.joints = config.joints
         self.motions = config.motions
+        self.motors, self.buttons = config.motors, config.buttons
+        self.users = config.users
         self.devices = tuple(Device(d.name, d.type, d.address, d.settings) for d in config.devices)
         self.device = next((d for d in self.devices if d.name == config.device), None)
         self.on_tick = False

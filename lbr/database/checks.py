@@ -22,6 +22,8 @@ _LISTS = (
     "joints",
     "motions",
     "motion_steps",
+    "motors",
+    "buttons",
 )
 
 
@@ -42,6 +44,8 @@ def check(tables: RawTables, robot: str, *, revision: int = 0, problems: Iterabl
         joints=decode.decode("joint", own["joint"], decode.joint, found),
         motions=decode.decode("motion", own["motion"], decode.motion, found),
         motion_steps=decode.decode("motion_step", own["motion_step"], decode.motion_step, found),
+        motors=decode.decode("motor", own["motor"], decode.motor, found),
+        buttons=decode.decode("button", own["button"], decode.button, found),
         revision=revision,
     )
     return _Between(rows, own, found).checked()
@@ -163,6 +167,9 @@ class _Between:
             for column, other in (("lead_in", row.lead_in), ("lead_out", row.lead_out)):
                 if other and (other not in names or other == row.name):
                     self._wrong("motion", row, column, f"there is no other motion '{other}'")
+        for button in self._rows.buttons:
+            if button.motion and button.motion not in names:
+                self._wrong("button", button, "motion", f"there is no motion '{button.motion}'")
         for step in self._rows.motion_steps:
             if step.motion not in names:
                 self._wrong("motion_step", step, "motion", f"there is no motion '{step.motion}'")

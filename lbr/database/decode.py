@@ -7,6 +7,7 @@ from typing import Any, TypeVar, get_args
 from lbr.database import patterns
 from lbr.database.reader import RowReader, shown
 from lbr.database.rows import (
+    ButtonRow,
     CalibrationRow,
     CapabilityRow,
     ChannelRow,
@@ -16,6 +17,7 @@ from lbr.database.rows import (
     JointRow,
     MotionRow,
     MotionStepRow,
+    MotorRow,
     PhraseRow,
     Problem,
     Restart,
@@ -28,6 +30,10 @@ from lbr.messages.system import Role
 
 _LANGUAGE = re.compile(r"[a-z]{2}[a-z0-9-]{0,18}")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+
+MOST_COUNTS = 16383
+"""Fourteen bits: what a servo's position has at most."""
+LONGEST_LABEL = 40
 
 R = TypeVar("R")
 
@@ -198,12 +204,17 @@ def joint(reader: RowReader, _: RawRow) -> JointRow:
 
 
 def motion(reader: RowReader, values: RawRow) -> MotionRow:
-    """Read a motion's row."""
+    """Read a motion's row; slot and the time for it go together."""
+    slotted = values.get("slot") is not None or values.get("slot_s") is not None
     return MotionRow(
         name=reader.name("name"),
         help=reader.text("help"),
         lead_in=reader.name("lead_in") if values.get("lead_in") != "" else "",
         lead_out=reader.name("lead_out") if values.get("lead_out") != "" else "",
+        slot=reader.whole("slot", 1, 255) if slotted else None,
+        slot_s=_slot_s(reader) if slotted else None,
+        limp=reader.flag("limp"),
+        builtin=reader.flag("builtin"),
     )
 
 
@@ -218,6 +229,50 @@ def motion_step(reader: RowReader, _: RawRow) -> MotionStepRow:
         duration_s=duration_s,
         positions=_positions(reader),
     )
+
+
+def motor(reader: RowReader, _: RawRow) -> MotorRow:
+    """Read a motor's row."""
+    lowest, highest = reader.whole("lowest", 0, MOST_COUNTS), reader.whole("highest", 0, MOST_COUNTS)
+    if reader.good and not lowest < highest:
+        reader.wrong("highest", f"{highest} is not above lowest, {lowest}")
+    return MotorRow(
+        layer=reader.name("layer"),
+        id=reader.whole("id", 0, 253),
+        name=_label(reader),
+        description=reader.text("description"),
+        initial=reader.whole("initial", 0, MOST_COUNTS),
+        lowest=lowest,
+        highest=highest,
+        rest=reader.whole("rest", 0, MOST_COUNTS),
+        inverted=reader.flag("inverted"),
+        builtin=reader.flag("builtin"),
+    )
+
+
+def button(reader: RowReader, values: RawRow) -> ButtonRow:
+    """Read a button's row."""
+    return ButtonRow(
+        id=reader.whole("id", 0, 9999),
+        name=_label(reader),
+        button=reader.text("button"),
+        motion=reader.name("motion") if values.get("motion") != "" else "",
+        builtin=reader.flag("builtin"),
+    )
+
+
+def _label(reader: RowReader) -> str:
+    name = reader.text("name", empty=False)
+    if reader.good and len(name) > LONGEST_LABEL:
+        reader.wrong("name", f"is longer than {LONGEST_LABEL} characters")
+    return name
+
+
+def _slot_s(reader: RowReader) -> float:
+    slot_s = reader.within("slot_s", 0.0, 600.0)
+    if reader.good and not slot_s > 0.0:
+        reader.wrong("slot_s", "0 is no time to play anything")
+    return slot_s
 
 
 def _positions(reader: RowReader) -> dict[str, float]:

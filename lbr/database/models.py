@@ -154,6 +154,10 @@ class Motion(Model):
     help: Mapped[str]
     lead_in: Mapped[str]
     lead_out: Mapped[str]
+    slot: Mapped[int | None]
+    slot_s: Mapped[float | None]
+    limp: Mapped[int]
+    builtin: Mapped[int]
 
 
 class MotionStep(Model):
@@ -170,6 +174,35 @@ class MotionStep(Model):
     step: Mapped[int] = mapped_column(primary_key=True)
     duration_s: Mapped[float]
     positions: Mapped[str]
+
+
+class Motor(Model):
+    """The servos as a face to the outside knows them."""
+
+    __tablename__ = "motor"
+    robot: Mapped[str] = _robot_key()
+    layer: Mapped[str] = mapped_column(primary_key=True)
+    id: Mapped[int] = mapped_column(primary_key=True)
+    name: Mapped[str]
+    description: Mapped[str]
+    initial: Mapped[int]
+    lowest: Mapped[int]
+    highest: Mapped[int]
+    rest: Mapped[int]
+    inverted: Mapped[int]
+    builtin: Mapped[int]
+
+
+class Button(Model):
+    """The motions as a face to the outside knows them."""
+
+    __tablename__ = "button"
+    robot: Mapped[str] = _robot_key()
+    id: Mapped[int] = mapped_column(primary_key=True)
+    name: Mapped[str]
+    button: Mapped[str]
+    motion: Mapped[str]
+    builtin: Mapped[int]
 
 
 class UserToken(Model):
@@ -246,5 +279,7 @@ CONFIGURATION: tuple[type[Model], ...] = (
     Joint,
     Motion,
     MotionStep,
+    Motor,
+    Button,
 )
 """The tables that make a robot; their changes are revisions."""

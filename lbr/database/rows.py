@@ -148,12 +148,19 @@ class JointRow(Struct, frozen=True, kw_only=True):
 
 
 class MotionRow(Struct, frozen=True, kw_only=True):
-    """A motion; its key frames are rows of their own. `lead_in` and `lead_out` name what is played before and after."""
+    """A motion; its key frames are rows of their own. `lead_in` and `lead_out` name what is played before and after.
+
+    One with a `slot` is kept and played by the robot's own controller, which takes `slot_s` for it.
+    """
 
     name: str
     help: str = ""
     lead_in: str = ""
     lead_out: str = ""
+    slot: int | None = None
+    slot_s: float | None = None
+    limp: bool = False
+    builtin: bool = False
 
 
 class MotionStepRow(Struct, frozen=True, kw_only=True):
@@ -163,6 +170,31 @@ class MotionStepRow(Struct, frozen=True, kw_only=True):
     step: int
     duration_s: float
     positions: dict[str, float]
+
+
+class MotorRow(Struct, frozen=True, kw_only=True):
+    """A servo as a face to the outside numbers, names and limits it, in the servo's own counts."""
+
+    layer: str
+    id: int
+    name: str
+    description: str = ""
+    initial: int
+    lowest: int
+    highest: int
+    rest: int
+    inverted: bool = False
+    builtin: bool = False
+
+
+class ButtonRow(Struct, frozen=True, kw_only=True):
+    """A motion as a face to the outside numbers and names it; no motion: only the controller is taken over."""
+
+    id: int
+    name: str
+    button: str = ""
+    motion: str = ""
+    builtin: bool = False
 
 
 class RevisionRow(Struct, frozen=True, kw_only=True):
@@ -229,6 +261,8 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     joints: tuple[JointRow, ...] = ()
     motions: tuple[MotionRow, ...] = ()
     motion_steps: tuple[MotionStepRow, ...] = ()
+    motors: tuple[MotorRow, ...] = ()
+    buttons: tuple[ButtonRow, ...] = ()
     tokens: tuple[TokenRow, ...] = ()
     revision: int = 0
     digest: str = ""

@@ -14,12 +14,13 @@ from lbr.capability import registry
 from lbr.capability.config import DeviceConfig, InputWire, LanConfig, LanGuest, LanUser, OutputWire, ProcessConfig
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
-from lbr.database.rows import CapabilityRow, ChannelRow, RobotRows
+from lbr.database.rows import ButtonRow, CapabilityRow, ChannelRow, RobotRows
 from lbr.executive.credentials import token_secret
 from lbr.executive.devices import device_address
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 from lbr.messages.dance import DanceStep
+from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import CapturedFrame, Joint, KeyFrame, Motion, with_frame
 from lbr.messages.speech import Phrase
 
@@ -86,6 +87,11 @@ def unit(
         dance_steps=_dance_steps(rows) if "choreography" in kind.rows else (),
         joints=_joints(rows) if "joint" in kind.rows else (),
         motions=_motions(rows) if "motion" in kind.rows else (),
+        motors=tuple(msgspec.convert(row, Motor, from_attributes=True) for row in rows.motors)
+        if "motor" in kind.rows
+        else (),
+        buttons=tuple(_button(row) for row in rows.buttons) if "button" in kind.rows else (),
+        users=_users(rows, site) if "user_token" in kind.rows else (),
         release_key=site.seal(keys.estop_release(robot, row.name)),
     )
     return Unit(
@@ -130,10 +136,7 @@ def with_lan(
     config = LanConfig(
         listen=tuple(kinds[unit.name].parse(bytes(unit.config.settings)).listen),
         link=site.credentials(f"@{unit.name}"),
-        users=tuple(
-            LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
-            for t in rows.tokens
-        ),
+        users=_users(rows, site),
         streams=streams_of(robot, others),
         stops=tuple(key for key, role in (here | away).items() if role == "view"),
         commands={key: role for key, role in here.items() if role != "view"},
@@ -203,8 +206,23 @@ def _motions(rows: RobotRows) -> tuple[Motion, ...]:
             help=row.help,
             lead_in=row.lead_in,
             lead_out=row.lead_out,
+            slot=row.slot,
+            slot_s=row.slot_s,
+            limp=row.limp,
+            builtin=row.builtin,
         )
         for row in rows.motions
+    )
+
+
+def _button(row: ButtonRow) -> Button:
+    return Button(id=row.id, name=row.name, button=row.button, motion=row.motion or None, builtin=row.builtin)
+
+
+def _users(rows: RobotRows, site: Site) -> tuple[LanUser, ...]:
+    return tuple(
+        LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
+        for t in rows.tokens
     )
 
 

@@ -31,6 +31,18 @@ class Joint(Struct, frozen=True, kw_only=True):
     speed_rps: float
 
 
+class StoredMotion(Struct, frozen=True, kw_only=True):
+    """A motion that the robot's own controller keeps under a number, and plays by itself: how long, and where it leads.
+
+    Joints that `pose` leaves out are where they are measured afterwards; `limp`: all of them are let go at its end.
+    """
+
+    slot: Annotated[int, Meta(ge=1, le=255)]
+    duration_s: Annotated[float, Meta(gt=0.0, le=600.0, description="seconds")]
+    pose: dict[str, JointRad] = {}
+    limp: bool = False
+
+
 class KeyFrame(Struct, frozen=True, kw_only=True):
     """The angles that the named joints are to have `duration_s` after the frame before; joints left out stay."""
 
@@ -39,13 +51,17 @@ class KeyFrame(Struct, frozen=True, kw_only=True):
 
 
 class Motion(Struct, frozen=True, kw_only=True):
-    """A row of the table `motion` with its key frames."""
+    """A row of the table `motion` with its key frames; those of one in a `slot` say where it leads."""
 
     name: str
     frames: tuple[KeyFrame, ...]
     help: str = ""
     lead_in: str = ""
     lead_out: str = ""
+    slot: int | None = None
+    slot_s: float | None = None
+    limp: bool = False
+    builtin: bool = False
 
 
 class CapturedFrame(Struct, frozen=True, kw_only=True):
@@ -65,6 +81,10 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     that a motion longer than a message may be flows; the goal stays the same. A lease with nothing to move is renewed.
     `asked_s` is when somebody asked for this who had it passed on, on the robot's own monotonic clock: what was asked
     for before a stop does not begin after it.
+
+    `join` has `positions` begin beside what moves: joints that it does not name go on as they were, and each that it
+    names goes as fast as it may. `torque` is how strong the named joints are from now on, a fraction of their most;
+    those that have none get it first. `stored` is played by the robot's own controller; nothing else moves meanwhile.
     """
 
     positions: dict[str, JointRad] = {}
@@ -74,6 +94,9 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     interpolation: Interpolation = "smooth"
     mirror: bool = False
     append: bool = False
+    join: bool = False
+    torque: Annotated[float, Meta(gt=0.0, le=1.0)] | None = None
+    stored: StoredMotion | None = None
     asked_s: float | None = None
     lease: LeaseId = ""
     ttl_s: TtlS | None = None
@@ -114,6 +137,7 @@ class JointState(Struct, frozen=True, kw_only=True):
 
     `goal_rad` is what its servo is to hold or reach, read from what was sent. `torque` is what is applied, 0 for none.
     `faults` are there now; `latched` keep it without torque until it is recovered. `raw` is the servo's own number.
+    `trusted` says whether what was measured can be believed, where that is a question; else nothing is measured.
     """
 
     id: int
@@ -127,6 +151,7 @@ class JointState(Struct, frozen=True, kw_only=True):
     faults: tuple[str, ...] = ()
     latched: tuple[str, ...] = ()
     raw: int | None = None
+    trusted: bool | None = None
     age_s: float | None = None
     reason: str = ""
 
@@ -135,7 +160,7 @@ class JointsState(Struct, frozen=True, kw_only=True):
     """All joints out of one sweep of the bus, who moves them, and why they stand still.
 
     `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before `stopped_s`,
-    monotonic, begins nothing any more: then somebody stopped all.
+    monotonic, begins nothing any more: then somebody stopped all. `stored` is the slot that the controller plays.
     """
 
     sequence: int
@@ -147,6 +172,7 @@ class JointsState(Struct, frozen=True, kw_only=True):
     goal: str | None = None
     passed: int = 0
     stopped_s: float | None = None
+    stored: int | None = None
     reason: str = ""
     estop: bool = False
     loop: LoopStatistics | None = None

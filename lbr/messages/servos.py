@@ -21,17 +21,37 @@ class ServoGoal(Struct, frozen=True, kw_only=True):
     torque: Fraction = 1.0
 
 
+class StoredPlay(Struct, frozen=True, kw_only=True):
+    """The controller is to play what it keeps in a slot: once for each `count`, which grows; no servo moves beside it."""
+
+    slot: Annotated[int, Meta(ge=1, le=255)]
+    count: Annotated[int, Meta(ge=1)]
+    duration_s: Annotated[float, Meta(gt=0.0, le=600.0)]
+    limp: bool = False
+
+
+class StoredState(Struct, frozen=True, kw_only=True):
+    """What became of the newest `StoredPlay`."""
+
+    slot: int
+    count: int
+    phase: Literal["waiting", "playing", "over", "failed"]
+    reason: str = ""
+
+
 class ServoSetpoint(Struct, frozen=True, kw_only=True):
     """The goals of a bus; valid for 0.1 s. Servos that it does not name are to be without torque.
 
     `lost`: whoever moved them is gone. The driver then does as when setpoints cease: it holds, then lets go slowly.
-    `halt` counts the stops: another number than before is to be told to every servo before anything else.
+    `halt` counts the stops: another number than before is to be told to every servo before anything else, and ends
+    what the controller plays. While `stored` is played, `goals` only say which servos may have torque.
     """
 
     goals: tuple[ServoGoal, ...]
     lost: bool = False
     halt: int = 0
     lease: str = ""
+    stored: StoredPlay | None = None
 
 
 class ServoState(Struct, frozen=True, kw_only=True):
@@ -39,6 +59,7 @@ class ServoState(Struct, frozen=True, kw_only=True):
 
     `faults` are what it reports of itself or the driver found, `latched` those of them that keep it without torque
     until it is recovered. `reason` says why nothing is measured. `age_s` is how old the position is.
+    `trusted` false: `raw` came, and is not believed; null: the line leaves no doubt.
     """
 
     id: int
@@ -52,6 +73,7 @@ class ServoState(Struct, frozen=True, kw_only=True):
     faults: tuple[str, ...] = ()
     latched: tuple[str, ...] = ()
     raw: int | None = None
+    trusted: bool | None = None
     age_s: float | None = None
     reason: str = ""
 
@@ -72,7 +94,8 @@ class BusStatistics(Struct, frozen=True, kw_only=True):
 class ServosState(Struct, frozen=True, kw_only=True):
     """One coherent look at every servo of a bus. `sweep` counts; `measured_s` is when it ended, monotonic.
 
-    `armed` says that a setpoint would be applied; `reason` says why not.
+    `armed` says that a setpoint would be applied; `reason` says why not. `stores`: its controller plays motions of its
+    own; `stored` is the newest of them. `mode` is the controller's, where it has several.
     """
 
     sweep: int
@@ -83,6 +106,9 @@ class ServosState(Struct, frozen=True, kw_only=True):
     reason: str = ""
     estop: bool = False
     halt: int = 0
+    stores: bool = False
+    stored: StoredState | None = None
+    mode: str = ""
     bus: BusStatistics = BusStatistics()
 
 

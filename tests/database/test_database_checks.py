@@ -30,10 +30,25 @@ def shipped() -> dict:
         {"robot": "lbr", **neck, "lower_rad": -1.0, "upper_rad": 1.0},
         {"robot": "lbr", **neck, "name": "jaw", "device_id": 2, "lower_rad": 0.0, "upper_rad": 0.5},
     ]
+    played = {"slot": None, "slot_s": None, "limp": 0, "builtin": 0}
     tables["motion"] = [
-        {"robot": "lbr", "name": name, "help": "", "lead_in": lead_in, "lead_out": ""}
+        {"robot": "lbr", "name": name, "help": "", "lead_in": lead_in, "lead_out": "", **played}
         for name, lead_in in (("nod", "rest"), ("rest", ""))
     ]
+    counts = {"initial": 127, "lowest": 1, "highest": 254, "rest": 127}
+    tables["motor"] = [
+        {
+            "robot": "lbr",
+            "layer": "safe",
+            "id": 1,
+            "name": "neck",
+            "description": "",
+            **counts,
+            "inverted": 0,
+            "builtin": 1,
+        }
+    ]
+    tables["button"] = [{"robot": "lbr", "id": 4, "name": "nod", "button": "U", "motion": "nod", "builtin": 0}]
     tables["motion_step"] = [
         {"robot": "lbr", "motion": "nod", "step": 1, "duration_s": 1.0, "positions": '{"neck": 0.5, "jaw": 0}'}
     ]
@@ -142,6 +157,24 @@ BAD_VALUES = [
     ("motion", 0, "lead_in", "gone", "there is no other motion 'gone'"),
     ("motion", 0, "lead_in", "nod", "there is no other motion 'nod'"),
     ("motion", 0, "lead_out", "No Name", "'No Name' is not a name"),
+    ("motion", 0, "slot", 0, "'0' is not a whole number from 1 to 255"),
+    ("motion", 0, "slot_s", 601.0, "601 is outside 0 to 600"),
+    ("motion", 0, "limp", 2, "is neither 0 nor 1"),
+    ("motion", 0, "builtin", 2, "is neither 0 nor 1"),
+    ("motor", 0, "layer", "API", "'API' is not a name"),
+    ("motor", 0, "id", 254, "is not a whole number from 0 to 253"),
+    ("motor", 0, "lowest", -1, "is not a whole number from 0 to 16383"),
+    ("motor", 0, "rest", -1, "is not a whole number from 0 to 16383"),
+    ("motor", 0, "inverted", 2, "is neither 0 nor 1"),
+    ("motor", 0, "builtin", 2, "is neither 0 nor 1"),
+    ("button", 0, "id", -1, "is not a whole number from 0 to 9999"),
+    ("button", 0, "button", None, "is NULL, not a text"),
+    ("motor", 0, "highest", 1, "1 is not above lowest, 1"),
+    ("motor", 0, "initial", 20_000, "is not a whole number from 0 to 16383"),
+    ("motor", 0, "name", "", "is empty"),
+    ("motor", 0, "name", "n" * 41, "is longer than 40 characters"),
+    ("button", 0, "motion", "gone", "there is no motion 'gone'"),
+    ("button", 0, "builtin", 2, "is neither 0 nor 1"),
     ("motion_step", 0, "motion", "gone", "there is no motion 'gone'"),
     ("motion_step", 0, "step", 0, "'0' is not a whole number from 1 to 10000"),
     ("motion_step", 0, "duration_s", 0.0, "0 is no time to get anywhere"),

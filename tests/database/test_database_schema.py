@@ -95,6 +95,7 @@ def test_the_sqlite3_program_builds_the_same(tmp_path):
         assert database.load("lbr").problems == ()
 
 
+MOTOR = {"layer": "safe", "id": 23, "name": "neck", "initial": 127, "lowest": 1, "highest": 254, "rest": 127}
 BAD_ROWS = [
     ("robot", {"name": "Robby"}),
     ("robot", {"name": "r" * 41}),
@@ -157,6 +158,25 @@ BAD_ROWS = [
     ("motion", {"name": "Bow"}),
     ("motion", {"name": "b", "lead_in": "Bow"}),
     ("motion", {"name": "b", "lead_out": "b w"}),
+    ("motion", {"name": "b", "slot": 0, "slot_s": 1.0}),
+    ("motion", {"name": "b", "slot": 7}),
+    ("motion", {"name": "b", "slot_s": 1.0}),
+    ("motion", {"name": "b", "slot": 7, "slot_s": 601.0}),
+    ("motion", {"name": "b", "limp": 2}),
+    ("motion", {"name": "b", "builtin": 2}),
+    ("motor", {**MOTOR, "layer": "Api"}),
+    ("motor", {**MOTOR, "id": 254}),
+    ("motor", {**MOTOR, "name": ""}),
+    ("motor", {**MOTOR, "initial": 16384}),
+    ("motor", {**MOTOR, "lowest": -1}),
+    ("motor", {**MOTOR, "highest": 16384}),
+    ("motor", {**MOTOR, "lowest": 254}),
+    ("motor", {**MOTOR, "rest": -1}),
+    ("motor", {**MOTOR, "inverted": 2}),
+    ("motor", {**MOTOR, "builtin": 2}),
+    ("button", {"id": -1, "name": "n"}),
+    ("button", {"id": 1, "name": ""}),
+    ("button", {"id": 1, "name": "n", "builtin": 2}),
     ("motion_step", {"motion": "none", "step": 1, "duration_s": 1.0, "positions": "{}"}),
     ("motion_step", {"motion": "bow", "step": 0, "duration_s": 1.0, "positions": "{}"}),
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 0, "positions": "{}"}),
@@ -186,7 +206,10 @@ GOOD_ROWS = [
     ("choreography", {"dance": "waltz", "step": 3, "power": 0.5, "angle_deg": -90, "beats": 2}),
     ("calibration", {"device": "range_board", "name": "n", "value": -1.5}),
     ("joint", {"name": "j", "device_id": 1, "lower_rad": -1, "upper_rad": 1, "speed_rps": 1}),
+    ("motion", {"name": "b", "slot": 7, "slot_s": 600.0, "limp": 1, "builtin": 1}),
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": '{"j": 0.5}'}),
+    ("motor", MOTOR),
+    ("button", {"id": 4, "name": "walk", "button": "U", "motion": "bow"}),
     ("user_token", {"name": "n", "role": "view", "hash": "h" * 32}),
     ("event", {"wall_ns": 1, "kind": "k"}),
 ]
@@ -236,6 +259,8 @@ CHANGES = {
     "joint": "speed_rps = 2.0",
     "motion": "help = 'another'",
     "motion_step": "duration_s = 9.0",
+    "motor": "rest = 100",
+    "button": "name = 'another'",
 }
 
 
@@ -245,6 +270,8 @@ def test_every_change_of_a_row_is_a_revision(client, database, table):
     insert(client, "calibration", {"device": "range_board", "name": "n", "value": 1.0})
     insert(client, "motion", {"name": "bow"})
     insert(client, "motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": "{}"})
+    insert(client, "motor", MOTOR)
+    insert(client, "button", {"id": 4, "name": "walk"})
     since = database.load("lbr").revision
     keys = [c.name for c in MODELS[table].primary_key]
     rowid, *key = client.execute(f"SELECT rowid, {', '.join(keys)} FROM {table}").fetchone()
