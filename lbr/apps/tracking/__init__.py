@@ -1,0 +1,48 @@
+"""Tracking: the head follows a coloured thing or a face that its camera sees, under a lease as anybody else's motion."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind
+from lbr.messages.camera import CameraState, JpegFrame
+from lbr.messages.joints import JointsCommand, JointsState, TorqueCommand
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.tracking import TrackCommand, TrackingState
+from lbr.messages.units import Name
+
+Degrees = Annotated[float, Meta(ge=0.0, le=360.0)]
+Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
+
+
+class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of kind `tracking` may set; the colour is that of an orange ball, as hue, saturation and value."""
+
+    yaw_joint: Name = "neck_yaw"
+    pitch_joint: Name = "head_pitch"
+    hue_deg: tuple[Degrees, Degrees] = (6.0, 32.0)
+    saturation_percent: tuple[Percent, Percent] = (60.0, 100.0)
+    value_percent: tuple[Percent, Percent] = (40.0, 100.0)
+    dead_zone: Annotated[float, Meta(ge=0.0, le=5.0, description="in radii of what is seen: nearer is near enough")] = (
+        0.75
+    )
+    gain: Annotated[float, Meta(gt=0.0, le=5.0, description="1: the whole angle to it, at once")] = 0.5
+    field_deg: Annotated[float, Meta(gt=1.0, le=170.0, description="how wide the camera sees")] = 60.0
+    max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture is no picture")] = 0.5
+    lost_s: Annotated[float, Meta(gt=0.0, le=60.0, description="so long the head stays where it saw it last")] = 2.0
+    face_model: Annotated[str, Meta(description="a file with a YuNet model (ONNX); empty: colours only")] = ""
+
+
+KIND = Kind(
+    name="tracking",
+    summary="turns the head after what its camera sees",
+    family="app",
+    entry="lbr.apps.tracking.capability:Tracking",
+    settings=TrackingSettings,
+    inputs={"frame": JpegFrame, "camera": CameraState, "joints": JointsState},
+    outputs={"state": TrackingState},
+    commands={"track": TrackCommand, "stop": StopCommand},
+    requests={"move": JointsCommand, "halt": StopCommand, "torque": TorqueCommand},
+    replies=dict.fromkeys(("track", "stop", "move", "halt", "torque"), CommandReply),
+    rows=("joint",),
+)

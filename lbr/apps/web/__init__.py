@@ -1,0 +1,68 @@
+"""The robot over HTTP: one server for all faces; which of them it shows, and to whom, are settings."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind
+from lbr.messages.drive import GoalResult
+from lbr.messages.faces import EditCommand, EditReply
+from lbr.messages.joints import JointsCommand, JointsState, MotionsState, PlayCommand, TorqueCommand
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.units import Name
+from lbr.messages.uxa90 import ControllerState, TakeControlCommand
+from lbr.messages.web import AddressCommand, AddressReply, WebState
+
+Network = Annotated[str, Meta(description="an address or a network, such as 192.168.1.0/24")]
+
+
+class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of kind `web` may set.
+
+    `trusted` are the networks whose clients need no token: this machine, unless more are named.
+    """
+
+    host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
+    port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50000
+    faces: tuple[Literal["uxa90"], ...] = ()
+    layer: Annotated[Name, Meta(description="which layer of the table `motor` is shown")] = "api"
+    trusted: tuple[Network, ...] = ("127.0.0.0/8", "::1")
+    cors: Annotated[
+        tuple[str, ...], Meta(description="origins whose pages may ask, such as http://localhost:8081; * for all")
+    ] = ()
+    tls: bool = False
+    announce: Annotated[bool, Meta(description="tell the network by zeroconf, where others can reach it")] = True
+
+
+KIND = Kind(
+    name="web",
+    summary="serves the robot over HTTP: an API, a page, and a stream of states",
+    family="app",
+    entry="lbr.apps.web.capability:Web",
+    settings=WebSettings,
+    inputs={
+        "joints": JointsState,
+        "motions": MotionsState,
+        "moved": GoalResult,
+        "played": GoalResult,
+        "controller": ControllerState,
+    },
+    outputs={"state": WebState},
+    commands={"address": AddressCommand, "stop": StopCommand},
+    requests={
+        "move": JointsCommand,
+        "halt": StopCommand,
+        "torque": TorqueCommand,
+        "play": PlayCommand,
+        "stop_motion": StopCommand,
+        "take_control": TakeControlCommand,
+        "edit": EditCommand,
+    },
+    replies={
+        "address": AddressReply,
+        "edit": EditReply,
+        **dict.fromkeys(("stop", "move", "halt", "torque", "play", "stop_motion", "take_control"), CommandReply),
+    },
+    roles={"address": "view"},
+    rows=("joint", "motion", "motor", "button", "user_token"),
+)

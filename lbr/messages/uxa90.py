@@ -1,0 +1,59 @@
+"""Messages of the UXA-90's main board (UIC) and of single servos behind it, besides those on `servos/*`."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.messages.servos import ServoId
+
+ControllerMode = Literal["unknown", "normal", "taking", "pc"]
+Register = Literal[
+    "position14", "gains", "runtime_gains", "integral_gain", "runtime_integral_gain", "speed", "runtime_speed",
+    "overload", "boundary", "id", "baud", "digital_io",
+]  # fmt: skip
+Byte = Annotated[int, Meta(ge=0, le=255)]
+
+
+class TakeControlCommand(Struct, frozen=True, kw_only=True):
+    """Have the main board pass servo packets on from now on (PC control); moves nothing."""
+
+
+class InquireCommand(Struct, frozen=True, kw_only=True):
+    """Ask a servo (`id`) for a register, or the main board for what it knows of itself."""
+
+    what: Register | Literal["firmware", "serial", "zeros", "imu", "last_button"]
+    id: ServoId | None = None
+
+
+class InquireReply(Struct, frozen=True, kw_only=True):
+    """What it said: numbers as they came, and the same for people."""
+
+    accepted: bool
+    reason: str = ""
+    values: tuple[int, ...] = ()
+    text: str = ""
+
+
+class ConfigureCommand(Struct, frozen=True, kw_only=True):
+    """Write a servo's register. Refused unless the driver's setting `maintenance` is on; its answer is read back."""
+
+    what: Register
+    id: ServoId
+    values: Annotated[tuple[Byte, ...], Meta(min_length=1, max_length=2)]
+
+
+class ControllerState(Struct, frozen=True, kw_only=True):
+    """The main board: in which mode it is taken to be, what it said of itself, and what the line is worth.
+
+    `trust`: whether positions that come are believed now; `reason` says why not.
+    """
+
+    mode: ControllerMode
+    firmware: str = ""
+    serial: str = ""
+    trust: bool = False
+    reason: str = ""
+    replies: int = 0
+    missing: int = 0
+    implausible: int = 0
+    strays: int = 0
