@@ -48,6 +48,7 @@ class ServoDrive(Struct, frozen=True, kw_only=True):
     `torque` is a fraction of its most; 0: none, it is limp. It goes to its goal at `speed_rps` at most (null: as fast as
     it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` by 1 over
     `slopes_rad`, up to `torque`. Both are for a goal that is further clockwise (negative) and further anticlockwise.
+    `brake`: without torque its motor is shorted, so that it turns as hard as one that is driven.
     """
 
     goal_rad: float = 0.0
@@ -56,6 +57,7 @@ class ServoDrive(Struct, frozen=True, kw_only=True):
     margins_rad: tuple[float, float] = (0.0051, 0.0051)
     slopes_rad: tuple[float, float] = (0.164, 0.164)
     punch: float = 0.031
+    brake: bool = False
 
 
 class ServoFelt(Struct, frozen=True, kw_only=True):
