@@ -1,0 +1,172 @@
+"""What a face is: declared routes, from which both the answers and the OpenAPI document come, and a share of the loop.
+
+Two threads meet in a face. Handlers are coroutines on the server's; `step`, `stopped` and whatever `Robot.call` runs are
+on the capability's, which alone may touch `Robot.ctx`.
+"""
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import msgspec
+from msgspec import Struct
+
+from lbr.messages.system import RANKS, Role
+
+Method = Literal["GET", "POST", "PUT", "PATCH", "DELETE"]
+JSON, HTML, TEXT, SVG = "application/json", "text/html", "text/plain", "image/svg+xml"
+_encode = msgspec.json.Encoder().encode
+
+
+class Message(Struct, frozen=True, kw_only=True):
+    """What was wrong, as a sentence."""
+
+    message: str
+
+
+class Refused(Exception):  # noqa: N818 - an answer, not a fault
+    """An answer `{"message": ...}` with a status, from wherever it is noticed."""
+
+    def __init__(self, status: int, message: str, headers: Mapping[str, str] | None = None) -> None:
+        super().__init__(message)
+        self.status = status
+        self.message = message
+        self.headers = dict(headers or {})
+
+
+@dataclass(frozen=True, slots=True)
+class Client:
+    """Who asks: from which address, by which token (empty: by none), and what that allows (None: nothing)."""
+
+    address: str
+    name: str = ""
+    role: Role | None = None
+
+    def may(self, role: Role | None) -> bool:
+        """Say whether this client may do what needs a role; None is for everybody."""
+        return role is None or (self.role is not None and RANKS[self.role] >= RANKS[role])
+
+    def __str__(self) -> str:
+        return f"{self.name} at {self.address}" if self.name else self.address
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ask:
+    """A request: `keys` out of the path, `query` as it came, `params` and `data` as the route declares them.
+
+    Of a route that is `lenient`, `params` and `data` are None: it reads `query` and `body` itself.
+    """
+
+    method: str
+    path: str
+    client: Client
+    keys: Mapping[str, str] = field(default_factory=dict)
+    query: tuple[tuple[str, str], ...] = ()
+    headers: Mapping[str, str] = field(default_factory=dict)
+    body: bytes = b""
+    params: Any = None
+    data: Any = None
+
+    def values(self, name: str) -> tuple[str, ...]:
+        """Return every value that a parameter was given, in order."""
+        return tuple(value for key, value in self.query if key == name)
+
+    def require(self, role: Role) -> None:
+        """Raise Refused unless the client has a role: for routes that need more of some requests than of others."""
+        refuse_without(self.client, role)
+
+
+def refuse_without(client: Client, role: Role | None) -> None:
+    """Raise Refused unless a client may do what needs a role."""
+    if client.may(role):
+        return
+    if client.role is None:
+        raise Refused(
+            401,
+            f"{client.address} is not among the trusted networks: show a token, 'Authorization: Bearer NAME.SECRET."
+            "FINGERPRINT'; 'lbr token add' makes one",
+            {"WWW-Authenticate": 'Bearer realm="lbr"'},
+        )
+    raise Refused(403, f"this needs the role '{role}', and the token '{client.name}' has '{client.role}'")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reply:
+    """An answer as bytes; `json`, `text` and `html` make the usual ones."""
+
+    status: int = 200
+    body: bytes = b""
+    media: str = JSON
+    headers: Mapping[str, str] = field(default_factory=dict)
+
+
+def json(data: Any, status: int = 200, **headers: str) -> Reply:
+    """Return an answer in JSON, keys in the order that they have; a header's `_` stands for `-`."""
+    return Reply(status=status, body=_encode(data), headers=_named(headers))
+
+
+def text(content: str, status: int = 200, media: str = TEXT, **headers: str) -> Reply:
+    """Return an answer that is plain text, or other text by its media type."""
+    return Reply(status=status, body=content.encode(), media=media, headers=_named(headers))
+
+
+def html(content: str, status: int = 200, **headers: str) -> Reply:
+    """Return a page; whatever came from outside must have been escaped."""
+    return text(content, status, HTML, **headers)
+
+
+def _named(headers: Mapping[str, str]) -> dict[str, str]:
+    return {name.replace("_", "-"): value for name, value in headers.items()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Route:
+    """One method of one path, such as `/motion/{key}`: what it takes and returns, who may, and who answers.
+
+    `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
+    and reads them itself: then they only say in the document what is meant, and a body is passed on unread.
+    `replies` maps each status to what is then returned: a Struct, or a media type; refusals need not be named.
+    `role` is the least that is needed, None for nobody's leave. A `page` may be opened by a link from any other page,
+    so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
+    """
+
+    method: Method
+    path: str
+    handle: Callable[[Ask], Awaitable[Reply]]
+    summary: str
+    replies: Mapping[int, Any]
+    description: str = ""
+    params: type[Struct] | None = None
+    body: type[Struct] | None = None
+    body_required: bool = True
+    lenient: bool = False
+    role: Role | None = "view"
+    page: bool = False
+    hidden: bool = False
+    refuses: Mapping[int, str] = field(default_factory=dict)
+    """Statuses that this route refuses with besides the server's own, each with when."""
+
+
+class Face:
+    """A way to show the robot; subclass it. A package `lbr.apps.web.NAME` has `face(robot) -> Face`."""
+
+    name: str = ""
+
+    def routes(self) -> Sequence[Route]:
+        """Return what it answers; asked for once."""
+        return ()
+
+    def step(self, now: float) -> None:
+        """Do one round of work, in the capability's loop; must not block."""
+
+    def stopped(self, reason: str) -> None:
+        """Forget what is waiting to be done: somebody stopped the robot by way of this server, or it ends."""
+
+    def state(self) -> Mapping[str, Any]:
+        """Return what belongs into the stream of states besides the robot's own; from the capability's loop, often."""
+        return {}
+
+    @property
+    def jobs(self) -> int:
+        """How many jobs wait or are under way."""
+        return 0

@@ -1,0 +1,117 @@
+"""The robot as faces see it: its rows, the newest of its states, and questions to it."""
+
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+from msgspec import Struct
+
+from lbr.apps.web.bridge import ANSWER_S, Bridge, Promise
+from lbr.apps.web.face import Refused
+from lbr.capability.context import Context, Received
+from lbr.messages.drive import GoalResult
+from lbr.messages.faces import EditCommand, EditReply
+from lbr.messages.joints import JointsState, MotionsState
+from lbr.messages.uxa90 import ControllerState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from lbr.apps.web import WebSettings
+
+T = TypeVar("T")
+EDIT_S = 5.0
+
+
+class Snapshot(Struct, frozen=True, kw_only=True):
+    """What was heard last of everything; None where nothing was. `faces` is what each face adds."""
+
+    at: float
+    joints: Received | None = None
+    motions: Received | None = None
+    controller: Received | None = None
+    faces: dict[str, Any] = {}
+
+    @property
+    def joints_state(self) -> JointsState | None:
+        """The joints, however long ago that was."""
+        return self.joints.message if self.joints is not None else None
+
+    @property
+    def motions_state(self) -> MotionsState | None:
+        """What is played."""
+        return self.motions.message if self.motions is not None else None
+
+    @property
+    def controller_state(self) -> ControllerState | None:
+        """The main board."""
+        return self.controller.message if self.controller is not None else None
+
+
+class Robot:
+    """`ctx`, `moved`, `played` and `follow` are for the capability's loop; the rest is for both threads.
+
+    `moved` and `played` are the goals of joints and motions that ended, new in this round.
+    """
+
+    def __init__(self, ctx: "Context[WebSettings]", bridge: Bridge) -> None:
+        self.ctx = ctx
+        self.name = ctx.robot
+        self.settings = ctx.settings
+        self.joints = ctx.joints
+        self.motions = ctx.motions
+        self.motors = ctx.motors
+        self.buttons = ctx.buttons
+        self.snapshot = Snapshot(at=ctx.clock())
+        self.moved: tuple[GoalResult, ...] = ()
+        self.played: tuple[GoalResult, ...] = ()
+        self._bridge = bridge
+
+    def now(self) -> float:
+        """Monotonic seconds."""
+        return self.ctx.clock()
+
+    async def call(self, work: "Callable[[], T]", *, timeout_s: float = ANSWER_S) -> T:
+        """Have the capability's loop run `work`, and return what it returns."""
+        return cast("T", await self._bridge.call(work, timeout_s=timeout_s))
+
+    async def promised(self, work: "Callable[[], Promise[T]]", *, timeout_s: float = ANSWER_S) -> T:
+        """Have the capability's loop run `work`, and return what the promise that it returns becomes."""
+        return cast("T", await self._bridge.call(work, timeout_s=timeout_s))
+
+    async def ask(self, request: str, message: Struct, *, timeout_s: float = 1.0) -> Any:
+        """Ask by a request port that is wired to one capability, and return its answer; Refused (503) without one."""
+        answers = await self.promised(lambda: self.follow(request, message, timeout_s), timeout_s=timeout_s + ANSWER_S)
+        return answer_of(request, answers)
+
+    def follow(self, request: str, message: Struct, timeout_s: float = 1.0) -> "Promise[dict[str, Any]]":
+        """Ask from within the loop; the promise's result is for `answer_of`."""
+        return self._bridge.follow(self.ctx.ask(request, message, timeout_s))
+
+    async def edit(self, command: EditCommand) -> EditReply:
+        """Have rows written; once they are, this robot has them."""
+        reply = cast("EditReply", await self.ask("edit", command, timeout_s=EDIT_S))
+        if reply.accepted:
+            await self.call(lambda: self.adopt(command))
+        return reply
+
+    def adopt(self, command: EditCommand) -> None:
+        """Take rows for ours that were written; within the loop."""
+        self.motors = _with(self.motors, command.motors, lambda row: (row.layer, row.id))
+        self.motions = _with(self.motions, command.motions, lambda row: row.name)
+        self.buttons = _with(self.buttons, command.buttons, lambda row: row.id)
+
+
+def answer_of(request: str, answers: dict[str, Any]) -> Any:
+    """Return the one answer to a question; Refused (503) says what is missing."""
+    if len(answers) != 1:
+        raise Refused(503, f"'{request}' must be wired to one capability by a channel row, and is to {len(answers)}")
+    name, answer = next(iter(answers.items()))
+    if answer is None:
+        raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
+    return answer
+
+
+def _with(rows: tuple[T, ...], new: tuple[T, ...], key: "Callable[[T], Any]") -> tuple[T, ...]:
+    """Return rows with new ones in the place of those with the same key, or after all."""
+    changed = {key(row): row for row in new}
+    kept = tuple(changed.pop(key(row), row) for row in rows)
+    return (*kept, *changed.values())
