@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from lbr import home
-from lbr.apps.navcam.guard import is_ours
+from lbr.apps.http.names import is_ours
 from lbr.bus import session, wire
 from lbr.messages.camera import CameraState, JpegFrame
 from tests.robot import environment, until
@@ -387,4 +387,4 @@ def test_a_port_that_is_taken_is_told(cameras):
             check=False,
         )
     assert done.returncode == 2
-    assert "choose another by --port" in done.stderr
+    assert "choose another by --host or --port" in done.stderr

@@ -25,6 +25,7 @@ PORT = 9146
 def main() -> int:
     """Serve until told to end."""
     try:
+        from lbr.apps.http.listening import certificate, is_loopback  # noqa: PLC0415
         from lbr.apps.navcam import guard, server, web  # noqa: PLC0415 - they need an extra
         from lbr.apps.navcam.cameras import Cameras  # noqa: PLC0415
         from lbr.apps.navcam.hub import Hub  # noqa: PLC0415
@@ -34,7 +35,7 @@ def main() -> int:
     arguments = _parser().parse_args()
     confine((str(home.home()),))
     with program.connected("navcam") as robot, server.listen(arguments.host, arguments.port) as listening:
-        tls, port = not server.is_loopback(listening), listening.getsockname()[1]
+        tls, port = not is_loopback(listening), listening.getsockname()[1]
         secret = guard.token()
         hub = Hub(robot.bus, robot.name)
         lock = guard.Lock(secret, port=port, tls=tls)
@@ -46,7 +47,7 @@ def main() -> int:
         home.write_private(told, f"{page}\n".encode())
         _say(f"navcam is at {page}", f"this address is in {told} too")
         if tls:
-            _say(f"the certificate's SHA-256 fingerprint is {_fingerprint(Path(server.certificate()[1]))}")
+            _say(f"the certificate's SHA-256 fingerprint is {_fingerprint(Path(certificate()[1]))}")
         try:
             asyncio.run(_serve(serving, listening))
         finally:

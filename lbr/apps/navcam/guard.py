@@ -1,10 +1,7 @@
 """Who may see: whoever shows the token, by a header or by the cookie that was given for it, and asks for us by name."""
 
-import ipaddress
 import secrets
-import socket
 from collections.abc import Iterable
-from collections.abc import Set as AbstractSet
 from hashlib import blake2b
 from http.cookies import CookieError, SimpleCookie
 from pathlib import Path
@@ -14,6 +11,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from lbr import home
+from lbr.apps.http.names import is_ours
 from lbr.errors import InputError
 
 TOKEN_FILE = "navcam.token"  # noqa: S105 - a file's name
@@ -110,20 +108,3 @@ class Guard:
             await send(message)
 
         await app(scope, receive, sealed)
-
-
-def is_ours(host: str, names: AbstractSet[str] = frozenset()) -> bool:
-    """Say whether a Host header means this machine: an address, its own name, or one of `names`.
-
-    A page of somebody else's whose name was made to lead here shows that name.
-    """
-    name = host.rpartition(":")[0] if ":" in host.rpartition("]")[2] else host
-    name = name.strip("[]").lower().rstrip(".")
-    own = socket.gethostname().lower()
-    if name in {"localhost", own, own.partition(".")[0], f"{own.partition('.')[0]}.local", *names}:
-        return True
-    try:
-        ipaddress.ip_address(name.partition("%")[0])
-    except ValueError:
-        return False
-    return True
