@@ -968,7 +968,6 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'joints.state', 'tracking.joints', 1),
     ('uxa90', 'tracking.move', 'joints.command', 1),
     ('uxa90', 'tracking.halt', 'joints.stop', 1),
-    ('uxa90', 'tracking.torque', 'joints.torque', 1),
     ('uxa90', 'joints.state', 'web.joints', 1),
     ('uxa90', 'motions.state', 'web.motions', 1),
     ('uxa90', 'joints.result', 'web.moved', 16),
@@ -979,7 +978,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'web.torque', 'joints.torque', 1),
     ('uxa90', 'web.play', 'motions.play', 1),
     ('uxa90', 'web.stop_motion', 'motions.stop', 1),
-    ('uxa90', 'web.take_control', 'servos.take_control', 1);
+    ('uxa90', 'web.take_control', 'servos.take_control', 1),
+    ('uxa90', 'web.edit', 'executive.edit', 1);
 
 -- A servo counts 0 to 254 over 269 degrees. Zeros are the factory's nominal ones, signs of legs come from published
 -- kinematics, those of arms and head from what motions do; waist, hip yaw and hands are guesses. Limits are what motions

@@ -34,6 +34,11 @@ def estop_acknowledgement(robot: str, capability: str) -> str:
     return f"{robot}/@estop/ack/{capability}"
 
 
+def edit(robot: str) -> str:
+    """Return the key on which the executive takes edits of rows, from those that are wired to `executive.edit`."""
+    return f"{robot}/@edit"
+
+
 def status(robot: str) -> str:
     """Return the key of the robot's status, a stream and a query."""
     return f"{robot}/@status"

@@ -1,12 +1,13 @@
 """The one document a capability's process gets at start: settings, wiring, devices, calibration."""
 
-from typing import Any
+from collections.abc import Collection
+from typing import Any, Protocol
 
 from msgspec import Raw, Struct
 
 from lbr.bus.access import Credentials, Rights
 from lbr.messages.dance import DanceStep
-from lbr.messages.faces import Button, Motor
+from lbr.messages.faces import Button, EditCommand, FaceRows, Motor
 from lbr.messages.joints import CapturedFrame, Joint, Motion
 from lbr.messages.speech import Phrase
 from lbr.messages.system import EstopState, Role, TokenRole
@@ -126,3 +127,26 @@ class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
     counts: dict[str, int] = {}
     calibration: dict[str, float] = {}
     captured: CapturedFrame | None = None
+
+
+class HasFaceRows(Protocol):
+    """Whoever has been given rows that an edit may touch."""
+
+    @property
+    def motors(self) -> tuple[Motor, ...]:
+        """Rows of the table `motor`."""
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """Rows of the table `motion`, with their key frames."""
+
+    @property
+    def buttons(self) -> tuple[Button, ...]:
+        """Rows of the table `button`."""
+
+
+def with_edit(before: HasFaceRows, edit: EditCommand, tables: Collection[str]) -> dict[str, Any]:
+    """Return `motors`, `motions` and `buttons` as they are after an edit, as far as `tables` says that they are known."""
+    rows = FaceRows(motors=before.motors, motions=before.motions, buttons=before.buttons).edited(edit)
+    known = {"motor": "motors", "motion": "motions", "button": "buttons"}
+    return {field: getattr(rows, field) for table, field in known.items() if table in tables}

@@ -8,7 +8,7 @@ from msgspec import Struct
 
 from lbr.capability.config import LanUser
 from lbr.messages.dance import DanceStep
-from lbr.messages.faces import Button, Motor
+from lbr.messages.faces import Button, EditCommand, Motor
 from lbr.messages.joints import CapturedFrame, Joint, Motion
 from lbr.messages.speech import Phrase
 from lbr.messages.system import Role, Stamp
@@ -155,6 +155,12 @@ class Context(Protocol[S_co]):
 
     def keep_frame(self, captured: CapturedFrame) -> None:
         """Have a key frame written down among the rows; `motions` has it at once, without a restart."""
+
+    def adopt(self, edit: EditCommand) -> None:
+        """Go on with the rows of an edit that was accepted: `motors`, `motions` and `buttons` have them at once.
+
+        The executive counts on it, and does not start this capability anew for them.
+        """
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works (the runtime does so after `open`)."""

@@ -12,7 +12,7 @@ from msgspec import Struct
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder, PictureDecoder
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
-from lbr.capability.config import InputWire, ProcessConfig
+from lbr.capability.config import InputWire, ProcessConfig, with_edit
 from lbr.capability.context import Call, Device, EmergencyStop, Received
 from lbr.capability.dating import Dates
 from lbr.capability.estop import EstopLatch, NothingToStop
@@ -22,6 +22,7 @@ from lbr.capability.reporter import Reporter
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import CheckVerdict
+from lbr.messages.faces import EditCommand
 from lbr.messages.joints import CapturedFrame, with_frame
 from lbr.messages.system import Event
 
@@ -237,6 +238,11 @@ class ProcessContext:
             raise ValueError(f"'{self.name}' keeps no motions: its kind says so by `rows`")
         self.motions = with_frame(self.motions, captured)
         self._reporter.captured(captured)
+
+    def adopt(self, edit: EditCommand) -> None:
+        """Go on with the rows of an edit that was accepted."""
+        for field, rows in with_edit(self, edit, self._kind.rows).items():
+            setattr(self, field, rows)
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works."""

@@ -10,6 +10,9 @@ from lbr.database.reader import json_strictly, shown
 from lbr.database.rows import JointRow, MotionStepRow, Problem, RobotRow, RobotRows, VerbRow
 from lbr.database.tables import KEYS, RawRow, RawTables
 
+EXECUTIVE = "executive"
+"""What verbs and channels may have as their target without a row of its own: lbr itself."""
+
 _LISTS = (
     "capabilities",
     "channels",
@@ -134,13 +137,14 @@ class _Between:
     def _wiring(self) -> None:
         for row in self._rows.channels:
             for column, (name, _) in (("source", row.source_end), ("target", row.target_end)):
-                if name not in self._capabilities:
+                known = name in self._capabilities or (column == "target" and name == EXECUTIVE)
+                if not known:
                     self._wrong("channel", row, column, f"there is no capability '{name}'")
 
     def _targets(self) -> None:
         for row in self._rows.verbs:
             name, _ = row.target_end
-            if name != "executive" and name not in self._capabilities:
+            if name != EXECUTIVE and name not in self._capabilities:
                 self._wrong("verb", row, "target", f"there is no capability '{name}'")
 
     def _same_lines(self) -> None:

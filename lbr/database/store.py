@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from sqlalchemy import Connection, func, select, update
 from sqlalchemy.dialects.sqlite import insert
 
-from lbr.database import adopted, audit, history, tokens
+from lbr.database import adopted, audit, edits, history, tokens
 from lbr.database.checks import check
 from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, flush_log, pragma, run, sentences, transaction
 from lbr.database.files import check_file
@@ -27,11 +27,13 @@ from lbr.database.resources import robot_db_sql
 from lbr.database.rows import AuditRow, RevisionRow, RobotRows, TokenRow
 from lbr.database.tables import TABLES, RawTables, read_tables
 from lbr.errors import InputError, RowError
+from lbr.messages.faces import EditCommand
 from lbr.messages.joints import CapturedFrame
 from lbr.messages.system import Event, TokenRole
 
 APPLICATION_ID = 0x4C425231
 PATIENCE_S = 0.1
+EDIT_TRIES = 5
 
 
 def create(path: Path, sql: Path | None = None) -> None:
@@ -175,6 +177,34 @@ class Database:
             positions = msgspec.json.encode(captured.frame.positions).decode()
             step = {"step": (connection.scalar(steps) or 0) + 1, "positions": positions}
             connection.execute(insert(MotionStep).values(**key, **step, duration_s=captured.frame.duration_s))
+
+    def revision(self) -> int:
+        """Return the number of the last change of rows; 0 for none."""
+        with self._reading() as connection:
+            return adopted.revision(connection)
+
+    def edit(self, robot: str, edit: EditCommand, wrong: Callable[[RobotRows], Iterable[str]]) -> int:
+        """Write an edit, all of it or none, if the rows as it makes them are good; return their revision.
+
+        InputError says why it may not be made, RowError what `wrong` or the tables say of the rows. On return it is on
+        the disk. The checks hold up no other writer; if one comes between, they begin again.
+        """
+        for _ in range(EDIT_TRIES):
+            with self._reading() as connection:
+                tables, problems = read_tables(connection)
+                known = tokens.tokens(connection)
+                revision = adopted.revision(connection)
+                problems += adopted.problems(connection, revision, adopted.digest(tables))
+                since = () if edit.revision is None else history.revisions(connection, edit.revision)
+            after = edits.applied(tables, robot, edit, since)
+            rows = replace(check(after, robot, revision=revision, problems=problems), tokens=known)
+            if found := tuple(wrong(rows)):
+                raise RowError(found)
+            with self._writing(durable=True) as connection:
+                if adopted.revision(connection) == revision:
+                    edits.write(connection, robot, edit)
+                    return adopted.revision(connection)
+        raise InputError("others edit the rows at the same time: try again")
 
     def add_rows(self, rows: RawTables) -> None:
         """Write new rows, by table, in one transaction; durably."""

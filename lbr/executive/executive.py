@@ -23,13 +23,14 @@ from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import copies, store
 from lbr.errors import LbrError
-from lbr.executive import hosting, scheduling, terminal
+from lbr.executive import hosting, scheduling, terminal, wiring
 from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
 from lbr.executive.child import Child
 from lbr.executive.credentials import bus_certificate, token_key
 from lbr.executive.dispatch import DONE, FAILED, Dispatcher
 from lbr.executive.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
+from lbr.executive.edits import Edits, Written
 from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
 from lbr.executive.hosting import Measured
@@ -231,6 +232,14 @@ class Executive:
             ways=self._lan,
             present=lambda name: name in self._presence.names,
         )
+        self._edits = Edits(
+            wire.Served(bus, keys.edit(robot), self._main.wake, puts=False, source="executive"),
+            self._rows,
+            Written(self._database.path, robot, lambda rows: plans.make(rows, self._profile, self._site)),
+            process=self._process,
+            happened=self._happened,
+            wake=self._main.wake,
+        )
         self._emergency = Emergency(
             robot,
             self._bus_again,
@@ -246,7 +255,7 @@ class Executive:
         self._service.start()
         self._status_out = wire.Publisher(bus, keys.status(robot), "executive")
         self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._main.wake())
-        self._alive = wire.alive(bus, robot, plans.EXECUTIVE)
+        self._alive = wire.alive(bus, robot, wiring.EXECUTIVE)
         (Path(self._site.home) / "run" / f"{robot}-devices").mkdir(mode=0o700, exist_ok=True)
         self._say_how_to_reach()
         self._database.record_start(robot)
@@ -269,6 +278,7 @@ class Executive:
         self._external.close()
         self._service.close()
         self._hosts.close()
+        self._edits.close()
         self._main.close()
         self._journal.step(time.monotonic())
         self._journal.flush()
@@ -287,6 +297,8 @@ class Executive:
             again = min(self._emergency.step(now), self._hosts.step(now))
             self._journal.step(now)
             self._keeper.step(now, self.plan.rows.digest)
+            if self._edits.step():
+                rows_at = now
             if now >= rows_at:
                 rows_at = now + LOOK_AT_ROWS_S
                 self._rows.look()
@@ -328,6 +340,10 @@ class Executive:
             self._rows.calibrated(one.name, one.calibration)
         if one.captured is not None:
             self._rows.captured(one.name, one.captured)
+
+    def _process(self, name: str) -> object:
+        slot = self._supervisor.slots.get(name)
+        return slot.child if slot is not None else None
 
     def _kept(self, name: str) -> None:
         if name in self._supervisor.slots:

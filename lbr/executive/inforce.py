@@ -12,6 +12,7 @@ from lbr.executive import plan as plans
 from lbr.executive.keeper import Keeper
 from lbr.executive.plan import Change, Plan
 from lbr.executive.watch import RowWatch
+from lbr.messages.faces import EditCommand
 from lbr.messages.joints import CapturedFrame
 
 PROBLEMS_TOLD = 3
@@ -30,7 +31,7 @@ class Happened(Protocol):
 class RowsInForce:
     """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force.
 
-    `take_over(change)` starts and stops what another plan wants, `kept(name)` has a process go on with what it learnt.
+    While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a process go on with what it learnt.
     """
 
     def __init__(
@@ -50,12 +51,13 @@ class RowsInForce:
         self._take_over = take_over
         self._kept = kept
         self.problems: tuple[str, ...] = ()
+        self.held = False
         self.plan = watch.first()
         self.vocabulary = _words(self.plan)
 
     def look(self) -> None:
-        """Adopt what was edited, or say why not."""
-        news = self._watch.look(self.plan)
+        """Adopt what was edited, or say why not; not while an edit is being written on somebody's behalf."""
+        news = None if self.held else self._watch.look(self.plan)
         if news is None:
             return
         if news.plan is None or news.problems:
@@ -108,6 +110,10 @@ class RowsInForce:
             self._happened("frame_lost", name, text, "error")
             return
         self._keep(plans.captured(self.plan, name, frame), name)
+
+    def edited(self, name: str, edit: EditCommand) -> None:
+        """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for it."""
+        self._keep(plans.edited(self.plan, name, edit), name)
 
     def _adopt(self, plan: Plan, change: Change, edited: str) -> None:
         self.vocabulary = _words(plan)

@@ -48,6 +48,7 @@ AUDITED = frozenset(
         "token",
         "rows_changed",
         "rows_refused",
+        "edit",
         "python",
         "external",
         "listening",

@@ -7,6 +7,7 @@ from lbr.capability.kind import Kind
 from lbr.database.rows import Problem, RobotRows
 from lbr.executive.profile import Profile
 from lbr.executive.units import LAN
+from lbr.executive.wiring import EXECUTIVE
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
@@ -46,6 +47,8 @@ def _why_it_stays(name: str, kinds: Mapping[str, Kind], rows: RobotRows, profile
         f"it takes setpoints ({', '.join(sorted(kind.setpoints))}), and what drives a motor is where the motor is": (
             bool(kind.setpoints)
         ),
+        "it may change rows, and whoever does is the robot's own": EXECUTIVE
+        in {target for target, _ in _fed(name, rows)},
         f"it decides the setpoints of '{fed[0][0] if fed else ''}', and they cross no network": bool(fed),
         f"its device ({kind.device}) is emulated there": bool(kind.device) and profile.simulate,
         f"it owns a device ({kind.device}); if that is plugged in at '{host}', say so in the profile: "

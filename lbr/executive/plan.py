@@ -16,11 +16,10 @@ from lbr.executive import placement, rights
 from lbr.executive.devices import check_device_settings, check_devices
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
-from lbr.executive.units import LAN, Unit, commands_of, measured, posed, streams_of, unit, with_lan
-from lbr.executive.wiring import check_channels, check_verbs
+from lbr.executive.units import LAN, Unit, commands_of, edited_rows, measured, posed, streams_of, unit, with_lan
+from lbr.executive.wiring import EXECUTIVE, check_channels, check_verbs
+from lbr.messages.faces import EditCommand
 from lbr.messages.joints import CapturedFrame
-
-EXECUTIVE = "executive"
 
 
 class Plan(Struct, frozen=True, kw_only=True):
@@ -77,7 +76,7 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     if problems:
         return None, tuple(problems)
     order = _order(chosen)
-    channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= set(order)]
+    channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= {EXECUTIVE, *order}]
     by_name = {row.name: row for row in chosen}
     units = {
         name: unit(by_name[name], kinds, settings[name], rows, channels, profile, site, set(order)) for name in order
@@ -113,6 +112,12 @@ def calibrated(plan: Plan, name: str, values: Mapping[str, float]) -> Plan:
 def captured(plan: Plan, name: str, frame: CapturedFrame) -> Plan:
     """Return the plan with a unit that has this key frame already: rows that say the same do not restart it."""
     return replace(plan, units={**plan.units, name: posed(plan.units[name], frame)})
+
+
+def edited(plan: Plan, name: str, edit: EditCommand) -> Plan:
+    """Return the plan with a unit that has made this edit its own: rows that say the same do not restart it."""
+    unit = edited_rows(plan.units[name], edit, plan.kinds[name].rows)
+    return replace(plan, units={**plan.units, name: unit})
 
 
 def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:

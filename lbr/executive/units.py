@@ -1,6 +1,6 @@
 """From a row to the one document that its process gets: settings, wiring, devices, ways onto the bus. Pure."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,16 @@ from msgspec.structs import replace
 from lbr.bus import keys
 from lbr.bus.access import Credentials, Rights
 from lbr.capability import registry
-from lbr.capability.config import DeviceConfig, InputWire, LanConfig, LanGuest, LanUser, OutputWire, ProcessConfig
+from lbr.capability.config import (
+    DeviceConfig,
+    InputWire,
+    LanConfig,
+    LanGuest,
+    LanUser,
+    OutputWire,
+    ProcessConfig,
+    with_edit,
+)
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.rows import ButtonRow, CapabilityRow, ChannelRow, RobotRows
@@ -19,8 +28,9 @@ from lbr.executive.credentials import token_secret
 from lbr.executive.devices import device_address
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
+from lbr.executive.wiring import EXECUTIVE
 from lbr.messages.dance import DanceStep
-from lbr.messages.faces import Button, Motor
+from lbr.messages.faces import Button, EditCommand, Motor
 from lbr.messages.joints import CapturedFrame, Joint, KeyFrame, Motion, with_frame
 from lbr.messages.speech import Phrase
 
@@ -162,6 +172,11 @@ def posed(unit: Unit, frame: CapturedFrame) -> Unit:
     return replace(unit, config=replace(unit.config, motions=by_name(with_frame(unit.config.motions, frame))))
 
 
+def edited_rows(unit: Unit, edit: EditCommand, tables: Collection[str]) -> Unit:
+    """Return a unit that has made an edit its own, as far as it has such rows."""
+    return replace(unit, config=replace(unit.config, **with_edit(unit.config, edit, tables)))
+
+
 def by_name(motions: Iterable[Motion]) -> tuple[Motion, ...]:
     """Return motions in the order of the rows."""
     return tuple(sorted(motions, key=lambda motion: motion.name))
@@ -286,5 +301,6 @@ def _requests(
     for channel in channels:
         (source, request), (target, command) = channel.source_end, channel.target_end
         if source == name and request in kinds[source].requests:
-            asked.setdefault(request, {})[target] = keys.port(robot, target, command)
+            key = keys.edit(robot) if target == EXECUTIVE else keys.port(robot, target, command)
+            asked.setdefault(request, {})[target] = key
     return asked

@@ -13,6 +13,11 @@ import msgspec
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.rows import ChannelRow, Problem, RobotRows, VerbRow
+from lbr.messages.faces import EditCommand
+
+EXECUTIVE = "executive"
+EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {"edit": EditCommand}
+"""What capabilities may ask the executive for, if their rows wire them to it."""
 
 EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
     "report": frozenset({"name"}),
@@ -33,10 +38,10 @@ def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping
     feeders: dict[str, str] = {}
     for row in rows.channels:
         (source, _), (target, port) = row.source_end, row.target_end
-        if source not in kinds or target not in kinds:
+        if source not in kinds or target not in {EXECUTIVE, *kinds}:
             continue
         problems += _check_channel(row, rows.robot.name, kinds, settings)
-        if row.enabled and port in kinds[target].setpoints:
+        if row.enabled and target in kinds and port in kinds[target].setpoints:
             if row.target in feeders:
                 text = f"'{feeders[row.target]}' feeds it already, and a setpoint has one writer"
                 problems.append(Problem("channel", f"{rows.robot.name}/{row.source}/{row.target}", "target", text))
@@ -51,7 +56,10 @@ def _check_channel(
     source, target = row.source_end, row.target_end
     sent = _ports(source[0], kinds, settings, "outputs", "requests")
     asks = source[1] in kinds[source[0]].requests
-    taken = _ports(target[0], kinds, settings, *(("commands",) if asks else ("inputs", "setpoints")))
+    if target[0] == EXECUTIVE:
+        taken = dict(EXECUTIVE_COMMANDS) if asks else {}
+    else:
+        taken = _ports(target[0], kinds, settings, *(("commands",) if asks else ("inputs", "setpoints")))
     problems = []
     if source[1] not in sent:
         problems.append(Problem("channel", label, "source", _no_port(source, "output", sent)))
@@ -96,7 +104,7 @@ def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[st
 def _check_verb(row: VerbRow, robot: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
     label = f"{robot}/{row.word}/{row.pattern}"
     owner, command = row.target_end
-    if owner == "executive":
+    if owner == EXECUTIVE:
         if command in EXECUTIVE_VERBS:
             return _check_fields(row, label, EXECUTIVE_VERBS[command])
         there = ", ".join(f"executive.{name}" for name in sorted(EXECUTIVE_VERBS))
