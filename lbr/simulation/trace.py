@@ -1,9 +1,35 @@
-"""A file of what the emulated motor controller's outputs did, and when: evidence for stopping times."""
+"""Files of what emulated devices heard and did, and when: evidence of bytes, and for stopping times."""
 
 import os
 from pathlib import Path
 
 from lbr.errors import InputError
+
+
+class TraceFile:
+    """Appends at once, unbuffered: lines of `monotonic_ns` and what happened; nothing where the path is empty.
+
+    `setting` says what named the file, should it not be writable.
+    """
+
+    def __init__(self, path: str, setting: str) -> None:
+        self._file = _open(Path(path).expanduser(), setting) if path else None
+
+    @property
+    def wanted(self) -> bool:
+        """Say whether anything is kept."""
+        return self._file is not None
+
+    def write(self, now: float, text: str) -> None:
+        """Add a line."""
+        if self._file is not None:
+            os.write(self._file, f"{now * 1e9:.0f} {text}\n".encode())
+
+    def close(self) -> None:
+        """Let go of the file."""
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
 
 
 class OutputTrace:
@@ -15,35 +41,28 @@ class OutputTrace:
 
     def __init__(self, path: str) -> None:
         self._last: tuple[float, float] = (0.0, 0.0)
-        self._file: int | None = None
-        if path:
-            self._file = _open(Path(path).expanduser())
+        self._file = TraceFile(path, "world setting `trace`")
 
     def outputs(self, now: float, outputs: tuple[float, float], cause: str, *, always: bool = False) -> None:
         """Write the outputs if they changed."""
         if outputs != self._last or always:
             self._last = outputs
-            self._write(f"{now * 1e9:.0f} {outputs[0]:g} {outputs[1]:g} {cause}\n")
+            self._file.write(now, f"{outputs[0]:g} {outputs[1]:g} {cause}")
 
     def line(self, now: float, line: str) -> None:
         """Write a command line that was heard."""
-        self._write(f"{now * 1e9:.0f} line {line}\n")
+        self._file.write(now, f"line {line}")
 
     def close(self, now: float) -> None:
         """Write that the controller is gone, and let go of the file."""
-        if self._file is not None:
+        if self._file.wanted:
             self.outputs(now, (0.0, 0.0), "close", always=True)
-            os.close(self._file)
-            self._file = None
-
-    def _write(self, text: str) -> None:
-        if self._file is not None:
-            os.write(self._file, text.encode())
+            self._file.close()
 
 
-def _open(path: Path) -> int:
+def _open(path: Path, setting: str) -> int:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
     except OSError as err:
-        raise InputError(f"world setting `trace`: cannot write {path}: {err.strerror or err}") from err
+        raise InputError(f"{setting}: cannot write {path}: {err.strerror or err}") from err

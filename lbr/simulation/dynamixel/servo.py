@@ -9,10 +9,11 @@ mode) it does not turn; switched on, it goes to whatever its goal register holds
 from collections.abc import Callable, Mapping
 
 from lbr.simulation.dynamixel import registers as reg
-from lbr.simulation.dynamixel.motion import MIDDLE, SPEED_RPS, STEP_RAD, as_position, as_signed, moved
+from lbr.simulation.dynamixel.motion import MIDDLE, NO_LOAD_RPS, SPEED_RPS, STEP_RAD, as_position, as_signed
 from lbr.simulation.dynamixel.packets import BROADCAST, RECEIVE_BYTES, Code, Fault, Instruction, status
 from lbr.simulation.dynamixel.timing import STEADY, Rhythm
 from lbr.simulation.measured import ServoDrive, ServoFelt
+from lbr.simulation.turning import moved
 
 Act = Callable[[Instruction, float], bytes | None]
 
@@ -122,7 +123,7 @@ class AxServo:
         """Turn by itself until now, if no world moves it."""
         if self._by_itself and now > self._at:
             dt_s = now - self._at if self._at else 0.0
-            self._take(moved(self.drive(), self.felt, dt_s), dt_s, now)
+            self._take(moved(self.drive(), self.felt, dt_s, NO_LOAD_RPS), dt_s, now)
 
     def execute(self, instruction: Instruction, now: float) -> bytes | None:
         """Do what a packet that it heard says; return its answer, None for none."""
