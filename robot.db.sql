@@ -979,7 +979,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'web.play', 'motions.play', 1),
     ('uxa90', 'web.stop_motion', 'motions.stop', 1),
     ('uxa90', 'web.take_control', 'servos.take_control', 1),
-    ('uxa90', 'web.edit', 'executive.edit', 1);
+    ('uxa90', 'web.edit', 'executive.edit', 1),
+    ('uxa90', 'web.estop_reset', 'executive.estop_reset', 1);
 
 -- A servo counts 0 to 254 over 269 degrees. Zeros are the factory's nominal ones, signs of legs come from published
 -- kinematics, those of arms and head from what motions do; waist, hip yaw and hands are guesses. Limits are what motions

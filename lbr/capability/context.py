@@ -150,6 +150,9 @@ class Context(Protocol[S_co]):
     def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
         """Publish on `@event`; the executive writes it down."""
 
+    def engage_estop(self, reason: str) -> None:
+        """Latch the emergency stop of everything that moves; whoever moves hears it past the executive."""
+
     def keep_calibration(self, values: Mapping[str, float]) -> None:
         """Have values of the device that this capability calibrates written down; it goes on without a restart."""
 

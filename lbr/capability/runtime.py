@@ -24,7 +24,7 @@ from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import CheckVerdict
 from lbr.messages.faces import EditCommand
 from lbr.messages.joints import CapturedFrame, with_frame
-from lbr.messages.system import Event
+from lbr.messages.system import EstopRequest, Event
 
 COMPLAINTS_PER_S = 2
 
@@ -224,6 +224,11 @@ class ProcessContext:
             text = f"{missed} more events '{kind}' within a second"
             event = Event(kind="repeated", subject=self.name, text=text, level="warning", wall_ns=time.time_ns())
             self._events.put(event)
+
+    def engage_estop(self, reason: str) -> None:
+        """Latch the emergency stop of everything that moves."""
+        request = EstopRequest(engaged=True, reason=reason[:200])
+        wire.put(self._bus, keys.estop(self.robot), request, source=self.name, urgent=True)
 
     def keep_calibration(self, values: Mapping[str, float]) -> None:
         """Have values of the device that this capability calibrates written down."""

@@ -301,6 +301,6 @@ def _requests(
     for channel in channels:
         (source, request), (target, command) = channel.source_end, channel.target_end
         if source == name and request in kinds[source].requests:
-            key = keys.edit(robot) if target == EXECUTIVE else keys.port(robot, target, command)
-            asked.setdefault(request, {})[target] = key
+            own = {"edit": keys.edit(robot), "estop_reset": keys.estop_reset(robot)} if target == EXECUTIVE else {}
+            asked.setdefault(request, {})[target] = own.get(command, keys.port(robot, target, command))
     return asked

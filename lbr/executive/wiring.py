@@ -14,9 +14,13 @@ from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.rows import ChannelRow, Problem, RobotRows, VerbRow
 from lbr.messages.faces import EditCommand
+from lbr.messages.system import EstopResetCommand
 
 EXECUTIVE = "executive"
-EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {"edit": EditCommand}
+EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {
+    "edit": EditCommand,
+    "estop_reset": EstopResetCommand,
+}
 """What capabilities may ask the executive for, if their rows wire them to it."""
 
 EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {

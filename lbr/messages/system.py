@@ -47,6 +47,10 @@ class EstopRequest(Struct, frozen=True, kw_only=True):
     reason: Annotated[str, Meta(max_length=200)] = ""
 
 
+class EstopResetCommand(Struct, frozen=True, kw_only=True):
+    """Release the emergency stop; by itself this moves nothing."""
+
+
 class EstopState(Struct, frozen=True, kw_only=True):
     """The latch, and which capabilities' devices have acknowledged it."""
 

@@ -1,5 +1,7 @@
 """The robot over HTTP: one server for all faces; which of them it shows, and to whom, are settings."""
 
+import re
+from ipaddress import ip_network
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
@@ -9,10 +11,12 @@ from lbr.messages.drive import GoalResult
 from lbr.messages.faces import EditCommand, EditReply
 from lbr.messages.joints import JointsCommand, JointsState, MotionsState, PlayCommand, TorqueCommand
 from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.system import EstopResetCommand
 from lbr.messages.units import Name
 from lbr.messages.uxa90 import ControllerState, TakeControlCommand
 from lbr.messages.web import AddressCommand, AddressReply, WebState
 
+_ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]+")
 Network = Annotated[str, Meta(description="an address or a network, such as 192.168.1.0/24")]
 
 
@@ -30,8 +34,23 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     cors: Annotated[
         tuple[str, ...], Meta(description="origins whose pages may ask, such as http://localhost:8081; * for all")
     ] = ()
-    tls: bool = False
+    tls: Annotated[bool, Meta(description="https, with the robot's own certificate")] = False
     announce: Annotated[bool, Meta(description="tell the network by zeroconf, where others can reach it")] = True
+    names: Annotated[
+        tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
+    ] = ()
+    requests_per_s: Annotated[float, Meta(ge=1.0, le=10_000.0, description="the most from one address")] = 200.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no network and no origin, before anybody counts on it."""
+        for network in self.trusted:
+            try:
+                ip_network(network, strict=False)
+            except ValueError:
+                raise ValueError(f"trusted: '{network}' is no address or network, such as 192.168.1.0/24") from None
+        for origin in self.cors:
+            if origin not in {"*", "null"} and _ORIGIN.fullmatch(origin) is None:
+                raise ValueError(f"cors: '{origin}' is no origin; origins look like http://localhost:8081")
 
 
 KIND = Kind(
@@ -57,11 +76,14 @@ KIND = Kind(
         "stop_motion": StopCommand,
         "take_control": TakeControlCommand,
         "edit": EditCommand,
+        "estop_reset": EstopResetCommand,
     },
     replies={
         "address": AddressReply,
         "edit": EditReply,
-        **dict.fromkeys(("stop", "move", "halt", "torque", "play", "stop_motion", "take_control"), CommandReply),
+        **dict.fromkeys(
+            ("stop", "move", "halt", "torque", "play", "stop_motion", "take_control", "estop_reset"), CommandReply
+        ),
     },
     roles={"address": "view"},
     rows=("joint", "motion", "motor", "button", "user_token"),
