@@ -71,8 +71,8 @@ class WorldPose(Struct, frozen=True, kw_only=True):
 class HumanoidPose(Struct, frozen=True, kw_only=True):
     """The truth about a humanoid (REP 103): where its trunk is and how it lies, where its joints are, what it stands on.
 
-    `upright`: its trunk leans less than 45 degrees. `held`: a helper's hand has it, or a stand. `on_floor` are the
-    parts that touch the floor.
+    `upright`: its trunk leans less than 45 degrees; `stands`: and is up, not sitting. `held`: a helper's hand has it, or a
+    stand. `on_floor` are the parts that touch the floor.
     """
 
     x_m: float
@@ -87,3 +87,4 @@ class HumanoidPose(Struct, frozen=True, kw_only=True):
     joints: dict[str, float]
     supply_v: float
     time_s: float
+    stands: bool = True

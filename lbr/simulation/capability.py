@@ -13,11 +13,10 @@ from lbr.errors import InputError
 from lbr.messages.sensing import Ranges, RangeStatus
 from lbr.messages.simulation import WorldBox, WorldScene
 from lbr.simulation.cameras.host import CameraHost
-from lbr.simulation.cameras.orders import Drawing
 from lbr.simulation.engine import Engine
 from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
-from lbr.simulation.plugged import Plugged, may
+from lbr.simulation.plugged import Plugged, may, tell_of_drawing
 from lbr.simulation.requests import (
     FaultRequest,
     PictureRequest,
@@ -59,7 +58,7 @@ class World(Capability[WorldSettings]):
         self._painter = Painter()
         engine = self._engine = Engine(self.ctx.settings)
         self._trace = OutputTrace(self.ctx.settings.trace)
-        cameras = self._cameras = CameraHost(self.ctx.settings, len(engine.view()))
+        cameras = self._cameras = CameraHost(engine.packed(), len(engine.view()))
         mounts = tuple(self.ctx.settings.cameras)
         around = Surroundings(self.ctx.settings.seed, now, self._trace, cameras, mounts)
         plugged = self._plugged = Plugged(self.ctx, around)
@@ -77,7 +76,7 @@ class World(Capability[WorldSettings]):
             raise loop.failure
         self._painter.finish()
         if self._cameras is not None:
-            self._tell(self._cameras.serve())
+            tell_of_drawing(self.ctx, self._cameras.serve())
         now, period_s = self.ctx.clock(), 1 / self.ctx.settings.pose_hz
         if now >= self._pose_at - period_s / 4:
             self._pose_at = max(self._pose_at + period_s, now)
@@ -118,14 +117,6 @@ class World(Capability[WorldSettings]):
         if self._engine is None or self._loop is None or self._physics is None or self._scene is None:
             raise RuntimeError("the world is not open")
         return self._loop, self._physics, self._engine, self._scene
-
-    def _tell(self, said: list[Drawing]) -> None:
-        for drawing in said:
-            if not drawing.renderer:
-                self.ctx.warn(f"the emulated cameras show nothing: {drawing.note}")
-                continue
-            note = f", because {drawing.note}" if drawing.note else ""
-            self.ctx.event("cameras_drawn", f"the cameras' pictures are drawn by {drawing.renderer}{note}")
 
     def _remember(self, place: tuple[float, float]) -> None:
         if not self._trail or sum(abs(a - b) for a, b in zip(place, self._trail[-1], strict=True)) > _TRAIL_EVERY_M:

@@ -11,7 +11,7 @@ from lbr.simulation.docking import DockSense, world_dock
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import Beam, ImuReading, Sensed
 from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml
-from lbr.simulation.physics import mujoco
+from lbr.simulation.physics import mujoco, packed
 from lbr.simulation.placing import Placed
 from lbr.simulation.ranging import Ring
 from lbr.simulation.room import BoxSettings
@@ -93,6 +93,10 @@ class Engine:
     def view(self) -> bytes:
         """Return what a picture needs of this instant."""
         return view_of(self._model, self._data)
+
+    def packed(self) -> bytes:
+        """Return the model, for the process that draws."""
+        return packed(self._model)
 
     def place(self, thing: WorldBox) -> None:
         """Let a thing appear with the next step, or move it if one of its name was placed; any thread may ask.

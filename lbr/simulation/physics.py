@@ -4,6 +4,8 @@ import importlib
 import os
 from typing import Any
 
+import numpy as np
+
 from lbr.errors import LbrError
 
 os.environ.pop("MUJOCO_GL", None)  # the choice of a renderer that is not installed would fail the import
@@ -11,3 +13,17 @@ try:
     mujoco: Any = importlib.import_module("mujoco")  # its bindings carry no types
 except ImportError as err:
     raise LbrError(f"the simulated world needs MuJoCo ({err}); install lbr with its extra 'sim'") from err
+
+_FILE = "model.mjb"
+
+
+def packed(model: Any) -> bytes:
+    """Return a model as bytes, for another process of this version."""
+    buffer = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return buffer.tobytes()
+
+
+def unpacked(data: bytes) -> Any:
+    """Return the model that was packed."""
+    return mujoco.MjModel.from_binary_path(_FILE, {_FILE: data})

@@ -1,9 +1,11 @@
 """The devices of a world: a twin for each device row that has one, and what is made to go wrong with them; who may ask."""
 
 import json
+from collections.abc import Iterable
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.simulation.cameras.orders import Drawing
 from lbr.simulation.requests import FaultReply, FaultRequest, PictureRequest
 from lbr.simulation.twins import TWINS, WITHOUT_TWIN, Surroundings, Twin
 
@@ -17,6 +19,16 @@ def may(call: Call) -> bool:
         return True
     call.refuse(f"{call.name} needs the role operate{', unless no path is named' if drawn else ''}")
     return False
+
+
+def tell_of_drawing(ctx: Context, said: Iterable[Drawing]) -> None:  # type: ignore[type-arg]  # any world's
+    """Say what draws the cameras' pictures, or why nothing does."""
+    for drawing in said:
+        if not drawing.renderer:
+            ctx.warn(f"the emulated cameras show nothing: {drawing.note}")
+            continue
+        note = f", because {drawing.note}" if drawing.note else ""
+        ctx.event("cameras_drawn", f"the cameras' pictures are drawn by {drawing.renderer}{note}")
 
 
 class Plugged:

@@ -53,6 +53,23 @@ class ThingsReply(Struct, frozen=True, kw_only=True):
     things: tuple[str, ...] = ()
 
 
+class BallRequest(Struct, frozen=True, kw_only=True):
+    """Put a ball of a humanoid's world elsewhere; a coordinate left out is that of its row, all left out: as it began."""
+
+    name: Annotated[str, Meta(min_length=1, max_length=40)] = "ball"
+    x_m: Metres | None = None
+    y_m: Metres | None = None
+    z_m: Metres | None = None
+    gone: bool = False
+
+
+class BallReply(Struct, frozen=True, kw_only=True):
+    """What is said of it; or why nothing changed."""
+
+    accepted: bool
+    reason: str = ""
+
+
 class PictureRequest(Struct, frozen=True, kw_only=True):
     """Draw the world into a PNG file: at `path`, or below `$LBR_HOME/pictures`.
 
@@ -73,11 +90,14 @@ class PictureReply(Struct, frozen=True, kw_only=True):
 
 
 class PickUpRequest(Struct, frozen=True, kw_only=True):
-    """Put the humanoid back on its feet, in a helper's hand that holds it until its servos have torque."""
+    """Put the humanoid back as it began: on its feet in a helper's hand that holds it until its servos have torque.
+
+    One that begins at rest rests again; if any of its servos has torque, a hand holds it on its feet until all have.
+    """
 
 
 class PickUpReply(Struct, frozen=True, kw_only=True):
-    """Say that it is held."""
+    """Say how it is now."""
 
     accepted: bool
     reason: str = ""

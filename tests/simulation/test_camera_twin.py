@@ -24,6 +24,7 @@ from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.engine import Engine
 from lbr.simulation.faults import CameraFaults
+from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import PlaceRequest, RemoveRequest
 from lbr.simulation.settings import WorldSettings
 
@@ -241,7 +242,7 @@ def drawn(use_gl, thing=None):
     engine.step(0.0, 0.0, 0.008)
     view = SharedView(len(engine.view()))
     view.write(engine.view(), 7)
-    studio = Studio(settings, view, use_gl=use_gl)
+    studio = Studio(unpacked(engine.packed()), view, use_gl=use_gl)
     assert studio.newest_ns() == 7
     shown = picture(studio.picture("camera", "front", (160, 120), SOUND))
     name = studio.renderer
@@ -272,7 +273,7 @@ def test_without_pillow_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(studios.importlib, "import_module", missing)
     view = SharedView(8)
     with pytest.raises(LbrError, match="extra 'sim'"):
-        Studio(WorldSettings(), view, use_gl=False)
+        Studio(None, view, use_gl=False)
     view.close()
 
 
@@ -297,7 +298,7 @@ def start(code):
 def watched(monkeypatch, code):
     """What a host says whose process does that, and whether it would try OpenGL again."""
     monkeypatch.setattr(subprocess, "Popen", start(code))
-    host, said = CameraHost(WorldSettings(walls=()), 8, clock=lambda: 0.0), []
+    host, said = CameraHost(b"", 8, clock=lambda: 0.0), []
     ours, theirs = socket.socketpair()
     host.watch("camera", "front", theirs)
     said += host.serve()
@@ -323,7 +324,7 @@ socket.socket(fileno=int(sys.argv[1])).send(b'{"renderer": "", "note": "no Pillo
 def test_what_lies_in_the_current_directory_is_not_run(monkeypatch, tmp_path):
     (tmp_path / "msgspec.py").write_text("raise SystemExit('not this one')")
     monkeypatch.chdir(tmp_path)
-    host, said, end = CameraHost(WorldSettings(walls=()), 8), [], time.monotonic() + 10
+    host, said, end = CameraHost(Engine(WorldSettings(walls=())).packed(), 8), [], time.monotonic() + 10
     ours, theirs = socket.socketpair()
     host.watch("camera", "front", theirs)
     while not said and time.monotonic() < end:

@@ -5,7 +5,7 @@ from humanoid_bench import humanoid, rows
 
 from lbr.errors import InputError
 from lbr.simulation.humanoid.body import load, model_file
-from lbr.simulation.humanoid.settings import Motor
+from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 
 ONE = """<mujoco><worldbody><body name="trunk" pos="0 0 0.2"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/>
 <site name="imu"/>{inside}</body>{beside}</worldbody></mujoco>"""
@@ -22,7 +22,7 @@ def made(tmp_path, text):
 def refusal(path, names):
     joints = [joint for joint in rows()[0] if joint.name in names]
     with pytest.raises(InputError) as told:
-        load(path, joints, Motor(), (0.0, 0.0, 0.0))
+        load(path, joints, HumanoidWorldSettings(model="mine"))
     return str(told.value)
 
 

@@ -107,6 +107,6 @@ class Bench:
 
 
 AROUND = Surroundings(
-    seed=1, now=0.0, trace=OutputTrace(""), cameras=CameraHost(WorldSettings(), 0), mounts=("front", "rear")
+    seed=1, now=0.0, trace=OutputTrace(""), cameras=CameraHost(b"", 0), mounts=("front", "rear")
 )
 """What a twin needs that is built without a world."""

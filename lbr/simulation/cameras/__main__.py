@@ -15,6 +15,7 @@ from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.cameras.viewer import Viewer
 from lbr.simulation.faults import CameraFaults
+from lbr.simulation.physics import unpacked
 
 _NICENESS = 15
 _SLOW_S = 0.5
@@ -36,8 +37,11 @@ class Cameras:
         if not isinstance(begin, Begin):
             return
         view = SharedView(begin.view_bytes, descriptors[0])
+        with os.fdopen(descriptors[1], "rb") as file:
+            file.seek(0)
+            model = file.read()
         try:
-            studio = Studio(begin.settings, view, use_gl=begin.use_gl)
+            studio = Studio(unpacked(model), view, use_gl=begin.use_gl)
         except LbrError as err:
             self._control.send(msgspec.json.encode(Drawing("", str(err))))
             return
@@ -66,7 +70,7 @@ class Cameras:
 
     def _heard(self) -> tuple[Order | None, list[int]]:
         """Return an order and the descriptors that came with it; None: the world has hung up."""
-        data, descriptors, _, _ = socket.recv_fds(self._control, LONGEST_BYTES, 1)
+        data, descriptors, _, _ = socket.recv_fds(self._control, LONGEST_BYTES, 2)
         return (msgspec.json.decode(data, type=Order) if data else None), descriptors
 
     def _obey(self, order: Order | None, descriptors: list[int]) -> bool:

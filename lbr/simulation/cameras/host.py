@@ -14,7 +14,6 @@ import msgspec
 from lbr.simulation.cameras.orders import LONGEST_BYTES, Begin, Drawing, Order, SetFaults, Watch
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.faults import CameraFaults
-from lbr.simulation.settings import WorldSettings
 
 _AGAIN_S = 2.0
 _AGAIN_AFTER_FAILURE_S = 30.0
@@ -22,10 +21,10 @@ _ENDING_S = 1.0
 
 
 class CameraHost:
-    """One process for all cameras. `watch`, `set_faults` and `show` may come from another thread than the rest."""
+    """One process for all cameras of a packed model. `watch`, `set_faults` and `show` may come from another thread than the rest."""
 
-    def __init__(self, settings: WorldSettings, view_bytes: int, clock: Callable[[], float] = time.monotonic) -> None:
-        self._settings = settings
+    def __init__(self, model: bytes, view_bytes: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._model = model
         self._view_bytes = view_bytes
         self._clock = clock
         self._waiting: deque[tuple[Order, socket.socket | None]] = deque()
@@ -93,7 +92,10 @@ class CameraHost:
                 env={**os.environ, "LP_NUM_THREADS": "1"},  # Mesa's software renderer would take every core
             )
         self._control.setblocking(False)
-        self._send(Begin(self._settings, self._view_bytes, self._use_gl), [view.descriptor])
+        with os.fdopen(os.memfd_create("world-model", os.MFD_CLOEXEC), "wb") as file:
+            file.write(self._model)
+            file.flush()
+            self._send(Begin(self._view_bytes, self._use_gl), [view.descriptor, file.fileno()])
         for device, faults in self._faults.items():
             self._send(SetFaults(device, faults), [])
 

@@ -3,15 +3,13 @@
 from msgspec import Struct
 
 from lbr.simulation.faults import CameraFaults
-from lbr.simulation.settings import WorldSettings
 
 LONGEST_BYTES = 200_000
 
 
 class Begin(Struct, frozen=True, tag=True):
-    """The first one, with the descriptor of the shared memory: the world, and whether OpenGL is to be tried."""
+    """The first one, with the descriptors of the shared memory and of the packed model, and whether OpenGL is to be tried."""
 
-    settings: WorldSettings
     view_bytes: int
     use_gl: bool
 

@@ -11,24 +11,22 @@ from lbr.errors import LbrError
 from lbr.simulation.cameras.renderers import GlRenderer, Image, RayRenderer, Renderer
 from lbr.simulation.cameras.view import SharedView, show
 from lbr.simulation.faults import CameraFaults
-from lbr.simulation.model import model_xml
 from lbr.simulation.physics import mujoco
-from lbr.simulation.settings import WorldSettings
 
 _QUALITY = 75
 _GARBAGE_BYTES = 2000
 
 
 class Studio:
-    """Draws one picture at a time; raise LbrError if nothing here can."""
+    """Draws one picture of a model of its own at a time; raise LbrError if nothing here can."""
 
-    def __init__(self, settings: WorldSettings, view: SharedView, *, use_gl: bool) -> None:
+    def __init__(self, model: Any, view: SharedView, *, use_gl: bool) -> None:
         try:
             self._pillow: Any = importlib.import_module("PIL.Image")
         except ImportError as err:
             raise LbrError(f"pictures need Pillow ({err}); install lbr with its extra 'sim'") from err
         self.note = ""
-        self._model = mujoco.MjModel.from_xml_string(model_xml(settings))
+        self._model = model
         self._data = mujoco.MjData(self._model)
         self._view = view
         self._shown_ns = 0

@@ -47,7 +47,7 @@ class SharedView:
 
 def view_of(model: Any, data: Any) -> bytes:
     """Return where everything is, and how large what was placed is."""
-    sizes = [model.geom(name).size for name in PLACEABLE]
+    sizes = [model.geom(name).size for name in _placeable(model)]
     return b"".join(part.tobytes() for part in (data.qpos, data.mocap_pos, data.mocap_quat, np.array(sizes)))
 
 
@@ -57,11 +57,16 @@ def show(mujoco: Any, model: Any, data: Any, view: bytes) -> None:
     for part in (data.qpos, data.mocap_pos, data.mocap_quat):
         part[...] = values[at : at + part.size].reshape(part.shape)
         at += part.size
-    for name, half in zip(PLACEABLE, values[at:].reshape(-1, 3), strict=True):
+    for name, half in zip(_placeable(model), values[at:].reshape(-1, 3), strict=True):
         resize(model, model.geom(name).id, model.body(name).id, tuple(half))
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_camlight(model, data)
+
+
+def _placeable(model: Any) -> tuple[str, ...]:
+    """Return what may change its size; only a room has such things."""
+    return PLACEABLE if model.nmocap and model.body(1).name == PLACEABLE[0] else ()
 
 
 def _sum(view: bytes, taken_ns: int) -> int:

@@ -4,6 +4,8 @@ from lbr.capability.kind import Kind
 from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.requests import (
+    BallReply,
+    BallRequest,
     FaultReply,
     FaultRequest,
     PickUpReply,
@@ -20,9 +22,9 @@ KIND = Kind(
     entry="lbr.simulation.humanoid.capability:HumanoidWorld",
     settings=HumanoidWorldSettings,
     outputs={"pose": HumanoidPose},
-    commands={"picture": PictureRequest, "fault": FaultRequest, "pick_up": PickUpRequest},
+    commands={"picture": PictureRequest, "fault": FaultRequest, "pick_up": PickUpRequest, "ball": BallRequest},
     roles={"picture": "admin", "fault": "admin"},
     device_settings=DEVICE_ROWS,
-    replies={"picture": PictureReply, "fault": FaultReply, "pick_up": PickUpReply},
+    replies={"picture": PictureReply, "fault": FaultReply, "pick_up": PickUpReply, "ball": BallReply},
     rows=("joint",),
 )

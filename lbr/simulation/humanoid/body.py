@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.units import Vector
-from lbr.simulation.humanoid.settings import Motor
+from lbr.simulation.humanoid.settings import Ball, HumanoidWorldSettings
 from lbr.simulation.physics import mujoco
 
 TIMESTEP_S = 0.004
@@ -20,6 +20,9 @@ TIMESTEP_S = 0.004
 Mask = NDArray[np.bool_]
 
 HAND, FLOOR, IMU = "hand", "floor", "imu"
+BALL = "ball {}"
+"""What the body of a ball is called."""
+
 _SHIPPED = Path(__file__).parent.parent / "models"
 
 
@@ -27,7 +30,7 @@ _SHIPPED = Path(__file__).parent.parent / "models"
 class Body:
     """A model that is ready to move: its trunk's and its feet's bodies, and those of its geoms that things bump into.
 
-    `positions` and `speeds` are where its joints are, in the order of the rows.
+    `positions` and `speeds` are where its joints are, in the order of the rows. `cameras` are the names of those in it.
     """
 
     model: Any
@@ -36,6 +39,7 @@ class Body:
     solid: Mask
     positions: list[int]
     speeds: list[int]
+    cameras: tuple[str, ...]
 
 
 def model_file(name: str, home: str) -> Path:
@@ -51,13 +55,16 @@ def model_file(name: str, home: str) -> Path:
     )
 
 
-def load(path: Path, joints: Iterable[Joint], motor: Motor, field_ut: Vector) -> Body:
+def load(path: Path, joints: Iterable[Joint], settings: HumanoidWorldSettings) -> Body:
     """Return the body in a file; raise InputError saying what is wrong with it."""
     rows = tuple(joints)
     spec = _parsed(path)
     trunk = _checked(path, spec, rows)
-    _surround(spec, trunk, field_ut)
-    for joint in spec.joints[1:]:
+    _surround(spec, trunk, settings.compass.vector_ut)
+    for name, ball in settings.balls.items():
+        _add_ball(spec.worldbody, name, ball)
+    hinges = [joint for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
+    for joint, motor in zip(hinges, settings.motors_of([joint.name for joint in hinges]), strict=True):
         joint.armature, joint.frictionloss = motor.armature_kgm2, motor.friction_nm
     try:
         model = spec.compile()
@@ -65,6 +72,7 @@ def load(path: Path, joints: Iterable[Joint], motor: Motor, field_ut: Vector) ->
         raise InputError(f"body {path}: {' '.join(str(err).split())}") from err
     solid = (model.geom_contype != 0) & (model.geom_bodyid != 0)
     feet = {model.body(at).name: at for at in range(model.nbody) if model.body(at).name.endswith("foot")}
+    cameras = tuple(model.camera(at).name for at in range(model.ncam))
     found = [model.joint(row.name) for row in rows]
     return Body(
         model=model,
@@ -73,6 +81,7 @@ def load(path: Path, joints: Iterable[Joint], motor: Motor, field_ut: Vector) ->
         solid=solid,
         positions=[int(joint.qposadr[0]) for joint in found],
         speeds=[int(joint.dofadr[0]) for joint in found],
+        cameras=cameras,
     )
 
 
@@ -118,8 +127,16 @@ def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
     spec.option.timestep = TIMESTEP_S
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.magnetic = field_ut
+    spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.45] * 3, [0.5] * 3
+    spec.visual.headlight.specular, spec.visual.quality.offsamples = [0.0] * 3, 0
     world = spec.worldbody
-    world.add_geom(name=FLOOR, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[20, 20, 0.1], friction=[0.9, 0.005, 0.0001])
+    world.add_geom(
+        name=FLOOR,
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[20, 20, 0.1],
+        friction=[0.9, 0.005, 0.0001],
+        rgba=[0.60, 0.63, 0.66, 1.0],
+    )
     world.add_body(name=HAND, mocap=True, pos=trunk.pos)
     spec.add_equality(
         type=mujoco.mjtEq.mjEQ_WELD,
@@ -131,3 +148,12 @@ def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
     kinds = mujoco.mjtSensor
     for kind in (kinds.mjSENS_GYRO, kinds.mjSENS_ACCELEROMETER, kinds.mjSENS_MAGNETOMETER):
         spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=IMU)
+
+
+def _add_ball(world: Any, name: str, ball: Ball) -> None:
+    """Add something that is only seen, and that moves by itself."""
+    body = world.add_body(name=BALL.format(name), mocap=True, pos=[ball.x_m, ball.y_m, ball.z_m])
+    colour = [*(int(ball.colour[at : at + 2], 16) / 255 for at in (1, 3, 5)), 1.0]
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[ball.radius_m, 0, 0], contype=0, conaffinity=0, mass=0, rgba=colour
+    )

@@ -6,15 +6,24 @@ from pathlib import Path
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
+from lbr.errors import InputError
 from lbr.messages.simulation import HumanoidPose
+from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.moved import HumanoidPhysics
 from lbr.simulation.humanoid.portrait import portrait
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
-from lbr.simulation.plugged import Plugged, may
-from lbr.simulation.requests import FaultRequest, PickUpReply, PickUpRequest, PictureRequest
+from lbr.simulation.plugged import Plugged, may, tell_of_drawing
+from lbr.simulation.requests import (
+    BallReply,
+    BallRequest,
+    FaultRequest,
+    PickUpReply,
+    PickUpRequest,
+    PictureRequest,
+)
 from lbr.simulation.twins import Surroundings
 
 
@@ -28,19 +37,22 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         self._physics: HumanoidPhysics | None = None
         self._plugged: Plugged | None = None
         self._loop: WorldLoop | None = None
+        self._cameras: CameraHost | None = None
         self._painter = Painter()
         self._pose_at = 0.0
         self._was: HumanoidPose | None = None
         self._switch_s = sys.getswitchinterval()
 
     def open(self) -> None:
-        """Put the body into the helper's hand, plug the twins in and let time run."""
+        """Put the body where it begins, plug the twins in and let time run."""
         sys.setswitchinterval(SWITCH_S)
         settings, self._pose_at, self._was = self.ctx.settings, self.ctx.clock(), None
         self._painter = Painter()
-        self._engine = HumanoidEngine(settings, self.ctx.joints, self.ctx.home)
-        self._plugged = Plugged(self.ctx, Surroundings(settings.seed, self._pose_at))
-        self._physics = HumanoidPhysics(self._engine, self._plugged.twins)
+        engine = self._engine = HumanoidEngine(settings, self.ctx.joints, self.ctx.home)
+        cameras = self._cameras = CameraHost(engine.packed(), len(engine.view()))
+        around = Surroundings(settings.seed, self._pose_at, cameras=cameras, mounts=engine.body.cameras)
+        self._plugged = Plugged(self.ctx, around)
+        self._physics = HumanoidPhysics(engine, self._plugged.twins, cameras)
         self._loop = WorldLoop(self._physics, self._plugged.twins, self.ctx.clock)
         self._loop.open()
         self._plugged.warn_of_missing()
@@ -51,6 +63,8 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         if loop.failure is not None:
             raise loop.failure
         self._painter.finish()
+        if self._cameras is not None:
+            tell_of_drawing(self.ctx, self._cameras.serve())
         now, period_s = self.ctx.clock(), 1 / self.ctx.settings.pose_hz
         if now >= self._pose_at - period_s / 4:
             self._pose_at = max(self._pose_at + period_s, now)
@@ -58,8 +72,8 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
             self._tell(physics.pose)
 
     def command(self, call: Call) -> None:
-        """Answer `fault`, `pick_up` and `picture`."""
-        _, physics, plugged, _ = self._running()
+        """Answer `ball`, `fault`, `pick_up` and `picture`."""
+        _, physics, plugged, engine = self._running()
         if not may(call):
             return
         if isinstance(call.message, FaultRequest):
@@ -68,7 +82,9 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
             self._picture(call, call.message)
         elif isinstance(call.message, PickUpRequest):
             physics.pick_up = True
-            call.reply(PickUpReply(accepted=True, reason=f"{self.ctx.robot} is in a helper's hand, on its feet"))
+            call.reply(PickUpReply(accepted=True, reason=f"{self.ctx.robot} is {self._as_it_began()}"))
+        elif isinstance(call.message, BallRequest):
+            self._put(call, call.message, engine)
         else:
             super().command(call)
 
@@ -78,6 +94,9 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         if self._loop is not None:
             self._loop.close()
             self._loop = None
+        if self._cameras is not None:
+            self._cameras.close()
+            self._cameras = None
         sys.setswitchinterval(self._switch_s)
 
     def _running(self) -> tuple[WorldLoop, HumanoidPhysics, Plugged, HumanoidEngine]:
@@ -88,12 +107,32 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
     def _tell(self, pose: HumanoidPose) -> None:
         """Say what a bystander would."""
         was, self._was = self._was, pose
-        if was is not None and was.held and not pose.held:
-            self.ctx.event("let_go", f"the helper's hand has let go: {self.ctx.robot} stands by itself")
-        if was is not None and was.upright and not pose.upright:
+        if was is None:
+            return
+        robot, rests = self.ctx.robot, bool(self.ctx.settings.rests)
+        if was.held and not pose.held:
+            self.ctx.event("let_go", f"the helper's hand has let go: {robot} {_stance(pose)} by itself")
+        if was.upright and not pose.upright:
             lean = f"rolled {degrees(pose.roll_rad):.0f} and pitched {degrees(pose.pitch_rad):.0f} degrees"
-            said = f"{self.ctx.robot} has fallen, {lean}; pick_up puts it back on its feet"
-            self.ctx.event("fallen", said, level="warning")
+            again = "as it began" if rests else "back on its feet"
+            self.ctx.event("fallen", f"{robot} has fallen, {lean}; pick_up puts it {again}", level="warning")
+        elif rests and pose.upright and was.stands != pose.stands:
+            self.ctx.event(_stance(pose), f"{robot} {_stance(pose)}")
+
+    def _as_it_began(self) -> str:
+        """Say what picking it up makes of it; only the world's thread knows whether a servo has torque."""
+        if not self.ctx.settings.rests:
+            return "in a helper's hand, on its feet"
+        return "back as it began, or in a helper's hand if it has torque"
+
+    def _put(self, call: Call, request: BallRequest, engine: HumanoidEngine) -> None:
+        try:
+            said = engine.balls.put(request)
+        except InputError as err:
+            call.refuse(str(err))
+            return
+        self.ctx.event("world_changed", said)
+        call.reply(BallReply(accepted=True, reason=said))
 
     def _picture(self, call: Call, request: PictureRequest) -> None:
         _, physics, _, engine = self._running()
@@ -101,3 +140,7 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         pose, view, body = physics.pose, physics.view, engine.body
         size = (request.width_px, request.height_px)
         self._painter.ask(call, path, lambda: portrait(body, view, pose, size))
+
+
+def _stance(pose: HumanoidPose) -> str:
+    return "stands" if pose.stands else "sits"

@@ -6,21 +6,27 @@ from typing import Any
 
 import numpy as np
 
+from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.battery import BatteryState
+from lbr.simulation.cameras.view import view_of
+from lbr.simulation.humanoid.balls import Balls
 from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, load, model_file
 from lbr.simulation.humanoid.servos import Floats, Servos
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
-from lbr.simulation.physics import mujoco
+from lbr.simulation.physics import mujoco, packed
 
 _UPRIGHT = cos(radians(45.0))
 _STAND_M = 0.05
 """How far above the floor a stand has its feet."""
 
 _HAND_EVERY, _HAND_MPS = 5, 0.3
+_STANDS = 0.75
+"""How high its trunk is when it stands, as a share of how high it is with every joint at zero."""
+
 _WELL_ABOVE = 0.4
 """How far off the middle of its feet its weight may be, as a share of what they span."""
 
@@ -30,16 +36,19 @@ class HumanoidEngine:
 
     def __init__(self, settings: HumanoidWorldSettings, joints: Sequence[Joint], home: str) -> None:
         self.settings = settings
-        self.body: Body = load(model_file(settings.model, home), joints, settings.motor, settings.compass.vector_ut)
+        self.body: Body = load(model_file(settings.model, home), joints, settings)
         self.battery = BatteryState(settings.battery)
         self._names = [joint.name for joint in joints]
         self._model, self._data = self.body.model, mujoco.MjData(self.body.model)
-        self._servos = Servos(joints, settings.motor)
+        self._servos = Servos(joints, settings.motors_of(self._names))
+        self._rest = _angles(settings.rests, self._names)
+        self.balls = Balls(self._model, settings.balls)
         self._imu = InertialUnit(settings.imu, settings.seed)
         self._owed_s = self._driven_s = 0.0
         self._steps = 0
         self._floor = self._model.geom(FLOOR).id
         mujoco.mj_kinematics(self._model, self._data)
+        self._tall_m = float(self._data.xpos[self.body.trunk, 2])
         self.pick_up()
 
     @property
@@ -53,17 +62,23 @@ class HumanoidEngine:
         return bool(self._data.eq_active[0])
 
     def pick_up(self) -> None:
-        """Put it upright where it is and as it looks, limp joints at zero, in a hand that holds it until it can stand."""
-        data = self._data
+        """Put it as it began where it is and as it looks: limp joints at zero, or as it rests, and on its feet.
+
+        A hand holds it until it can stand, unless it can rest.
+        """
+        data, limp = self._data, self._servos.limp
         yaw = heading_rad(data.xmat[self.body.trunk])
-        data.qpos[2:7] = (0.0, cos(yaw / 2), 0.0, 0.0, sin(yaw / 2))
-        data.qpos[self.body.positions] *= ~self._servos.limp
+        data.qpos[self.body.positions] = np.where(limp, self._rest, data.qpos[self.body.positions])
         data.qvel[:] = 0.0
+        data.qpos[2:7] = (0.0, 1.0, 0.0, 0.0, 0.0)
+        mujoco.mj_kinematics(self._model, data)
+        mujoco.mju_mulQuat(data.qpos[3:7], (cos(yaw / 2), 0.0, 0.0, sin(yaw / 2)), self._on_soles())
         mujoco.mj_kinematics(self._model, data)
         data.qpos[2] = (_STAND_M if self.settings.stand else 0.0) - self._lowest_m()
         data.mocap_pos[0], data.mocap_quat[0] = data.qpos[:3], data.qpos[3:7]
-        data.eq_active[0] = True
+        data.eq_active[0] = self.settings.stand or not self.settings.rests or not limp.all()
         self._driven_s = 0.0
+        self.balls.apply(data)
         mujoco.mj_forward(self._model, data)
         self._imu.follow(data)
 
@@ -91,6 +106,7 @@ class HumanoidEngine:
     def pose(self) -> HumanoidPose:
         """Return the truth about the robot."""
         x, y, z, qw, qx, qy, qz = self._data.qpos[:7].tolist()
+        upright = 1 - 2 * (qx * qx + qy * qy) > _UPRIGHT
         return HumanoidPose(
             x_m=x,
             y_m=y,
@@ -98,7 +114,8 @@ class HumanoidEngine:
             roll_rad=atan2(2 * (qw * qx + qy * qz), 1 - 2 * (qx * qx + qy * qy)),
             pitch_rad=asin(max(-1.0, min(1.0, 2 * (qw * qy - qz * qx)))),
             yaw_rad=atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)),
-            upright=1 - 2 * (qx * qx + qy * qy) > _UPRIGHT,
+            upright=upright,
+            stands=upright and z > _STANDS * self._tall_m,
             held=self.held,
             on_floor=self._on_floor(),
             joints=dict(zip(self._names, self._joints()[0].tolist(), strict=True)),
@@ -108,7 +125,11 @@ class HumanoidEngine:
 
     def view(self) -> bytes:
         """Return what a picture needs of this instant."""
-        return bytes(self._data.qpos.tobytes())
+        return view_of(self._model, self._data)
+
+    def packed(self) -> bytes:
+        """Return the model, for the process that draws."""
+        return packed(self._model)
 
     def _joints(self) -> tuple[Floats, Floats]:
         return self._data.qpos[self.body.positions], self._data.qvel[self.body.speeds]
@@ -122,8 +143,10 @@ class HumanoidEngine:
         self.battery.draw(self._servos.amps(), TIMESTEP_S)
         self._steps += 1
         self._driven_s = 0.0 if self._servos.limp.any() else self._driven_s + TIMESTEP_S
-        if self._steps % _HAND_EVERY == 0 and self.held and not self.settings.stand:
-            self._hold()
+        if self._steps % _HAND_EVERY == 0:
+            self.balls.apply(self._data)
+            if self.held and not self.settings.stand:
+                self._hold()
 
     def _hold(self) -> None:
         """Move the helper's hand so that the feet are on the floor, and open it when all is well."""
@@ -132,6 +155,13 @@ class HumanoidEngine:
             return
         most = _HAND_MPS * TIMESTEP_S * _HAND_EVERY
         self._data.mocap_pos[0, 2] += max(-most, min(most, -self._lowest_m()))
+
+    def _on_soles(self) -> Floats:
+        """Return how the trunk is turned when its foot is flat on the floor, from where all is with the trunk unturned."""
+        turned = np.array((1.0, 0.0, 0.0, 0.0))
+        if self.settings.rests and self.body.feet:
+            mujoco.mju_negQuat(turned, self._data.xquat[next(iter(self.body.feet.values()))])
+        return turned
 
     def _balanced(self) -> bool:
         """Say whether it stands on all its feet, its weight well above them."""
@@ -157,3 +187,10 @@ class HumanoidEngine:
         middle = self._data.geom_xpos[solid, 2] + (turned * self._model.geom_aabb[solid, :3]).sum(axis=1)
         lowest: Any = (middle - (np.abs(turned) * self._model.geom_aabb[solid, 3:]).sum(axis=1)).min()
         return float(lowest)
+
+
+def _angles(given: Mapping[str, float], names: Sequence[str]) -> Floats:
+    unknown = sorted(set(given) - set(names))
+    if unknown:
+        raise InputError(f"world setting `rests`: there is no joint '{unknown[0]}'")
+    return np.array([given.get(name, 0.0) for name in names])

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from lbr.messages.simulation import HumanoidPose
+from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.body import TIMESTEP_S
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.measured import ImuReading, Sensed
@@ -14,11 +15,12 @@ class HumanoidPhysics:
 
     timestep_s = TIMESTEP_S
 
-    def __init__(self, engine: HumanoidEngine, twins: Sequence[Twin]) -> None:
+    def __init__(self, engine: HumanoidEngine, twins: Sequence[Twin], cameras: CameraHost) -> None:
         self.pose: HumanoidPose = engine.pose()
         self.view = engine.view()
         self.pick_up = False
         self._engine = engine
+        self._cameras = cameras
         self._switches = [twin for twin in twins if isinstance(twin, PowerSwitch)]
         self._buses = [twin for twin in twins if isinstance(twin, ServoBus)]
 
@@ -37,9 +39,11 @@ class HumanoidPhysics:
         """Return what the inertial unit measures at the newest step."""
         return self._engine.imu()
 
-    def look(self, now: float) -> Sensed:  # noqa: ARG002
-        """Look around."""
+    def look(self, now: float) -> Sensed:
+        """Look around, also through the cameras."""
         self.pose, self.view = self._engine.pose(), self._engine.view()
+        if self._cameras.running:
+            self._cameras.show(self.view, now)
         return self._engine.sensed()
 
     def at_rest(self, now: float) -> bool:  # noqa: ARG002

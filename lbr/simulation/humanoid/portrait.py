@@ -40,9 +40,9 @@ def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int])
     from PIL import Image, ImageDraw, ImageFont  # noqa: PLC0415  a world that draws nothing goes without
 
     data = mujoco.MjData(body.model)
-    data.qpos[:] = np.frombuffer(view)
+    data.qpos[:] = np.frombuffer(view, count=body.model.nq)
     mujoco.mj_kinematics(body.model, data)
-    faces = _turned(_faces(body.model, data), pose, heading_rad(data.xmat[body.trunk]))
+    faces = _turned(_faces(body.model, data, body.trunk), pose, heading_rad(data.xmat[body.trunk]))
     tall, wide = _room_m(body)
     dots_per_m = min(max(1.0, size[1] - _LEGEND_PX) / tall, size[0] / 2 / wide)
     picture = Image.new("RGB", size, _PAPER)
@@ -61,11 +61,11 @@ def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int])
     return picture
 
 
-def _faces(model: Any, data: Any) -> list[tuple[Floats, Floats, Colour]]:
-    """Return every visible face: its corners, its normal and its colour; what is round is drawn as its bounding box."""
+def _faces(model: Any, data: Any, trunk: int) -> list[tuple[Floats, Floats, Colour]]:
+    """Return every visible face of the robot: its corners, its normal and its colour; what is round is drawn as its bounding box."""
     found = []
     for geom in range(model.ngeom):
-        if model.geom_bodyid[geom] == 0 or model.geom_rgba[geom, 3] == 0.0:
+        if model.body_rootid[model.geom_bodyid[geom]] != trunk or model.geom_rgba[geom, 3] == 0.0:
             continue
         turned = data.geom_xmat[geom].reshape(3, 3)
         half = model.geom_aabb[geom, 3:]

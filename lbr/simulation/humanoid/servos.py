@@ -12,7 +12,7 @@ from lbr.simulation.measured import ServoDrive, ServoFelt
 Floats = NDArray[np.float64]
 
 _LIMP_NMS = 0.01
-"""Damping of a motor without supply; one that is driven brakes by what it generates."""
+"""Damping of a motor without supply; one that is driven or shorted brakes by what it generates."""
 
 _ANY_SPEED_RPS = 1e6
 
@@ -23,12 +23,15 @@ class Servos:
     `limp` are those without torque, all until they are driven; `load` is the torque of each as a share of its most.
     """
 
-    def __init__(self, joints: Sequence[Joint], motor: Motor) -> None:
+    def __init__(self, joints: Sequence[Joint], motors: Sequence[Motor]) -> None:
         count = len(joints)
         self._ids = [joint.device_id for joint in joints]
         self._sign = np.array([float(joint.sign) for joint in joints])
         self._zero = np.array([joint.zero_rad for joint in joints])
-        self._motor = motor
+        self._stall_nm, self._stall_a, self._rated_v = (
+            np.array([getattr(motor, name) for motor in motors]) for name in ("stall_nm", "stall_a", "rated_v")
+        )
+        self._driven_nms = self._stall_nm / np.array([motor.no_load_rps for motor in motors])
         self._drives: Mapping[int, ServoDrive] = {}
         self._goal, self._torque, self._target = np.zeros(count), np.zeros(count), np.zeros(count)
         self._speed, self._punch = np.full(count, _ANY_SPEED_RPS), np.zeros(count)
@@ -52,7 +55,8 @@ class Servos:
         self._margins = self._sided([drive.margins_rad for drive in given])
         self._slopes = np.maximum(self._sided([drive.slopes_rad for drive in given]), 1e-3)
         self.limp = self._torque <= 0.0
-        self.damping_nms = np.where(self.limp, _LIMP_NMS, self._motor.stall_nm / self._motor.no_load_rps)
+        shorted = np.array([drive.brake for drive in given])
+        self.damping_nms = np.where(self.limp & ~shorted, _LIMP_NMS, self._driven_nms)
         return True
 
     def torques(self, position: Floats, speed: Floats, supply_v: float, dt_s: float) -> Floats:
@@ -65,8 +69,8 @@ class Servos:
         slope = np.where(up, self._slopes[1], self._slopes[0])
         drive = np.minimum(self._torque, self._punch + (size - margin) / slope)
         drive = np.where((size <= margin) | self.limp, 0.0, np.copysign(drive, error))
-        torque: Floats = drive * (self._motor.stall_nm * supply_v / self._motor.rated_v)
-        self.load = np.where(self.limp, 0.0, (torque - self.damping_nms * speed) / self._motor.stall_nm)
+        torque: Floats = drive * (self._stall_nm * supply_v / self._rated_v)
+        self.load = np.where(self.limp, 0.0, (torque - self.damping_nms * speed) / self._stall_nm)
         return torque
 
     def felt(self, position: Floats, speed: Floats) -> dict[int, ServoFelt]:
@@ -78,7 +82,7 @@ class Servos:
 
     def amps(self) -> float:
         """Return what all motors draw."""
-        return float(np.abs(self.load).sum() * self._motor.stall_a)
+        return float((np.abs(self.load) * self._stall_a).sum())
 
     def _sided(self, pairs: list[tuple[float, float]]) -> Floats:
         """Return clockwise and anticlockwise values as those below and above, for a joint that may count the other way."""

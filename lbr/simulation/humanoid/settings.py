@@ -1,10 +1,14 @@
 """What a `humanoid_world` row may set; the defaults are AX-12A servos on three lithium cells."""
 
-from typing import Annotated
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.errors import InputError
 from lbr.messages.units import Name
+from lbr.simulation.room import Colour, Place
 from lbr.simulation.settings import Battery, Compass, Imu
 
 
@@ -22,12 +26,36 @@ class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     stall_a: Annotated[float, Meta(ge=0.0, le=50.0)] = 1.5
 
 
+class Motors(Motor, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is in the servos of some `joints`, which are given by names or patterns such as `*_knee`."""
+
+    joints: Annotated[tuple[str, ...], Meta(min_length=1)]
+
+
+class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A coloured ball that is only seen: its middle at first, and the path it keeps to around there.
+
+    `to_and_fro` goes `reach_m` to the left and to the right, `circle` turns at `reach_m` in the plane across x.
+    """
+
+    x_m: Place = 1.0
+    y_m: Place = 0.0
+    z_m: Place = 0.9
+    radius_m: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.06
+    colour: Colour = "#f07818"
+    path: Literal["rest", "to_and_fro", "circle"] = "rest"
+    reach_m: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.4
+    period_s: Annotated[float, Meta(ge=0.5, le=3600.0)] = 8.0
+
+
 class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The simulated humanoid: `model` is a body, shipped or in `$LBR_HOME/models`, whose joints bear the rows' names.
 
     It begins upright, every joint at zero, in a helper's hand. The hand lets go once all servos have had torque for
-    `hand_s` and its weight is above its feet; until then it keeps them on the floor. `seed` fixes all noise. Where the
-    inertial unit sits, the body says: the `mount` of `imu` counts for nothing.
+    `hand_s` and its weight is above its feet; until then it keeps them on the floor. With `rests`, the angles of joints in
+    which it rests on the floor by itself, it begins so, limp, and no hand holds it. `seed` fixes all noise. Where the
+    inertial unit sits, the body says: the `mount` of `imu` counts for nothing. `motors` are those that differ from
+    `motor`, the first that fits; `balls` are what a camera in its head may look for, by name.
     """
 
     model: Name
@@ -36,10 +64,25 @@ class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fi
         False
     )
     hand_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 1.0
+    rests: dict[str, Annotated[float, Meta(ge=-7.0, le=7.0, description="radians")]] = {}
     motor: Motor = Motor()
+    motors: tuple[Motors, ...] = ()
+    balls: Annotated[dict[str, Ball], Meta(max_length=8)] = {}
     battery: Battery = Battery(
         open_circuit_v=12.0, internal_ohm=0.06, capacity_ah=1.0, idle_a=0.5, charged_v=12.6, charging_s=60.0
     )
     imu: Imu = Imu()
     compass: Compass = Compass()
     pose_hz: Annotated[float, Meta(ge=1.0, le=100.0)] = 20.0
+
+    def motors_of(self, joints: Sequence[str]) -> list[Motor]:
+        """Return what is in the servo of each joint; raise InputError naming a pattern that fits none."""
+        patterns = [pattern for group in self.motors for pattern in group.joints]
+        unused = [pattern for pattern in patterns if not any(fnmatchcase(joint, pattern) for joint in joints)]
+        if unused:
+            raise InputError(f"world setting `motors`: there is no joint '{unused[0]}'")
+        return [self._motor_of(joint) for joint in joints]
+
+    def _motor_of(self, joint: str) -> Motor:
+        fitting = (group for group in self.motors if any(fnmatchcase(joint, pattern) for pattern in group.joints))
+        return next(fitting, self.motor)
