@@ -42,7 +42,8 @@ OWNERS = {
     "alembic": {"database"},
     "sqlite3": {"database"},
     "mujoco": {"simulation"},
-    "numpy": {"operations", "simulation"},
+    "numpy": {"apps", "operations", "simulation"},
+    "cv2": {"apps"},
     "imufusion": {"operations"},
     "matplotlib": {"operations"},
     "dbus_fast": {"operations"},
@@ -65,6 +66,7 @@ OWNERS = {
 HEAVY = (
     "Phidget22",
     "numpy",
+    "cv2",
     "imufusion",
     "matplotlib",
     "mujoco",

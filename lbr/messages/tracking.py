@@ -4,19 +4,16 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.messages.leases import LeaseId
-from lbr.messages.units import TtlS
-
 Target = Literal["colour", "face"]
 
 
 class TrackCommand(Struct, frozen=True, kw_only=True):
-    """Turn the head after a target, for as long as the lease is renewed."""
+    """Turn the head after a target from now on: until a stop, of this or of the joints, or until nothing is seen for long.
+
+    Who asked needs to do nothing more; what moves the head borrows the joints, and is ended by whatever ends that.
+    """
 
     target: Target = "colour"
-    lease: LeaseId = ""
-    ttl_s: TtlS | None = None
-    take_over: bool = False
 
 
 class Seen(Struct, frozen=True, kw_only=True):
@@ -28,7 +25,11 @@ class Seen(Struct, frozen=True, kw_only=True):
 
 
 class TrackingState(Struct, frozen=True, kw_only=True):
-    """Whether the head follows something, what is seen, and where the head is asked to look (radians of its joints)."""
+    """Whether the head follows something, what the newest picture shows, and where the head is asked to look.
+
+    Both angles are radians of its joints. `age_s` is how long ago a picture was taken that shows the target. `reason` is
+    why the head stays where it is, or how the last following ended.
+    """
 
     following: bool
     target: Target = "colour"
@@ -37,5 +38,4 @@ class TrackingState(Struct, frozen=True, kw_only=True):
     yaw_rad: float | None = None
     pitch_rad: float | None = None
     pictures_hz: float = 0.0
-    holder: str | None = None
     reason: str = ""

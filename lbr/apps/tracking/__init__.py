@@ -6,7 +6,8 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.camera import CameraState, JpegFrame
-from lbr.messages.joints import JointsCommand, JointsState, TorqueCommand
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import JointsCommand, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import TrackCommand, TrackingState
 from lbr.messages.units import Name
@@ -16,7 +17,10 @@ Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
 
 
 class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `tracking` may set; the colour is that of an orange ball, as hue, saturation and value."""
+    """What a row of kind `tracking` may set; the colour is that of an orange ball, as hue, saturation and value.
+
+    A hue from 350 to 10 goes over red. The yaw joint turns to the left, the pitch joint downwards, the camera with both.
+    """
 
     yaw_joint: Name = "neck_yaw"
     pitch_joint: Name = "head_pitch"
@@ -26,10 +30,18 @@ class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     dead_zone: Annotated[float, Meta(ge=0.0, le=5.0, description="in radii of what is seen: nearer is near enough")] = (
         0.75
     )
-    gain: Annotated[float, Meta(gt=0.0, le=5.0, description="1: the whole angle to it, at once")] = 0.5
+    gain: Annotated[float, Meta(gt=0.0, le=1.0, description="1: the whole angle to it, at once")] = 0.5
     field_deg: Annotated[float, Meta(gt=1.0, le=170.0, description="how wide the camera sees")] = 60.0
     max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture is no picture")] = 0.5
     lost_s: Annotated[float, Meta(gt=0.0, le=60.0, description="so long the head stays where it saw it last")] = 2.0
+    ahead_rps: Annotated[float, Meta(ge=0.0, le=10.0, description="then it turns ahead so fast; 0: it stays")] = 0.4
+    give_up_s: Annotated[
+        float, Meta(gt=0.0, le=86400.0, description="nothing seen for so long ends it, and others may have the joints")
+    ] = 120.0
+    speed_rps: Annotated[float, Meta(gt=0.0, le=10.0, description="the head turns no faster, in radians a second")] = (
+        2.5
+    )
+    torque: Annotated[float, Meta(gt=0.0, le=1.0, description="of head and neck, a fraction of their most")] = 0.6
     face_model: Annotated[str, Meta(description="a file with a YuNet model (ONNX); empty: colours only")] = ""
 
 
@@ -39,10 +51,10 @@ KIND = Kind(
     family="app",
     entry="lbr.apps.tracking.capability:Tracking",
     settings=TrackingSettings,
-    inputs={"frame": JpegFrame, "camera": CameraState, "joints": JointsState},
+    inputs={"frame": JpegFrame, "camera": CameraState, "joints": JointsState, "ended": GoalResult},
     outputs={"state": TrackingState},
     commands={"track": TrackCommand, "stop": StopCommand},
-    requests={"move": JointsCommand, "halt": StopCommand, "torque": TorqueCommand},
-    replies=dict.fromkeys(("track", "stop", "move", "halt", "torque"), CommandReply),
+    requests={"move": JointsCommand, "halt": StopCommand},
+    replies=dict.fromkeys(("track", "stop", "move", "halt"), CommandReply),
     rows=("joint",),
 )

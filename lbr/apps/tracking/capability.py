@@ -1,0 +1,253 @@
+"""Tracking as a capability: looks at the head's pictures while somebody wants it to, and has the head follow."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from functools import partial
+from math import inf, radians
+
+from lbr.apps.tracking import TrackingSettings
+from lbr.apps.tracking.control import AHEAD, Angles, Tuning, ahead_again, clamped, follow
+from lbr.apps.tracking.eye import Eye, Look
+from lbr.apps.tracking.gaze import Gaze
+from lbr.apps.tracking.mover import Mover, Neck
+from lbr.apps.tracking.vision import finder
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.errors import InputError
+from lbr.messages.camera import CameraState
+from lbr.messages.joints import JointsState
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.tracking import TrackCommand, TrackingState
+
+STATE_EVERY_S = 1.0
+JOINTS_CURRENT_S = 0.5
+NO_PICTURE_S = 1.0
+RATE_OVER_S = 2.0
+ROUND_S = 0.5
+"""The head turns ahead by the time between two rounds, but not by more than this."""
+
+
+@dataclass(slots=True)
+class _Following:
+    """What is under way; `call` waits for the answer until the head is ours."""
+
+    command: TrackCommand
+    eye: Eye
+    call: Call | None
+    began: float
+    gaze: Gaze = field(default_factory=Gaze)
+    mover: Mover | None = None
+    aim: Angles = AHEAD
+    last: Look | None = None
+    seen_s: float = -inf
+    picture_s: float = -inf
+    turned_s: float = -inf
+    looked: deque[float] = field(default_factory=lambda: deque(maxlen=100))
+
+
+class Tracking(Capability[TrackingSettings]):
+    """Has the head follow what is seen, until a stop of anything, or until there is nothing to see for long."""
+
+    rate_hz = 30.0
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[TrackingSettings]) -> None:
+        super().__init__(ctx)
+        self._following: _Following | None = None
+        self._last = TrackingState(following=False)
+        self._tell_at = -inf
+        self._warned = ""
+
+    def open(self) -> None:
+        """Nothing is needed before somebody wants the head to follow."""
+        self._tell_at = -inf
+
+    def step(self) -> None:
+        """Look, and have the head follow."""
+        if self._following is not None:
+            self._go_on(self._following)
+        if self.ctx.clock() >= self._tell_at:
+            self._tell()
+
+    def command(self, call: Call) -> None:
+        """Answer `track` and `stop`."""
+        if isinstance(call.message, TrackCommand):
+            try:
+                self._begin(call, call.message)
+            except InputError as err:
+                call.refuse(str(err))
+        elif isinstance(call.message, StopCommand):
+            self._end(f"stopped by {call.source}" + (f": {call.message.reason}" if call.message.reason else ""))
+            call.reply(CommandReply(accepted=True, reason="stopped"))
+        else:
+            super().command(call)
+
+    def close(self) -> None:
+        """Have the head hold."""
+        self._end("tracking is shutting down")
+
+    def _begin(self, call: Call, command: TrackCommand) -> None:
+        if self._following is not None:
+            raise InputError(f"the head follows a {self._following.command.target} already; stop that first")
+        settings = self.ctx.settings
+        missing = {settings.yaw_joint, settings.pitch_joint} - {joint.name for joint in self.ctx.joints}
+        if missing:
+            raise InputError(
+                f"there is no row for joint {', '.join(sorted(missing))}; see the settings of {self.ctx.name}"
+            )
+        if why := self._blind():
+            raise InputError(why)
+        self._joints()
+        eye = Eye(partial(finder, settings, command.target), self.ctx.wake)
+        self._following = _Following(command, eye, call, self.ctx.clock())
+
+    def _joints(self) -> JointsState:
+        """Return what the joints told last; raise InputError if that is too long ago."""
+        received = self.ctx.latest("joints")
+        if received is None or not received.age_s(self.ctx.clock()) <= JOINTS_CURRENT_S:
+            raise InputError("joints operation has not told for a while where the joints are; see /report/joints")
+        state: JointsState = received.message
+        return state
+
+    def _blind(self) -> str:
+        """Return why there are no pictures, if the camera knows, or nothing."""
+        received = self.ctx.latest("camera")
+        if received is None:
+            return ""
+        state: CameraState = received.message
+        if state.phase in {"off", "lost"}:
+            return f"the camera is {state.phase}: {state.reason or f'switch {received.source} on'}"
+        return ""
+
+    def _go_on(self, following: _Following) -> None:
+        now = self.ctx.clock()
+        self._hear(following, now)
+        if following.eye.trouble:
+            self._end(following.eye.trouble)
+            return
+        if following.mover is None:
+            self._borrow(following)
+            return
+        for look in following.eye.looks():
+            self._see(following, look, now)
+        self._look_around(following, now)
+        following.mover.aim(following.aim)
+        following.mover.step()
+        if following.call is not None and following.mover.began:
+            self._answer(following, following.call)
+        if why := following.mover.ended or self._given_up(following, now):
+            self._end(why)
+        else:
+            self._complain(self._trouble(following, now))
+
+    def _hear(self, following: _Following, now: float) -> None:
+        """Take in where the head is, and the newest picture if it is one of now."""
+        settings = self.ctx.settings
+        for received in self.ctx.take("joints"):
+            joints = received.message.joints
+            following.gaze.hear(joints.get(settings.yaw_joint), joints.get(settings.pitch_joint), received.arrived)
+        for received in self.ctx.take("frame")[-1:]:
+            if 0.0 <= received.age_s(now) <= settings.max_age_s:
+                following.picture_s = received.arrived
+                following.eye.look(received.message.data, received.arrived)
+
+    def _borrow(self, following: _Following) -> None:
+        """Take the head as it stands, once it is known how, and the eye sees."""
+        if not following.eye.ready:
+            return
+        pose = following.gaze.at(self.ctx.clock())
+        following.aim = clamped(pose.angles if pose is not None else AHEAD, self._tuning())
+        settings = self.ctx.settings
+        neck = Neck(settings.yaw_joint, settings.pitch_joint, settings.speed_rps, settings.torque)
+        following.mover = Mover(self.ctx, neck)
+        following.began = following.turned_s = self.ctx.clock()
+
+    def _see(self, following: _Following, look: Look, now: float) -> None:
+        following.last = look
+        following.looked.append(now)
+        if look.seen is not None and now - look.taken_s <= self.ctx.settings.max_age_s:
+            following.seen_s = look.taken_s
+            pose = following.gaze.at(look.taken_s)
+            if pose is not None:
+                following.aim = follow(following.aim, pose, look.seen, self._tuning())
+        self._tell()
+
+    def _look_around(self, following: _Following, now: float) -> None:
+        """Turn ahead slowly when nothing was seen for a while although there are pictures."""
+        since_s = min(now - following.turned_s, ROUND_S)
+        following.turned_s = now
+        lost = now - max(following.seen_s, following.began) > self.ctx.settings.lost_s
+        if lost and now - following.picture_s <= NO_PICTURE_S:
+            following.aim = ahead_again(following.aim, self.ctx.settings.ahead_rps * since_s, self._tuning())
+
+    def _given_up(self, following: _Following, now: float) -> str:
+        limit_s = self.ctx.settings.give_up_s
+        if now - max(following.seen_s, following.began) <= limit_s:
+            return ""
+        return f"no {following.command.target} was seen for {limit_s:g} s; the setting `give_up_s` says so"
+
+    def _trouble(self, following: _Following, now: float) -> str:
+        """Return why the head stays where it is, or nothing."""
+        if now - max(following.picture_s, following.began) > NO_PICTURE_S:
+            return self._blind() or "no pictures come from the camera in the head, or only old ones; the head stays"
+        return following.mover.waiting if following.mover is not None else ""
+
+    def _complain(self, why: str) -> None:
+        if why != self._warned:
+            self._warned = why
+            if why:
+                self.ctx.warn(why)
+            else:
+                self.ctx.ready()
+            self._tell()
+
+    def _answer(self, following: _Following, call: Call) -> None:
+        following.call = None
+        text = f"the head follows a {following.command.target}"
+        self.ctx.event("tracking_began", f"{call.source}: {text}")
+        call.reply(CommandReply(accepted=True, reason=text))
+
+    def _end(self, why: str) -> None:
+        following, self._following = self._following, None
+        if following is None:
+            return
+        following.eye.close()
+        if following.mover is not None:
+            following.mover.release(why)
+        if following.call is not None:
+            following.call.refuse(why)
+        else:
+            self.ctx.event("tracking_ended", f"the head follows no {following.command.target} any more: {why}")
+        self._last = TrackingState(following=False, target=following.command.target, reason=why)
+        self._complain("")
+        self._tell()
+
+    def _tuning(self) -> Tuning:
+        settings = self.ctx.settings
+        limits = {joint.name: (joint.lower_rad, joint.upper_rad) for joint in self.ctx.joints}
+        return Tuning(
+            yaw_limits=limits[settings.yaw_joint],
+            pitch_limits=limits[settings.pitch_joint],
+            field_rad=radians(settings.field_deg),
+            dead_zone=settings.dead_zone,
+            gain=settings.gain,
+        )
+
+    def _tell(self) -> None:
+        now = self.ctx.clock()
+        self._tell_at = now + STATE_EVERY_S
+        self.ctx.publish("state", self._last if self._following is None else self._state(self._following, now))
+
+    def _state(self, following: _Following, now: float) -> TrackingState:
+        recent = sum(1 for looked in following.looked if now - looked <= RATE_OVER_S)
+        seen = following.last.seen if following.last is not None else None
+        return TrackingState(
+            following=True,
+            target=following.command.target,
+            seen=seen,
+            age_s=round(now - following.seen_s, 3) if following.seen_s > -inf else None,
+            yaw_rad=round(following.aim.yaw_rad, 4),
+            pitch_rad=round(following.aim.pitch_rad, 4),
+            pictures_hz=round(recent / RATE_OVER_S, 1),
+            reason=self._trouble(following, now) or ("" if seen is not None else "it is not in the picture"),
+        )

@@ -1,0 +1,90 @@
+"""Where the head is to look, out of what a picture shows and how the head stood when it was taken. Pure.
+
+Yaw is positive to the left, pitch is positive downwards (REP 103), and the camera looks where the head does. A target is
+a direction of the body's, not a place in the picture: so a late picture is as good as a new one, and nothing hunts.
+"""
+
+from dataclasses import dataclass
+from math import atan, atan2, cos, hypot, isfinite, sin, tan
+from typing import NamedTuple
+
+from lbr.messages.tracking import Seen
+
+NEAREST_RAD = 0.02
+"""Nearer than this is near enough for any target: a servo's count is 0.0185 rad."""
+
+
+class Angles(NamedTuple):
+    """How the head stands, or is to stand."""
+
+    yaw_rad: float
+    pitch_rad: float
+
+
+AHEAD = Angles(0.0, 0.0)
+
+
+class Pose(NamedTuple):
+    """How the head stood at a time, how far that may be wrong, and whether it had come to rest by then."""
+
+    angles: Angles
+    unsure_rad: float
+    settled: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """How the head follows; limits are those of its joints, the lower one first."""
+
+    yaw_limits: tuple[float, float]
+    pitch_limits: tuple[float, float]
+    field_rad: float
+    dead_zone: float
+    gain: float
+
+
+def direction(head: Angles, seen: Seen, field_rad: float) -> Angles:
+    """Return where something seen is, as the angles by which the head would have it in the middle."""
+    scale = 2.0 * tan(field_rad / 2.0)
+    left, up = -seen.x * scale, -seen.y * scale
+    ahead = cos(head.pitch_rad) + sin(head.pitch_rad) * up
+    above = cos(head.pitch_rad) * up - sin(head.pitch_rad)
+    return Angles(head.yaw_rad + atan2(left, ahead), atan2(-above, hypot(ahead, left)))
+
+
+def radius_rad(seen: Seen, field_rad: float) -> float:
+    """Return how large something looks, as the angle from its middle to its rim."""
+    return atan(seen.radius * 2.0 * tan(field_rad / 2.0))
+
+
+def follow(aim: Angles, head: Pose, seen: Seen, tuning: Tuning) -> Angles:
+    """Return where to look from now on, who was to look at `aim`.
+
+    What the head's own movement may feign moves nothing, and no step passes the target: it is reached from one side. A
+    head that has come to rest beside its aim is asked for so much more.
+    """
+    target = clamped(direction(head.angles, seen, tuning.field_rad), tuning)
+    origin = head.angles if head.settled else aim
+    yaw, pitch = target.yaw_rad - origin.yaw_rad, target.pitch_rad - origin.pitch_rad
+    away = hypot(yaw * cos(target.pitch_rad), pitch)
+    enough = max(NEAREST_RAD, tuning.dead_zone * radius_rad(seen, tuning.field_rad))
+    if not (isfinite(away) and away > enough + head.unsure_rad):
+        return aim
+    share = min(tuning.gain, 1.0) * (away - head.unsure_rad) / away
+    return clamped(Angles(aim.yaw_rad + share * yaw, aim.pitch_rad + share * pitch), tuning)
+
+
+def ahead_again(aim: Angles, step_rad: float, tuning: Tuning) -> Angles:
+    """Return an aim that is so much nearer to straight ahead."""
+    away = hypot(*aim)
+    share = max(0.0, 1.0 - step_rad / away) if away > 0.0 else 0.0
+    return clamped(Angles(aim.yaw_rad * share, aim.pitch_rad * share), tuning)
+
+
+def clamped(angles: Angles, tuning: Tuning) -> Angles:
+    """Return the nearest that the joints can do."""
+    return Angles(_within(angles.yaw_rad, tuning.yaw_limits), _within(angles.pitch_rad, tuning.pitch_limits))
+
+
+def _within(value: float, limits: tuple[float, float]) -> float:
+    return min(max(value, limits[0]), limits[1])

@@ -1,0 +1,75 @@
+"""Looks at pictures on a thread of its own, the newest only: a slow detector makes few looks, and keeps nobody waiting."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+from lbr.apps.tracking.vision import Finder
+from lbr.errors import InputError
+from lbr.messages.tracking import Seen
+
+MOST_LOOKS = 8
+
+
+class Look(NamedTuple):
+    """What a picture shows that was taken then."""
+
+    taken_s: float
+    seen: Seen | None
+
+
+class Eye:
+    """`trouble` says why it cannot see, or nothing; `ready`: it can."""
+
+    def __init__(self, make: Callable[[], Finder], wake: Callable[[], None]) -> None:
+        self.trouble = ""
+        self.ready = False
+        self._make = make
+        self._wake = wake
+        self._next: tuple[bytes, float] | None = None
+        self._looks: deque[Look] = deque(maxlen=MOST_LOOKS)
+        self._news = threading.Condition()
+        self._closed = False
+        threading.Thread(target=self._run, name="eye", daemon=True).start()
+
+    def look(self, picture: bytes, taken_s: float) -> None:
+        """Look at a picture soon, unless a newer one comes before."""
+        with self._news:
+            self._next = (picture, taken_s)
+            self._news.notify()
+
+    def looks(self) -> list[Look]:
+        """Return what was seen since the last call, oldest first."""
+        with self._news:
+            found = list(self._looks)
+            self._looks.clear()
+        return found
+
+    def close(self) -> None:
+        """Look at nothing any more."""
+        with self._news:
+            self._closed = True
+            self._news.notify()
+
+    def _run(self) -> None:
+        try:
+            find = self._make()
+            self.ready = True
+            self._wake()
+            while (picture := self._wait()) is not None:
+                self._see(Look(picture[1], find(picture[0])))
+        except InputError as err:
+            self.trouble = str(err)
+            self._wake()
+
+    def _see(self, look: Look) -> None:
+        with self._news:
+            self._looks.append(look)
+        self._wake()
+
+    def _wait(self) -> tuple[bytes, float] | None:
+        with self._news:
+            self._news.wait_for(lambda: self._next is not None or self._closed)
+            picture, self._next = self._next, None
+            return None if self._closed else picture
