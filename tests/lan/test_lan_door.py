@@ -10,8 +10,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from lbr.apps.http.rates import Bucket
 from lbr.apps.lan import KIND, rights
-from lbr.apps.lan.relay import Bucket
 from lbr.bus.access import Credentials
 from lbr.capability.config import LanConfig
 from tests.lan.door import ROLES, Door, add_token, answer, free_port

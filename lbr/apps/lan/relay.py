@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from typing import get_args
 
+from lbr.apps.http.rates import Bucket
 from lbr.bus import keys, stamp, wire
 from lbr.bus.session import Session
 from lbr.messages.leases import CommandReply
@@ -21,24 +22,6 @@ MOST_UNDER_WAY_IN_ALL = 128
 PER_KEY_HZ = 150.0
 IN_ALL_HZ = 400.0
 POLL_S = 0.2
-
-
-class Bucket:
-    """Lets pass so many a second, and a quarter of a second's worth at once."""
-
-    def __init__(self, rate_hz: float, now: float) -> None:
-        self._rate_hz = rate_hz
-        self._most = self._left = rate_hz / 4
-        self._at = now
-
-    def take(self, now: float) -> bool:
-        """Take one, if there is one."""
-        self._left = min(self._most, self._left + (now - self._at) * self._rate_hz)
-        self._at = now
-        if not self._left >= 1.0:
-            return False
-        self._left -= 1.0
-        return True
 
 
 class Lane:

@@ -1,0 +1,41 @@
+"""How often somebody may ask."""
+
+from collections import OrderedDict
+
+MOST_KNOWN = 1024
+
+
+class Bucket:
+    """Lets pass so many a second, and a quarter of a second's worth at once."""
+
+    def __init__(self, rate_hz: float, now: float) -> None:
+        self._rate_hz = rate_hz
+        self._most = self._left = max(rate_hz / 4, 1.0)
+        self._at = now
+
+    def take(self, now: float) -> bool:
+        """Take one, if there is one."""
+        self._left = min(self._most, self._left + (now - self._at) * self._rate_hz)
+        self._at = now
+        if not self._left >= 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+
+class Rates:
+    """A bucket for each of the newest who asked."""
+
+    def __init__(self, rate_hz: float) -> None:
+        self._rate_hz = rate_hz
+        self._buckets: OrderedDict[str, Bucket] = OrderedDict()
+
+    def take(self, who: str, now: float) -> bool:
+        """Say whether somebody may ask now."""
+        bucket = self._buckets.get(who)
+        if bucket is None:
+            bucket = self._buckets[who] = Bucket(self._rate_hz, now)
+            if len(self._buckets) > MOST_KNOWN:
+                self._buckets.popitem(last=False)
+        self._buckets.move_to_end(who)
+        return bucket.take(now)
