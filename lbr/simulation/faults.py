@@ -201,6 +201,33 @@ class DynamixelFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=T
     late: Probability = 0.0
 
 
+class Uxa90Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a UXA-90's serial line; lists are of servos' ids. `unplug`: the cable is out, the robot goes on.
+
+    `silent`: all obey but nothing is said. `no_replies`: the main board answers, servos do not. `stop_reading`: bytes pile
+    up in the port. `brown_out`: without supply, and as after switching on when that ends. `kills_pc`: PC control is lost
+    half a second after it was taken. `babble`: something on the line talks all the time. `late_s`: answers come that much
+    later. `dead`: servos that are not there; `stuck`: that turn no more, though driven; `frozen`: positions and loads are
+    reported as they were. Of servos' answers, `missing`: none comes; `garbage`: other bytes come instead; `shifted`: a
+    byte comes before. `bit_flip`: a bit of an answer is wrong.
+    """
+
+    silent: bool = False
+    no_replies: bool = False
+    stop_reading: bool = False
+    brown_out: bool = False
+    kills_pc: bool = False
+    babble: bool = False
+    frozen: bool = False
+    late_s: Annotated[float, Meta(ge=0.0, le=10.0, description="seconds")] = 0.0
+    dead: ServoIds = ()
+    stuck: ServoIds = ()
+    missing: Probability = 0.0
+    garbage: Probability = 0.0
+    shifted: Probability = 0.0
+    bit_flip: Probability = 0.0
+
+
 def changed(faults: F, name: str, value: FaultValue) -> F:
     """Return the faults with one of them set; `replug` undoes `unplug`; raise InputError saying what is allowed.
 

@@ -16,8 +16,10 @@ from lbr.simulation.faults import (
     RioxFaults,
     RoboteqFaults,
     UltrasonicFaults,
+    Uxa90Faults,
 )
 from lbr.simulation.measured import Beam
+from lbr.simulation.uxa90.firmware import Programme
 
 Sense = Literal[-1, 1]
 Board = Literal["arduino", "parallax"]
@@ -27,6 +29,7 @@ Scancode = (
 )
 Scale = Annotated[float, Meta(gt=0.0, le=1e6)]
 Fuse = Annotated[int, Meta(ge=0, le=255)]
+Slot = Annotated[str, Meta(pattern="^[1-9][0-9]?$", description="the number of a main board's motion")]
 
 
 class RoboteqRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -135,6 +138,41 @@ class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     timing: BusTiming = BusTiming()
 
 
+class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is at the other end of a `uxa90` device row's line, and how fast it is; `ids` are the servos that it has.
+
+    `zeros` are its own zero of each servo, as the main board keeps them. `programmes` replace motions of the main board, by
+    slot (format: `lbr/simulation/uxa90/firmware.py`). `aborts`: PC control ends a motion; if not, it is ignored meanwhile.
+    `reports_end`: a motion of the remote control is answered when it is over. `answers_fine`: so is a move of 14 bits, with
+    the place. `imu_sum`: whether the sum of what the inertial unit says is right. A servo answers after `reply_ms` and up
+    to `jitter_ms` more; PC control is there `settle_ms` after it was asked for. `trace`: all bytes heard and said, and
+    each change of mode, go to a file beside the device's address, whose name ends in `.trace`.
+    """
+
+    faults: Uxa90Faults = Uxa90Faults()
+    baud: Annotated[int, Meta(ge=4800, le=921_600)] = 115_200
+    ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=30)], ...], Meta(min_length=1)] = tuple(range(25))
+    firmware: tuple[Fuse, Fuse] = (0xC9, 0x00)
+    serial: Annotated[str, Meta(pattern="^[0-9]{13}$")] = "6012000010005"
+    zeros: Annotated[tuple[Annotated[int, Meta(ge=0, le=254)], ...], Meta(min_length=31, max_length=31)] = (
+        *(130, 129, 129, 131, 38, 214, 85, 172, 128, 132, 131, 130, 87, 169, 134, 125),
+        *(128, 126, 215, 43, 127, 127, 127, 130, 125, 1, 127, 127, 127, 127, 127),
+    )
+    programmes: dict[Slot, Programme] = {}
+    aborts: bool = True
+    reports_end: bool = True
+    answers_fine: bool = False
+    imu_sum: bool = True
+    imu_lsb_per_g: Scale = 256.0
+    reply_ms: Annotated[float, Meta(ge=0.0, le=250.0)] = 1.0
+    jitter_ms: Annotated[float, Meta(ge=0.0, le=250.0)] = 0.3
+    saving_ms: Annotated[float, Meta(ge=0.0, le=250.0, description="how much longer it takes to save a register")] = (
+        30.0
+    )
+    settle_ms: Annotated[float, Meta(ge=0.0, le=5000.0)] = 50.0
+    trace: bool = False
+
+
 DEVICE_ROWS: Mapping[str, type[Struct]] = {
     "roboteq": RoboteqRow,
     "ultrasonic_ring": UltrasonicRow,
@@ -145,5 +183,6 @@ DEVICE_ROWS: Mapping[str, type[Struct]] = {
     "infrared": InfraredRow,
     "camera": CameraRow,
     "dynamixel": DynamixelRow,
+    "uxa90": Uxa90Row,
 }
 """What a device row of each type that has a twin may set, in whichever world."""

@@ -12,6 +12,7 @@ from lbr.simulation.twins.pico import PicoTwin
 from lbr.simulation.twins.riox import RioxTwin
 from lbr.simulation.twins.roboteq import RoboteqTwin
 from lbr.simulation.twins.ultrasonic import UltrasonicTwin
+from lbr.simulation.twins.uxa90 import Uxa90Twin
 
 __all__ = ["TWINS", "WITHOUT_TWIN", "Feeling", "PowerSwitch", "RoboteqTwin", "ServoBus", "Surroundings", "Twin"]
 
@@ -25,6 +26,7 @@ TWINS: Mapping[str, Factory] = {
     "infrared": InfraredTwin,
     "camera": CameraTwin,
     "dynamixel": DynamixelTwin,
+    "uxa90": Uxa90Twin,
 }
 """The twin of each type of device."""
 
