@@ -14,25 +14,35 @@ TURNING, RESTING, DISMISSED = b"m", b"z", b"q"
 
 def outlast(pipe: int, driver: int, silence_ms: int, words_fd: int, words: bytes) -> bool:
     """Return False when dismissed, True when the driver is dead; one that hangs is ended, after its last words."""
+    return outlasted(pipe, driver, silence_ms, words_fd, words) != DISMISSED
+
+
+def outlasted(pipe: int, driver: int, silence_ms: int, words_fd: int, words: bytes) -> bytes:
+    """Return `q` when dismissed; `m` or `z` when the driver is dead, as it said last; see `outlast`."""
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    end = watch(pipe, silence_ms)
+    end, said = _watched(pipe, silence_ms)
     if end == TURNING:
         with suppress(OSError):
             os.write(words_fd, words)
         with suppress(OSError):
             signal.pidfd_send_signal(driver, signal.SIGKILL)
-    return end != DISMISSED
+    return end or said
 
 
 def watch(pipe: int, silence_ms: int) -> bytes:
     """Return `q` when dismissed, nothing when the driver is dead, `m` when it is silent while something may move."""
+    return _watched(pipe, silence_ms)[0]
+
+
+def _watched(pipe: int, silence_ms: int) -> tuple[bytes, bytes]:
+    """Return how it ended, as `watch` does, and what was said last."""
     poll = select.poll()
     poll.register(pipe, select.POLLIN)
     said = RESTING
     while poll.poll(silence_ms if said == TURNING else None):
         heard = os.read(pipe, 4096)
         if not heard or DISMISSED in heard:
-            return heard and DISMISSED
+            return heard and DISMISSED, said
         said = heard[-1:]
-    return said
+    return said, said

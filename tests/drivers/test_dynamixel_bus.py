@@ -7,8 +7,8 @@ from servo_peers import Chain, status
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import open_bus
-from lbr.drivers.dynamixel.owner import READ, STOP, WRITE, Owner
 from lbr.drivers.dynamixel.setup import SETTING_UP, Setup, find_servos
+from lbr.drivers.owner import READ, STOP, WRITE, Owner
 from lbr.errors import DeviceError
 
 

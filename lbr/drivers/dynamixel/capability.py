@@ -9,12 +9,12 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.drivers.dynamixel import DynamixelSettings
 from lbr.drivers.dynamixel.line import open_servo_line
-from lbr.drivers.dynamixel.mover import first, receive, strength, tick
-from lbr.drivers.dynamixel.owner import READ, WRITE
 from lbr.drivers.dynamixel.recovery import recovery
 from lbr.drivers.dynamixel.session import NOTABLE_BYTES, Session
 from lbr.drivers.dynamixel.sweep import Snapshot
 from lbr.drivers.dynamixel.view import servo_state, statistics
+from lbr.drivers.mover import first, receive, strength, tick
+from lbr.drivers.owner import READ, WRITE
 from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoPhase, ServosState

@@ -4,26 +4,20 @@
 RELEASE_S ID...`. It keeps the line locked only while it speaks: the moment a new driver has it, it is done.
 """
 
-import fcntl
 import sys
 import termios
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Collection
+from contextlib import suppress
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import Bus
 from lbr.drivers.dynamixel.line import ServoLine
+from lbr.drivers.last_word import SURE, TakenError, alone, drop_output, share
 from lbr.drivers.watch import outlast
 
 STEP_S = 0.05
-SURE = 3
-"""So often the torque is switched off in the end: nobody answers that."""
-
-
-class TakenError(Exception):
-    """Another driver has the line."""
 
 
 class LastMover:
@@ -47,10 +41,9 @@ class LastMover:
 
     def act(self, hold_s: float, release_s: float) -> None:
         """Return when nothing has torque any more, or another driver took the line."""
-        with suppress(OSError, termios.error):
-            fcntl.ioctl(self._tty, termios.TIOCNXCL)
+        share(self._tty)
         with suppress(TakenError, OSError, termios.error):
-            with self._line():
+            with alone(self._tty):
                 self._hold(len(self._unheard))
             if self._limits or 0 < len(self._unheard) < len(self._servos):
                 self._wait(hold_s)
@@ -71,7 +64,7 @@ class LastMover:
     def _wait(self, hold_s: float) -> None:
         until = self._clock() + hold_s
         while (left_s := until - self._clock()) > 0.0:
-            with self._line():
+            with alone(self._tty):
                 self._bus.leftover()  # notices a line that is gone
                 self._hold(1)
             self._sleep(min(STEP_S, left_s))
@@ -81,26 +74,14 @@ class LastMover:
         began = self._clock()
         while (strength := 1.0 - (self._clock() - began) / release_s) > 0.0:
             faded = {servo: max(1, round(limit * strength)) for servo, limit in self._limits.items() if limit}
-            with self._line():
+            with alone(self._tty):
                 blocks = {servo: table.TORQUE_LIMIT.encode(limit) for servo, limit in faded.items()}
                 self._bus.write_all(table.TORQUE_LIMIT.address, blocks)
             self._sleep(STEP_S)
         for _ in range(SURE):
-            with self._line():
+            with alone(self._tty):
                 self._bus.write_all(table.TORQUE_ENABLE.address, dict.fromkeys(self._servos, b"\0"))
             self._sleep(STEP_S / SURE)
-
-    @contextmanager
-    def _line(self) -> Iterator[None]:
-        """Have the line alone, or be done."""
-        try:
-            fcntl.flock(self._tty, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise TakenError from None
-        try:
-            yield
-        finally:
-            fcntl.flock(self._tty, fcntl.LOCK_UN)
 
 
 def _goal(block: bytes) -> bytes:
@@ -119,8 +100,7 @@ def main(words: list[str]) -> None:
     line = ServoLine(tty, "of the servos", baud, margin_s=margin_s)
     if outlast(pipe, driver, silence_ms, words_fd, last):
         LastMover(Bus(line), tty, servos).act(hold_s, release_s)
-        with suppress(OSError, termios.error):
-            termios.tcflush(tty, termios.TCOFLUSH)  # closing a line waits for its output, for half a minute
+        drop_output(tty)
 
 
 if __name__ == "__main__":

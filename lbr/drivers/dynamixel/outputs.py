@@ -10,13 +10,13 @@ from typing import Protocol, TypeVar
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.dynamixel.mover import Mover
 from lbr.drivers.dynamixel.output import Output, confirms, switching
-from lbr.drivers.dynamixel.owner import STOP, WRITE
 from lbr.drivers.dynamixel.packet import error_names
 from lbr.drivers.dynamixel.setup import Kept
 from lbr.drivers.dynamixel.sweep import Seen, Snapshot
 from lbr.drivers.dynamixel.table import Motion
+from lbr.drivers.mover import Mover
+from lbr.drivers.owner import STOP, WRITE
 from lbr.messages.servos import ServoGoal
 
 MEASURED_S = 0.25

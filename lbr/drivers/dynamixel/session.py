@@ -9,11 +9,11 @@ from lbr.drivers.dynamixel.bus import Bus
 from lbr.drivers.dynamixel.guard import Guard
 from lbr.drivers.dynamixel.line import ServoLine
 from lbr.drivers.dynamixel.outputs import Outputs
-from lbr.drivers.dynamixel.owner import Owner
 from lbr.drivers.dynamixel.packet import error_mask
 from lbr.drivers.dynamixel.setup import Setup
 from lbr.drivers.dynamixel.sweep import Sweeper
 from lbr.drivers.dynamixel.table import Register
+from lbr.drivers.owner import Owner
 from lbr.errors import DeviceError
 
 CLOSING_S = 0.3

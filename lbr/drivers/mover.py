@@ -91,6 +91,11 @@ def strength(state: Mover, now: float, hold_s: float, release_s: float) -> float
     return 1.0 if fading_s <= 0.0 else max(0.0, 1.0 - fading_s / release_s)
 
 
+def ended(state: Mover, reason: str) -> Mover:
+    """End the motion under way for a reason of the driver's own: its lease is dead."""
+    return replace(state, follows=False, reason=reason, dead=_buried(state.dead, state.lease))
+
+
 def _lose(state: Mover, reason: str, now: float) -> Mover:
     if state.lost_since is not None and not state.follows:
         return state

@@ -10,16 +10,15 @@ A job is one transaction or a few; a stop is on the wire as soon as the job unde
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import TypeVar
-
-from lbr.drivers.dynamixel.bus import Bus
+from typing import Any, Generic, TypeVar
 
 STOP, WRITE, READ = 0, 1, 2
+Bus = TypeVar("Bus")
 T = TypeVar("T")
-_Jobs = dict[object, tuple[Callable[[Bus], object], "Future[object]"]]
+_Jobs = dict[object, tuple[Callable[[Any], object], "Future[object]"]]
 
 
-class Owner:
+class Owner(Generic[Bus]):
     """Runs jobs in their order and the background between them. What breaks the line ends the thread: see `failure`."""
 
     def __init__(self, bus: Bus, background: Callable[[Bus], float] = lambda _bus: 60.0) -> None:
