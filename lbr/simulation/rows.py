@@ -28,7 +28,7 @@ Scancode = (
     | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x40a1")]
 )
 Scale = Annotated[float, Meta(gt=0.0, le=1e6)]
-Fuse = Annotated[int, Meta(ge=0, le=255)]
+Byte = Annotated[int, Meta(ge=0, le=255)]
 Slot = Annotated[str, Meta(pattern="^[1-9][0-9]?$", description="the number of a main board's motion")]
 
 
@@ -53,7 +53,7 @@ class Mpu9150Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     faults: Mpu9150Faults = Mpu9150Faults()
     i2c_address: Literal[0x68, 0x69] = 0x68
-    sensitivity: tuple[Fuse, Fuse, Fuse] = (176, 178, 166)
+    sensitivity: tuple[Byte, Byte, Byte] = (176, 178, 166)
 
 
 class RioxRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -142,7 +142,7 @@ class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What is at the other end of a `uxa90` device row's line, and how fast it is; `ids` are the servos that it has.
 
     `zeros` are its own zero of each servo, as the main board keeps them. `programmes` replace motions of the main board, by
-    slot (format: `lbr/simulation/uxa90/firmware.py`). `aborts`: PC control ends a motion; if not, it is ignored meanwhile.
+    slot. `aborts`: PC control ends a motion; if not, it is ignored meanwhile.
     `reports_end`: a motion of the remote control is answered when it is over. `answers_fine`: so is a move of 14 bits, with
     the place. `imu_sum`: whether the sum of what the inertial unit says is right. A servo answers after `reply_ms` and up
     to `jitter_ms` more; PC control is there `settle_ms` after it was asked for. `trace`: all bytes heard and said, and
@@ -152,7 +152,7 @@ class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     faults: Uxa90Faults = Uxa90Faults()
     baud: Annotated[int, Meta(ge=4800, le=921_600)] = 115_200
     ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=30)], ...], Meta(min_length=1)] = tuple(range(25))
-    firmware: tuple[Fuse, Fuse] = (0xC9, 0x00)
+    firmware: Annotated[tuple[Byte, ...], Meta(min_length=2, max_length=2)] = (0xC9, 0x00)
     serial: Annotated[str, Meta(pattern="^[0-9]{13}$")] = "6012000010005"
     zeros: Annotated[tuple[Annotated[int, Meta(ge=0, le=254)], ...], Meta(min_length=31, max_length=31)] = (
         *(130, 129, 129, 131, 38, 214, 85, 172, 128, 132, 131, 130, 87, 169, 134, 125),

@@ -6,12 +6,6 @@ The file is one object, from the number of a slot to its programme:
            "frames": [{"duration_s": 0.4, "counts": {"0": 125, "1": 127}},
                       {"figure": "step", "times": 2}],
            "figures": {"step": [{"duration_s": 0.2, "counts": {"2": 98.5}, "smooth": true}, {"duration_s": 0.1}]}}}
-
-A frame takes its servos, by id, from where they are to nominal counts (fractions are allowed) within its time: evenly, or
-with a gentle start and end if it is `smooth`; servos that it does not name hold. A frame with `figure` plays that figure
-of the programme so many `times` instead. `level` is the torque level of all that is driven, 0 the strongest; a frame's own
-counts until its end. A programme begins wherever the servos are; what it never names stays as it was, limp or held. With
-`limp` all servos are let go at its end.
 """
 
 from collections.abc import Iterator, Mapping
@@ -32,7 +26,11 @@ Level = Annotated[int, Meta(ge=0, le=4, description="torque level, 0 the stronge
 
 
 class Frame(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A place for some servos, and how long the way there takes; or a figure, played a few times."""
+    """Takes its servos, by id, from where they are to nominal counts within its time; those that it does not name hold.
+
+    Fractions of counts are allowed. It goes evenly, or with a gentle start and end if it is `smooth`, at a torque level of
+    its own or the programme's. A frame with `figure` plays that figure of the programme so many `times` instead.
+    """
 
     duration_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 0.0
     counts: dict[Digits, Count] = {}
@@ -47,7 +45,11 @@ class Frame(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion of the main board."""
+    """A motion of the main board: its frames, one after the other, from wherever the servos are.
+
+    What it never names stays as it was, limp or held. With `limp` all servos are let go at its end. A figure is a few
+    frames, which may be played more than once.
+    """
 
     frames: Annotated[tuple[Frame, ...], Meta(min_length=1)]
     name: str = ""
