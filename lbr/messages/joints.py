@@ -135,7 +135,8 @@ class RecoverCommand(Struct, frozen=True, kw_only=True):
 class JointState(Struct, frozen=True, kw_only=True):
     """One joint as it was measured last; null is not measured. `load` is a fraction of its most, the way it counts.
 
-    `goal_rad` is what its servo is to hold or reach, read from what was sent. `torque` is what is applied, 0 for none.
+    `goal_rad` is what its servo is to hold or reach, read from what was sent, `target_rad` where its way leads while that
+    goes on. `torque` is what is applied, 0 for none.
     `faults` are there now; `latched` keep it without torque until it is recovered. `raw` is the servo's own number.
     `trusted` says whether what was measured can be believed, where that is a question; else nothing is measured.
     """
@@ -145,6 +146,7 @@ class JointState(Struct, frozen=True, kw_only=True):
     speed_rps: float | None = None
     load: float | None = None
     goal_rad: float | None = None
+    target_rad: float | None = None
     torque: float | None = None
     voltage_v: float | None = None
     temperature_c: float | None = None
@@ -160,7 +162,8 @@ class JointsState(Struct, frozen=True, kw_only=True):
     """All joints out of one sweep of the bus, who moves them, and why they stand still.
 
     `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before `stopped_s`,
-    monotonic, begins nothing any more: then somebody stopped all. `stored` is the slot that the controller plays.
+    monotonic, begins nothing any more: then somebody stopped all. `stored` is the slot that the controller plays, for
+    `left_s` more.
     """
 
     sequence: int
@@ -173,6 +176,7 @@ class JointsState(Struct, frozen=True, kw_only=True):
     passed: int = 0
     stopped_s: float | None = None
     stored: int | None = None
+    left_s: float | None = None
     reason: str = ""
     estop: bool = False
     loop: LoopStatistics | None = None
@@ -201,7 +205,7 @@ class CaptureCommand(Struct, frozen=True, kw_only=True):
 class MotionsState(Struct, frozen=True, kw_only=True):
     """What is played, on the way to which key frame, in which round, both from 1; `reason` is how the last one ended.
 
-    `motion` is the lead-in or the lead-out while that is played.
+    `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less.
     """
 
     playing: bool
@@ -210,6 +214,7 @@ class MotionsState(Struct, frozen=True, kw_only=True):
     frames: int = 0
     round: int = 0
     times: int = 0
+    left_s: float | None = None
     holder: str | None = None
     reason: str = ""
 

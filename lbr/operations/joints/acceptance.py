@@ -6,15 +6,16 @@ from math import isfinite
 
 from msgspec.structs import replace
 
-from lbr.messages.joints import MAX_FRAMES, JointsCommand
-from lbr.operations.joints import moving
-from lbr.operations.joints.asked import Asked, asked, empty
+from lbr.messages.joints import MAX_FRAMES, JointsCommand, StoredMotion
+from lbr.operations.joints import planning, stored, torque
+from lbr.operations.joints.asked import Asked, asked, empty, named
 from lbr.operations.joints.state import Command, State, joint_trouble, servos_trouble
 from lbr.operations.leasing import acceptance
 from lbr.operations.leasing.state import Ask, quoted
 
 MOST_TOLD = 3
 LONGEST_S = 60.0
+LONGEST_STORED_S = 600.0
 TORQUE_FIRST = "torque on first (/torque/on)"
 
 Link = Callable[[State, JointsCommand, Ask, float], str]
@@ -59,13 +60,11 @@ def _form(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
     del now
     if empty(command) and ask.lease:
         return ""  # its lease is dead, as the next link says
+    if command.stored is not None:
+        return _stored_form(state, command, command.stored)
     if not (command.positions or command.append or any(frame.positions for frame in command.frames)):
         return "there is nothing to move: give positions or frames"
-    if command.positions and command.frames:
-        return "give positions or frames, not both"
-    if command.append and not command.frames:
-        return "only frames can be appended"
-    return _numbers(command) or _several(_wrong(state, command))
+    return _combination(command) or _numbers(command) or _several(_wrong(state, command))
 
 
 def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
@@ -73,6 +72,16 @@ def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
     del command
     held = state.holding
     return acceptance.form(held, ask, now) or acceptance.rights(held, ask) or acceptance.holder(held, ask, now)
+
+
+def _busy(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+    """While the controller plays, nothing else moves; whoever takes over breaks that off."""
+    hold = state.holding.hold
+    foreign = hold is not None and ask.lease != hold.lease
+    if hold is None or (foreign and (ask.lease or command.take_over)):
+        return ""
+    why = stored.busy(state, now)
+    return f"{why}, held by {hold.source}" if why and foreign else why
 
 
 def _order(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
@@ -83,7 +92,7 @@ def _order(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
         return ""
     if hold is None or ask.lease != hold.lease:
         return "append follows a motion under way: quote its lease"
-    ahead = moving.frames_ahead(hold.motion)
+    ahead = planning.frames_ahead(hold.motion)
     if ahead + len(command.frames) > MAX_FRAMES:
         return f"{ahead} key frames lie ahead, and {MAX_FRAMES} may: append more when some of them are passed"
     return ""
@@ -98,11 +107,41 @@ def _rest(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
 def _able(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
     """Every joint of it has torque, is measured, and is well."""
     del ask
+    if command.stored is not None or command.torque is not None:
+        return _at_once(state, command, now)
     return _several(_unable(state, command, now))
 
 
 RENEWAL: tuple[Link, ...] = (_leases, _rest)
-CHAIN: tuple[Link, ...] = (_form, _leases, _order, _rest, _able)
+CHAIN: tuple[Link, ...] = (_form, _busy, _leases, _order, _rest, _able)
+
+
+def _combination(command: JointsCommand) -> str:
+    if command.positions and command.frames:
+        return "give positions or frames, not both"
+    if command.append and not command.frames:
+        return "only frames can be appended"
+    return "only positions can join" if command.join and not command.positions else ""
+
+
+def _stored_form(state: State, command: JointsCommand, motion: StoredMotion) -> str:
+    other = command.positions or command.frames or command.append or command.join
+    if other or command.mirror or command.torque is not None:
+        return f"the controller plays slot {motion.slot} as it is, and nothing beside it"
+    if not 0.0 < motion.duration_s <= LONGEST_STORED_S:
+        return f"duration_s {motion.duration_s:g} is outside 0 to {LONGEST_STORED_S:g}"
+    return _several(_wrong(state, JointsCommand(positions=motion.pose)))
+
+
+def _at_once(state: State, command: JointsCommand, now: float) -> str:
+    """What gives torque must know who has it, and the controller must have motions."""
+    if not state.adopted:
+        return "servos are still being looked for; say it again"
+    if command.stored is not None:
+        stores = state.servos is not None and state.servos.stores
+        return "" if stores else "the servos' controller keeps no motions of its own"
+    names = named(command, state.body)
+    return _several(why for name in names if (why := torque.not_to_be_held(state, name, now)))
 
 
 def _numbers(command: JointsCommand) -> str:
@@ -112,6 +151,9 @@ def _numbers(command: JointsCommand) -> str:
     for time_s in times_s:
         if not 0.0 < time_s <= LONGEST_S:  # this way round, NaN is none
             return f"duration_s {time_s:g} is outside 0 to {LONGEST_S:g}"
+    strength = command.torque
+    if strength is not None and not 0.0 < strength <= 1.0:
+        return f"torque {strength:g} is outside 0 to 1; to switch it off is another command (/torque/off)"
     speed_rps = command.speed_rps
     if speed_rps is not None and not (isfinite(speed_rps) and speed_rps > 0.0):
         return f"speed_rps {speed_rps:g} is no speed; leave it out or give radians a second"
@@ -139,10 +181,9 @@ def _not_mirrored(state: State, name: str, angle_rad: float) -> str:
 
 
 def _unable(state: State, command: JointsCommand, now: float) -> Iterator[str]:
-    named = {name for frame in command.frames for name in frame.positions} | command.positions.keys()
-    joints = {state.body.partner(name) for name in named} if command.mirror else named
-    without = [name for name in state.body.joints if name in joints and name not in state.on]
-    troubles = {name: joint_trouble(state, name, now) for name in state.body.joints if name in joints}
+    joints = named(command, state.body)
+    without = [name for name in joints if name not in state.on]
+    troubles = {name: joint_trouble(state, name, now) for name in joints}
     yield from (why for why in troubles.values() if why)
     idle = [name for name in without if not troubles[name]]
     if idle:

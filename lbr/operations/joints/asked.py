@@ -35,7 +35,14 @@ def asked(command: JointsCommand, token: str) -> Asked:
 
 def empty(command: JointsCommand) -> bool:
     """Say whether a command has nothing to move; with a lease it renews that."""
-    return not (command.positions or command.frames)
+    return not (command.positions or command.frames or command.stored)
+
+
+def named(command: JointsCommand, body: Body) -> tuple[str, ...]:
+    """Return the joints that it moves in ways of its own, in the order of the rows; all of them must be known."""
+    meant = command.positions.keys() | {name for frame in command.frames for name in frame.positions}
+    joints = {body.partner(name) for name in meant} if command.mirror else meant
+    return tuple(name for name in body.joints if name in joints)
 
 
 def frames(command: JointsCommand, body: Body, positions_s: float) -> tuple[KeyFrame, ...]:

@@ -3,8 +3,9 @@
 from msgspec.structs import replace
 
 from lbr.messages.drive import GoalResult
-from lbr.operations.joints import moving
-from lbr.operations.joints.state import Move, Outputs, Result, State, servos_trouble
+from lbr.operations.joints import moving, stored
+from lbr.operations.joints.move import Move
+from lbr.operations.joints.state import Outputs, Result, State, servos_trouble
 from lbr.operations.leasing import ending
 from lbr.operations.leasing.state import Ended, Happened, Holding
 
@@ -41,7 +42,7 @@ def take(state: State, decided: Decided, now: float) -> Decision:
             outputs = (*outputs, each)
             continue
         if each.held and held.hold is None:
-            state = _let_be(state, each)
+            state = _let_be(state, each, now)
             outputs = (*outputs, *setpoint(state))
         if each.held:
             outputs = (*outputs, ending.happened(each))
@@ -54,10 +55,13 @@ def setpoint(state: State) -> Outputs:
     return (moving.setpoint(state),) if state.adopted else ()
 
 
-def _let_be(state: State, ended: Ended[Move]) -> State:
+def _let_be(state: State, ended: Ended[Move], now: float) -> State:
     """Hold every joint: at its goal if that was reached, else where it was measured. A lease that lapsed lost its mover."""
-    lost = state.lost or ended.how == "lapsed"
-    frozen = state if ended.how == "reached" else moving.freeze(state)
+    lost, told = state.lost or ended.how == "lapsed", ended.hold.motion.stored
+    if ended.how == "reached":
+        frozen = state if told is None else stored.after(state, told, now)
+    else:
+        frozen = moving.freeze(stored.never_begun(state))
     return replace(frozen, holding=replace(state.holding, hold=None), lost=lost)
 
 

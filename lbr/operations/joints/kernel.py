@@ -4,19 +4,21 @@ from math import nan
 
 from msgspec.structs import replace
 
-from lbr.operations.joints import moving, servos, torque
+from lbr.operations.joints import moving, planning, servos, stored, torque
 from lbr.operations.joints.acceptance import asks, command_of, refusal
+from lbr.operations.joints.asked import named
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint, still, take
+from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import (
     Command,
     Event,
     HolderGone,
-    Move,
     ServosLost,
     ServosSeen,
     State,
     Tick,
     Torque,
+    waits,
 )
 from lbr.operations.leasing import ending, holding
 from lbr.operations.leasing.acceptance import intent
@@ -75,32 +77,68 @@ def _command(state: State, event: Command, now: float) -> Decision:
 
 def _begin(state: State, event: Command, ask: Ask, now: float) -> Decision:
     """Hold the joints from now on; what confirms an offer goes on with the goal that was offered."""
-    state = moving.held_again(moving.advance(state, now))
+    idle_s, state = _idle_s(state, now), moving.advance(state, now)
+    state = moving.interrupted(moving.held_again(state))
+    state, told = _strengthened(state, event, ask, now)
     offer = confirmed(state.holding, ask)
-    move = moving.begin(state, command_of(ask), offer.motion.goal if offer else event.new_goal, now)
+    state, move = _move(state, ask, offer.motion.goal if offer else event.new_goal, idle_s, now)
     state, said = take(state, holding.begin(state.holding, ask, move, now), now)
-    return state, (*said, _yes(state, ask), *setpoint(state))
+    state = _underway(state, ask)
+    return state, (*told, *said, _yes(state, ask), *setpoint(state))
 
 
 def _change(state: State, event: Command, ask: Ask, now: float) -> Decision:
-    """Move otherwise under the same lease, from the next setpoint on; what is appended goes on under the same goal."""
-    state, command = moving.advance(state, now), command_of(ask)
-    move = state.move
+    """Move otherwise under the same lease, from the next setpoint on; what is appended or joins goes on under the same goal."""
+    idle_s, state = _idle_s(state, now), moving.advance(state, now)
+    state, told = _strengthened(state, event, ask, now)
+    command, move = command_of(ask), state.move
     assert move is not None
-    if command.append:
-        held, said = holding.change(state.holding, ask, moving.append(state, move, command), now)
+    if command.append or command.join:
+        if command.append:
+            longer = planning.append(state, move, command, now)
+        else:
+            longer = planning.joined(state, move, command, now, idle_s)
+        held, said = holding.change(state.holding, ask, longer, now)
         said = tuple(each for each in said if not isinstance(each, Ended))
     else:
-        other = moving.instead(move, moving.begin(state, command, event.new_goal, now))
-        held, said = holding.change(state.holding, ask, other, now)
+        state, anew = _move(state, ask, event.new_goal, idle_s, now)
+        held, said = holding.change(state.holding, ask, planning.instead(move, anew), now)
     state, outputs = take(state, (held, said), now)
-    return state, (*outputs, _yes(state, ask))
+    state = _underway(state, ask)
+    at_once = setpoint(state) if command.join else ()
+    return state, (*told, *outputs, _yes(state, ask), *at_once)
+
+
+def _move(state: State, ask: Ask, goal: str, idle_s: float, now: float) -> tuple[State, Move]:
+    command = command_of(ask)
+    if command.stored is not None:
+        return stored.begin(state, command.stored, goal, now)
+    return state, planning.begin(state, command, goal, now, idle_s)
+
+
+def _strengthened(state: State, event: Command, ask: Ask, now: float) -> Decision:
+    command = command_of(ask)
+    if command.torque is None:
+        return state, ()
+    return torque.strengthen(state, event.source, named(command, state.body), command.torque, now)
+
+
+def _underway(state: State, ask: Ask) -> State:
+    """Return the state in which what joined has begun to move with this setpoint, not the next."""
+    if state.move is None or not command_of(ask).join:
+        return state
+    return replace(state, goals={**state.goals, **state.move.positions()})
+
+
+def _idle_s(state: State, now: float) -> float:
+    """Return for how long nobody looked where the joints are to be."""
+    return 0.0 if waits(state) else min(max(0.0, now - state.ticked), moving.LONGEST_STEP_S)
 
 
 def _yes(state: State, ask: Ask) -> Reply:
     hold, move = state.holding.hold, state.move
     assert move is not None
-    return holding.accepted(hold, moving.note(state, move, command_of(ask)), move.goal)
+    return holding.accepted(hold, planning.note(state, move, command_of(ask)), move.goal)
 
 
 def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:

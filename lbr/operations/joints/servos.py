@@ -5,9 +5,9 @@ from math import nan
 from msgspec.structs import replace
 
 from lbr.messages.servos import ServoState
-from lbr.operations.joints import moving
+from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over
-from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, joint_trouble
+from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, joint_trouble, waits
 from lbr.operations.leasing.state import Happened
 
 UNREAD_S = 3.0
@@ -25,7 +25,8 @@ def seen(state: State, event: ServosSeen, now: float) -> Decision:
     arrived = min(event.arrived, now)  # this way round, NaN stays NaN
     heard = arrived if state.servos is None else state.heard
     state = unlearnt(replace(state, servos=event.servos, seen=found, servos_at=arrived, heard=heard), now)
-    state = moving.followed(_let_go(_found(_adopted(state, now), now), now))
+    state = replace(state, waited=now) if waits(state) else state
+    state = stored.heard(moving.followed(_let_go(_found(_adopted(state, now), now), now)), now)
     state, told = _without_torque(state, now)
     state, ended = end_what_is_over(state, now)
     return _without_unmeasured(state, now), told + ended
@@ -64,11 +65,12 @@ def _adopted(state: State, now: float) -> State:
         return state
     on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))
     goals = {name: moving.as_found(state, name) for name in on}
+    strength = {name: found for name in on if (found := _strength(state, name)) < 1.0}
     lost = bool(on) and (state.lost or not state.begun)
     halt = state.halt + 1
     silent = frozenset(name for name, servo in state.seen.items() if servo.torque is None) - on
     state = replace(state, adopted=True, begun=True, on=on, goals=goals, lost=lost, halt=halt, switched=now)
-    return replace(state, unread=silent)
+    return replace(state, unread=silent, strength=strength)
 
 
 def _found(state: State, now: float) -> State:
@@ -87,6 +89,13 @@ def _has_torque(state: State, name: str, servo: ServoState) -> bool:
     return name in state.on if servo.torque is None else servo.torque > 0.0
 
 
+def _strength(state: State, name: str) -> float:
+    """Return how strong a servo was found, unless it was just being let go."""
+    torque = state.seen[name].torque
+    releasing = state.servos is not None and state.servos.phase == "releasing"
+    return 1.0 if releasing or not torque else min(torque, 1.0)
+
+
 def _let_go(state: State, now: float) -> State:
     """Take in that the driver has let go, where that is for the driver to decide."""
     servos = state.servos
@@ -98,12 +107,15 @@ def _let_go(state: State, now: float) -> State:
 
 def _off(state: State, names: frozenset[str], now: float) -> State:
     goals = {name: goal for name, goal in state.goals.items() if name not in names}
-    return replace(state, on=state.on - names, goals=goals, resting=names, let_go=now)
+    strength = {name: one for name, one in state.strength.items() if name not in names}
+    return replace(state, on=state.on - names, goals=goals, strength=strength, resting=names, let_go=now)
 
 
 def _without_torque(state: State, now: float) -> Decision:
     """A servo that let go by itself is without torque until that is switched on again, whatever becomes of its fault."""
-    late = now - state.switched >= SWITCHING_S
+    if state.move is not None and state.move.stored is not None:
+        return state, ()  # its controller has them
+    late = now - max(state.switched, state.waited) >= SWITCHING_S
     gone = {}
     for name in state.on & state.seen.keys():
         servo = state.seen[name]
@@ -120,6 +132,8 @@ def _without_torque(state: State, now: float) -> Decision:
 
 def _without_unmeasured(state: State, now: float) -> State:
     """A servo that is not measured is to stay where it is, and when it comes back to hold where it is then."""
+    if state.move is not None and state.move.stored is not None:
+        return state
     changed: dict[str, float | None] = {}
     for name in state.on:
         trouble, goal = joint_trouble(state, name, now), state.goals.get(name)

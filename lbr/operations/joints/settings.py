@@ -11,6 +11,8 @@ class JointsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """How the joints of a humanoid are moved.
 
     A motion has reached its end when every joint of it was measured within `tolerance_rad`, or `settle_s` later.
+    `open_loop`: joints that are not measured may be moved too. They count as being where they were last told to be, and
+    arrive by the clock; one that nobody knows anything of starts at its goal, which its driver makes slow.
     """
 
     rate_hz: Annotated[float, Meta(ge=10.0, le=200.0, description="setpoints per second")] = 100.0
@@ -25,3 +27,4 @@ class JointsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     joint_max_age_s: Annotated[
         float, Meta(gt=0.0, le=10.0, description="a joint that was not measured for so long ends its motion")
     ] = 0.5
+    open_loop: Annotated[bool, Meta(description="whether joints whose position is not known may be moved")] = False

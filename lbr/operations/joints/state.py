@@ -10,12 +10,15 @@ from lbr.messages.joints import JointsCommand, TorqueCommand
 from lbr.messages.servos import ServoSetpoint, ServosState, ServoState
 from lbr.messages.system import Role
 from lbr.operations.joints.body import Body
+from lbr.operations.joints.move import Move
 from lbr.operations.joints.settings import JointsSettings
-from lbr.operations.joints.trajectory import Trajectory
 from lbr.operations.leasing.state import EstopChanged, Happened, Holding, Reply, Stop, Words, first
 
 LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late."""
+REST_S = 0.1
+PASSES_ON = ("", "pc")
+"""The modes of the servos' controller in which goals come to the servos."""
 
 
 class Command(Struct, frozen=True, kw_only=True):
@@ -89,38 +92,17 @@ Output = Reply | Setpoint | Happened | Result
 Outputs = tuple[Output, ...]
 
 
-class Move(Struct, frozen=True, kw_only=True):
-    """A motion under way, `elapsed_s` after the start of its trajectory; what was only offered has none yet.
-
-    `passed` key frames lay behind when the trajectory began. `arrived` is when its end was commanded (NaN: not yet).
-    `followed`: the driver said that the servos follow; it has been `told` so since then, under this lease.
-    """
-
-    goal: str
-    begun: float
-    told: float = nan
-    trajectory: Trajectory | None = None
-    elapsed_s: float = 0.0
-    passed: int = 0
-    arrived: float = nan
-    followed: bool = False
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """The joints that it moves."""
-        return () if self.trajectory is None else tuple(self.trajectory.knots)
-
-
 class State(Struct, frozen=True, kw_only=True):
     """Everything the kernel remembers.
 
-    `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is).
+    `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is), and
+    `strength` what is not all of that torque, as a fraction.
     Nothing is known of either until the driver was heard (`adopted`; `begun`: it once was); until then it is told nothing.
     `heard` is since when the driver was there, `switched` when torque was last switched on. Joints that let go at
     `let_go` are `resting`: the driver is to hear of them without torque before it hears of them with it again.
     Of `unread` it is not known yet whether they have torque.
     `lost`: whoever moved them is gone, and the driver decides. `halt` counts how often all were to hold where
-    they were measured.
+    they were measured, `count` what the controller was told to play; until `waited` it passed no goals on.
     """
 
     settings: JointsSettings
@@ -131,8 +113,11 @@ class State(Struct, frozen=True, kw_only=True):
     begun: bool = False
     on: frozenset[str] = frozenset()
     goals: Mapping[str, float | None] = {}
+    strength: Mapping[str, float] = {}
     lost: bool = False
     halt: int = 0
+    count: int = 0
+    waited: float = -inf
     ticked: float = nan
     servos: ServosState | None = None
     seen: Mapping[str, ServoState] = {}
@@ -173,6 +158,22 @@ def position_rad(state: State, name: str) -> float | None:
     return state.body.joint_rad(name, servo.position_rad)
 
 
+def age_s(state: State, name: str, now: float) -> float:
+    """Return how old the measured position of a joint is; infinite if nobody knows."""
+    servo = state.seen.get(name)
+    return inf if servo is None or servo.age_s is None else servo.age_s + max(0.0, now - state.servos_at)
+
+
+def unmeasured(state: State, name: str, now: float) -> bool:
+    """Say whether it is not known from measuring where a joint is."""
+    return position_rad(state, name) is None or not age_s(state, name, now) <= state.settings.joint_max_age_s
+
+
+def waits(state: State) -> bool:
+    """Say whether the servos' controller does not pass goals on at present; it will, without being asked."""
+    return state.servos is not None and state.servos.mode not in PASSES_ON
+
+
 def servos_trouble(state: State, now: float) -> str:
     """Return why no servo would follow, or nothing."""
     if state.servos is None:
@@ -192,7 +193,11 @@ def joint_trouble(state: State, name: str, now: float) -> str:
         return f"{name}: the servo driver does not know servo {state.body.joints[name].device_id}"
     if servo.latched:
         return f"{name} has latched {', '.join(servo.latched)}: remove the cause, then recover it"
-    age_s = inf if servo.age_s is None else servo.age_s + max(0.0, now - state.servos_at)
-    if servo.position_rad is None or not age_s <= state.settings.joint_max_age_s:
-        return f"{name} is not measured: {servo.reason or f'servo {servo.id} does not answer'}"
+    if unmeasured(state, name, now) and not state.settings.open_loop:
+        return f"{name} is not measured: {servo.reason or _silent(servo)}"
     return ""
+
+
+def _silent(servo: ServoState) -> str:
+    how = "reports what is not believed" if servo.trusted is False else "does not answer"
+    return f"servo {servo.id} {how}"

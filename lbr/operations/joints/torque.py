@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from msgspec.structs import replace
 
 from lbr.messages.leases import DEAD_LEASE, CommandReply
-from lbr.operations.joints import moving
+from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint
 from lbr.operations.joints.state import State, Torque, joint_trouble, position_rad, servos_trouble
 from lbr.operations.leasing.acceptance import why_dead
@@ -23,7 +23,7 @@ def switch(state: State, event: Torque, now: float) -> Decision:
 
 
 def _on(state: State, event: Torque, names: tuple[str, ...], now: float) -> Decision:
-    troubles = {name: why for name in names if (why := _not_to_be_held(state, name, now))}
+    troubles = {name: why for name in names if (why := not_to_be_held(state, name, now))}
     fit = frozenset(names) - troubles.keys()
     told = "; ".join(list(troubles.values())[:MOST_TOLD])
     more = f" (and {len(troubles) - MOST_TOLD} more)" if len(troubles) > MOST_TOLD else ""
@@ -32,8 +32,9 @@ def _on(state: State, event: Torque, names: tuple[str, ...], now: float) -> Deci
     state = moving.held_again(state)
     new = fit - state.on
     goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}
-    state = replace(state, on=state.on | fit, goals=goals, switched=now)
-    outputs = (*setpoint(state), *_told(state, event, new), _reply(told + more))
+    strength = {name: one for name, one in state.strength.items() if name not in fit}
+    state = replace(state, on=state.on | fit, goals=goals, strength=strength, switched=now)
+    outputs = (*setpoint(state), *_told(state, event.source, new, on=True), _reply(told + more))
     return state, outputs
 
 
@@ -41,9 +42,35 @@ def _off(state: State, event: Torque, names: tuple[str, ...], now: float) -> Dec
     gone = state.on & frozenset(names)
     left = state.on - gone
     goals = {name: goal for name, goal in state.goals.items() if name in left}
+    strength = {name: one for name, one in state.strength.items() if name in left}
     unread = state.unread - frozenset(names)
-    state, ended = end_what_is_over(replace(state, on=left, goals=goals, unread=unread, lost=False), now)
-    return state, (*setpoint(state), *ended, *_told(state, event, gone), _reply())
+    state = replace(state, on=left, goals=goals, strength=strength, unread=unread, lost=False)
+    state, ended = end_what_is_over(state, now)
+    return state, (*setpoint(state), *ended, *_told(state, event.source, gone, on=False), _reply())
+
+
+def strengthen(state: State, source: str, names: Iterable[str], strength: float, now: float) -> Decision:
+    """Return the state in which the named joints have so much torque from now on; those without get it where they are."""
+    names = tuple(names)
+    new = frozenset(names) - state.on
+    strengths = {**state.strength, **dict.fromkeys(names, strength)}
+    if not new:
+        return replace(state, strength=strengths), ()
+    goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}
+    state = replace(state, on=state.on | new, goals=goals, strength=strengths, switched=now)
+    return state, _told(state, source, new, on=True)
+
+
+def not_to_be_held(state: State, name: str, now: float) -> str:
+    """Say why a joint cannot be held where it is, or nothing."""
+    if why := joint_trouble(state, name, now):
+        return why
+    here = position_rad(state, name)
+    joint = state.body.joints[name]
+    if here is None or state.body.beyond_rad(name, here) <= moving.MARGIN_RAD or name in state.on:
+        return ""
+    limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad"
+    return f"{name} is at {here:.2f} rad, outside its limits ({limits}): bring it there by hand first"
 
 
 def _refusal(state: State, event: Torque, now: float) -> str:
@@ -52,6 +79,7 @@ def _refusal(state: State, event: Torque, now: float) -> str:
         _form(state, event, now),
         _holder(state, event),
         _rest(state, event, now) if command.on else "",
+        stored.busy(state, now) if command.on else "",
         _known(state, now),
     )
     return next((why for why in links if why), "")
@@ -96,25 +124,13 @@ def _known(state: State, now: float) -> str:
     return "" if state.adopted else servos_trouble(state, now) or "servos are still being looked for; say it again"
 
 
-def _not_to_be_held(state: State, name: str, now: float) -> str:
-    """Say why a joint cannot be held where it is, or nothing."""
-    if why := joint_trouble(state, name, now):
-        return why
-    here = position_rad(state, name)
-    joint = state.body.joints[name]
-    if here is None or state.body.beyond_rad(name, here) <= moving.MARGIN_RAD or name in state.on:
-        return ""
-    limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad"
-    return f"{name} is at {here:.2f} rad, outside its limits ({limits}): bring it there by hand first"
-
-
-def _told(state: State, event: Torque, names: Iterable[str]) -> tuple[Happened, ...]:
+def _told(state: State, source: str, names: Iterable[str], *, on: bool) -> tuple[Happened, ...]:
     changed = [name for name in state.body.joints if name in set(names)]
     if not changed:
         return ()
     which = "all joints" if len(changed) == len(state.body.joints) else ", ".join(changed)
-    verb = "on" if event.command.on else "off"
-    return (Happened(kind="torque", text=f"{event.source} switched the torque of {which} {verb}"),)
+    verb = "on" if on else "off"
+    return (Happened(kind="torque", text=f"{source} switched the torque of {which} {verb}"),)
 
 
 def _reply(reason: str = "", *, accepted: bool = True) -> Reply:

@@ -1,10 +1,11 @@
 """Ways of joints through key frames: smooth or straight, never beyond what they connect, never faster than allowed."""
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 from math import copysign
 
+import msgspec
 from msgspec import Struct
 
 from lbr.messages.joints import Interpolation, KeyFrame
@@ -86,7 +87,7 @@ def speeds(trajectory: Trajectory, elapsed_s: float) -> dict[str, float]:
 
 def passed(trajectory: Trajectory, elapsed_s: float) -> int:
     """Return how many key frames lie behind."""
-    return bisect_right(trajectory.times_s, elapsed_s) - 1
+    return max(0, bisect_right(trajectory.times_s, elapsed_s) - 1)
 
 
 def ahead(trajectory: Trajectory, elapsed_s: float) -> tuple[KeyFrame, ...]:
@@ -100,6 +101,12 @@ def ahead(trajectory: Trajectory, elapsed_s: float) -> tuple[KeyFrame, ...]:
         )
         for at, (begin_s, end_s) in enumerate(pairwise(times_s), first)
     )
+
+
+def without(trajectory: Trajectory, names: Collection[str]) -> Trajectory | None:
+    """Return the way of the joints that are left, each as it was; None if there are none."""
+    knots = {name: values for name, values in trajectory.knots.items() if name not in names}
+    return msgspec.structs.replace(trajectory, knots=knots) if knots else None
 
 
 def _states(trajectory: Trajectory, elapsed_s: float) -> dict[str, tuple[float, float]]:

@@ -5,8 +5,9 @@ from math import isfinite
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.servos import ServoState
-from lbr.operations.joints import trajectory
-from lbr.operations.joints.state import Move, State, servos_trouble
+from lbr.operations.joints import stored, trajectory
+from lbr.operations.joints.move import Move
+from lbr.operations.joints.state import State, servos_trouble
 
 LETS_GO = "the servos hold, and let go slowly unless somebody moves them or switches their torque on"
 
@@ -15,15 +16,19 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
     """Return every joint out of the newest sweep, who moves them, and why they stand still."""
     hold, servos = state.holding.hold, state.servos
     move = hold.motion if hold is not None else None
+    told = move.stored if move is not None else None
+    targets = move.under_way() if move is not None else {}
     return JointsState(
         sequence=servos.sweep if servos else 0,
         measured_s=servos.measured_s if servos else 0.0,
         moving=move is not None,
         phase=servos.phase if servos else "released",
-        joints={name: _joint(state, joint, now) for name, joint in state.body.joints.items()},
+        joints={name: _joint(state, joint, targets.get(name), now) for name, joint in state.body.joints.items()},
         holder=hold.source if hold else None,
         goal=move.goal if move else None,
         passed=_passed(move),
+        stored=told.motion.slot if told is not None else None,
+        left_s=round(stored.left_s(told, now), 2) if told is not None else None,
         stopped_s=state.holding.stopped if isfinite(state.holding.stopped) else None,
         reason="" if hold is not None else _why_at_rest(state, now),
         estop=state.holding.estop,
@@ -37,22 +42,24 @@ def _passed(move: Move | None) -> int:
     return move.passed + trajectory.passed(move.trajectory, move.elapsed_s)
 
 
-def _joint(state: State, joint: Joint, now: float) -> JointState:
+def _joint(state: State, joint: Joint, target_rad: float | None, now: float) -> JointState:
     servo = state.seen.get(joint.name)
     if servo is None:
-        return JointState(id=joint.device_id, reason=_unheard(state))
+        return JointState(id=joint.device_id, target_rad=target_rad, reason=_unheard(state))
     return JointState(
         id=servo.id,
         position_rad=_angle(joint, servo.position_rad),
         speed_rps=_signed(joint, servo.speed_rps),
         load=_signed(joint, servo.load),
         goal_rad=_angle(joint, servo.goal_rad),
+        target_rad=target_rad,
         torque=servo.torque,
         voltage_v=servo.voltage_v,
         temperature_c=servo.temperature_c,
         faults=servo.faults,
         latched=servo.latched,
         raw=servo.raw,
+        trusted=servo.trusted,
         age_s=_age_s(state, servo, now),
         reason=servo.reason,
     )

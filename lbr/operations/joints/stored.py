@@ -1,0 +1,118 @@
+"""Motions that the servos' controller plays by itself: told to, watched, and over."""
+
+from math import isnan
+
+from msgspec.structs import replace
+
+from lbr.messages.joints import StoredMotion
+from lbr.messages.servos import StoredPlay, StoredState
+from lbr.operations.joints.move import Move, Stored
+from lbr.operations.joints.state import State, age_s, position_rad
+from lbr.operations.leasing import holding
+from lbr.operations.leasing.state import Ending
+
+TAKEN_S = 1.0
+"""The driver says within this time that it knows of it."""
+GRACE_S = 3.0
+"""So much later than it should a motion may end; then it is taken to be over."""
+FRESH_S = 0.05
+
+
+def begin(state: State, motion: StoredMotion, goal: str, now: float) -> tuple[State, Move]:
+    """Return the state in which the controller may use every servo, and the motion.
+
+    Counts grow with the clock, so that a process that begins anew does not say one again.
+    """
+    count = max(state.count + 1, int(max(now, 0.0) * 1000.0) + 1)
+    told = Stored(motion=motion, count=count, told=now, before=state.on)
+    fit = frozenset(name for name, servo in state.seen.items() if not servo.latched)
+    state = replace(state, count=count, on=fit, goals=dict.fromkeys(fit), strength={}, switched=now)
+    return state, Move(goal=goal, begun=now, told=now, stored=told)
+
+
+def play(told: Stored) -> StoredPlay:
+    """Return what the driver is to be told."""
+    motion = told.motion
+    return StoredPlay(slot=motion.slot, count=told.count, duration_s=motion.duration_s, limp=motion.limp)
+
+
+def heard(state: State, now: float) -> State:
+    """Take in what the driver says of it."""
+    hold, move = state.holding.hold, state.move
+    if hold is None or move is None or move.stored is None or not isnan(move.stored.playing):
+        return state
+    found = _said(state, move.stored)
+    if found is None or found.phase not in {"playing", "over"}:
+        return state
+    begun = replace(move, stored=replace(move.stored, playing=now))
+    return replace(state, holding=holding.with_motion(state.holding, begun))
+
+
+def ending(state: State, told: Stored, now: float) -> tuple[Ending, str] | None:
+    """Return how it ended and why, or None while it is played."""
+    found, slot = _said(state, told), told.motion.slot
+    if found is None:
+        servos = state.servos
+        said = servos.reason or f"their driver says {servos.phase}" if servos is not None else state.servos_gone
+        return ("fault", f"the controller does not play slot {slot}: {said}") if now - told.told > TAKEN_S else None
+    if found.phase == "failed":
+        return "fault", found.reason or f"the controller did not play slot {slot}"
+    if found.phase == "over":
+        return "reached", f"slot {slot} was played in {now - _since(told):.2f} s"
+    if now - _since(told) < told.motion.duration_s + GRACE_S:
+        return None
+    if isnan(told.playing):
+        return "fault", f"the controller did not begin to play slot {slot}: {found.reason or 'it waits'}"
+    return "reached", f"slot {slot} was played, as far as its time tells: nobody said that it was over"
+
+
+def after(state: State, told: Stored, now: float) -> State:
+    """Return the state after its end: joints are at its pose, unless they were measured elsewhere since; or let go."""
+    if told.motion.limp:
+        return replace(state, on=frozenset(), goals={}, strength={}, resting=state.on, let_go=now)
+    goals = {name: _afterwards(state, name, told.motion, now) for name in state.on}
+    return replace(state, goals=goals, switched=now)
+
+
+def never_begun(state: State) -> State:
+    """Return the state as it was before, if the motion that just failed was never begun: nothing gets torque by that."""
+    told = state.move.stored if state.move is not None else None
+    if told is None or not isnan(told.playing):
+        return state
+    found = _said(state, told)
+    if found is None or found.phase != "failed":
+        return state
+    on = state.on & told.before
+    return replace(state, on=on, goals={name: goal for name, goal in state.goals.items() if name in on})
+
+
+def left_s(told: Stored, now: float) -> float:
+    """Return how long it still takes."""
+    return max(0.0, told.motion.duration_s - max(0.0, now - _since(told)))
+
+
+def busy(state: State, now: float) -> str:
+    """Return why nothing else moves, or nothing."""
+    hold = state.holding.hold
+    if hold is None or hold.motion.stored is None:
+        return ""
+    told = hold.motion.stored
+    return f"busy: the controller plays slot {told.motion.slot} for {left_s(told, now):.1f} s more"
+
+
+def _since(told: Stored) -> float:
+    return told.told if isnan(told.playing) else told.playing
+
+
+def _said(state: State, told: Stored) -> StoredState | None:
+    """Return what the driver says of this very motion."""
+    found = state.servos.stored if state.servos is not None else None
+    return found if found is not None and found.count == told.count else None
+
+
+def _afterwards(state: State, name: str, motion: StoredMotion, now: float) -> float | None:
+    pose = motion.pose.get(name)
+    found = position_rad(state, name) if age_s(state, name, now) <= FRESH_S else None
+    if found is None or (pose is not None and abs(found - pose) <= state.settings.tolerance_rad):
+        return pose
+    return None if state.body.beyond_rad(name, found) > 0.0 else found
