@@ -1,0 +1,88 @@
+"""What the API answers with: keys and their order are those that phones and scripts know; others come only when asked for."""
+
+from typing import Any, Literal
+
+from msgspec import UNSET, Struct, UnsetType
+
+Number = int | float
+
+
+class Measured(Struct, frozen=True):
+    """What a servo said of itself: its count, its load as a fraction, how old that is; null is not known or not believed."""
+
+    position: int | None
+    load: float | None
+    age_s: float | None
+    trusted: bool
+
+
+class MotorData(Struct, frozen=True):
+    """A motor. `position` is what it was told last; `rawPosition` the same as a whole count, `smartPosition` in the asked unit."""
+
+    id: int
+    name: str
+    description: str
+    position: Number
+    min: int
+    max: int
+    default: int
+    inverted: bool
+    smartPosition: Number | UnsetType | None = UNSET  # noqa: N815 - the API's name
+    rawPosition: int | UnsetType = UNSET  # noqa: N815 - the API's name
+    measured: Measured | UnsetType | None = UNSET
+    commanded: Number | UnsetType = UNSET
+
+
+class MotorAnswer(Struct, frozen=True):
+    """All motors, one, or one that moves from now on; `job`, where it will do so only after a delay."""
+
+    data: list[MotorData] | MotorData
+    message: Literal["getAllMotors", "getMotorInfo", "setMotorPos"]
+    oldPosition: Number | UnsetType = UNSET  # noqa: N815 - the API's name
+    newPosition: Number | UnsetType = UNSET  # noqa: N815 - the API's name
+    torq: Number | UnsetType = UNSET
+    job: str | UnsetType = UNSET
+
+
+class MultiPositions(Struct, frozen=True):
+    """The motors as they were sent, with what they were clamped to."""
+
+    positions: list[dict[str, Any]]
+
+
+class MultiAnswer(Struct, frozen=True):
+    """Several motors that move from now on, or after their delays as `job`."""
+
+    message: Literal["setMultiMotorsPos"]
+    multiMsg: MultiPositions  # noqa: N815 - the API's name
+    job: str | UnsetType = UNSET
+
+
+class MotionData(Struct, frozen=True):
+    """A motion: its number, its name, the button of the remote control."""
+
+    id: int
+    name: str
+    button: str
+
+
+class MotionsAnswer(Struct, frozen=True):
+    """All motions."""
+
+    data: list[MotionData]
+    message: Literal["findAll"] = "findAll"
+
+
+class MotionMessage(Struct, frozen=True):
+    """The code that stands for a motion; a name for what is none but a word to the main board."""
+
+    btn_code: int | UnsetType = UNSET
+    motion_name: str | UnsetType = UNSET
+
+
+class PlayedAnswer(Struct, frozen=True):
+    """A motion that plays from now on."""
+
+    data: MotionData
+    message: Literal["callMotionById", "callMotionByName"]
+    motionMsg: MotionMessage  # noqa: N815 - the API's name

@@ -1,0 +1,224 @@
+"""Making and changing motors and motions: from a request's body to rows, and from what became of them to an answer."""
+
+from collections.abc import Mapping
+from typing import NoReturn
+
+from lbr.apps.web.face import Ask, Refused
+from lbr.apps.web.robot import Robot
+from lbr.apps.web.uxa90.bodies import (
+    Frame,
+    FrameBody,
+    MotionBody,
+    MotionRow,
+    MotionRowAnswer,
+    MotorBody,
+    MotorRow,
+    MotorRowAnswer,
+    NewMotorBody,
+)
+from lbr.apps.web.uxa90.buttons import ButtonTable
+from lbr.apps.web.uxa90.counts import joint_rad
+from lbr.apps.web.uxa90.table import MotorTable
+from lbr.messages.faces import Button, EditCommand, EditReply, Motor
+from lbr.messages.joints import Joint, KeyFrame, Motion
+
+FIRST_OWN_ID = 100
+LAST_ID = 9999
+CHANGED = "has changed since"
+BUILT_IN = "is built in"
+KEPT = "is in a slot"
+SLACK_RAD = 1e-3
+
+
+class Editor:
+    """Writes rows by way of the executive, and keeps the tables of this face in step with them."""
+
+    def __init__(self, robot: Robot, motors: MotorTable, buttons: ButtonTable) -> None:
+        self._robot = robot
+        self._motors = motors
+        self._buttons = buttons
+
+    async def show_motor(self, key: str) -> MotorRowAnswer:
+        """Return a motor's row; 404 if there is none."""
+        return self._motor_answer(self._motor(key), await self._revision())
+
+    async def show_motion(self, key: str) -> MotionRowAnswer:
+        """Return a motion's row; 404 if there is none."""
+        return self._motion_answer(self._button(key), await self._revision())
+
+    async def add_motor(self, ask: Ask, body: NewMotorBody) -> MotorRowAnswer:
+        """Make a motor of the layer that is shown."""
+        if body.id in self._motors.motors:
+            raise Refused(409, f"Motor '{body.id}' exists already; PUT /motors/{body.id} changes it")
+        return await self._write_motor(ask, body, body.id, create=True)
+
+    async def change_motor(self, ask: Ask, key: str, body: MotorBody) -> MotorRowAnswer:
+        """Change a motor that is not built in."""
+        motor = self._motor(key)
+        if motor.builtin:
+            raise Refused(403, f"Motor '{motor.id}' {BUILT_IN}: give the web server a layer of your own instead")
+        return await self._write_motor(ask, body, motor.id, create=False)
+
+    async def add_motion(self, ask: Ask, body: MotionBody) -> MotionRowAnswer:
+        """Make a motion of key frames, and the number that it is called by."""
+        number = self._free() if body.id is None else body.id
+        if number in self._buttons.buttons:
+            raise Refused(409, f"Motion '{number}' exists already; PUT /motions/{number} changes it")
+        if any(motion.name == body.name for motion in self._robot.motions):
+            raise Refused(409, f"A motion '{body.name}' exists already")
+        return await self._write_motion(ask, body, number, create=True)
+
+    async def change_motion(self, ask: Ask, key: str, body: MotionBody) -> MotionRowAnswer:
+        """Change a motion that is not built in; its name stays."""
+        button = self._button(key)
+        if button.builtin:
+            raise Refused(403, f"Motion '{button.id}' {BUILT_IN}: make one of your own (POST /motions)")
+        if body.id not in {None, button.id}:
+            raise Refused(400, f"the body's id {body.id} is not that of the path, {button.id}")
+        if body.name != button.motion:
+            raise Refused(400, f"a motion keeps its name, '{button.motion}'; make another one (POST /motions)")
+        return await self._write_motion(ask, body, button.id, create=False)
+
+    async def _write_motor(self, ask: Ask, body: MotorBody, number: int, *, create: bool) -> MotorRowAnswer:
+        if not body.lowest <= body.rest <= body.highest or body.lowest >= body.highest:
+            raise Refused(400, "min must be less than max, and default between them")
+        motor = Motor(
+            layer=self._robot.settings.layer,
+            id=number,
+            name=body.name,
+            description=body.description,
+            initial=body.rest if body.position is None else body.position,
+            lowest=body.lowest,
+            highest=body.highest,
+            rest=body.rest,
+            inverted=body.inverted,
+        )
+        reply = await self._write(ask, EditCommand(motors=(motor,), create=create), body.version)
+        await self._robot.call(lambda: self._motors.put(motor))
+        return self._motor_answer(motor, reply.revision)
+
+    async def _write_motion(self, ask: Ask, body: MotionBody, number: int, *, create: bool) -> MotionRowAnswer:
+        joints = {joint.name: joint for joint in self._robot.joints}
+        frames = tuple(_frame(frame, at, joints, self._motors.joints) for at, frame in enumerate(body.frames))
+        motion = Motion(name=body.name, frames=frames, help=body.help)
+        button = Button(id=number, name=body.name, button=body.button, motion=body.name)
+        reply = await self._write(ask, EditCommand(motions=(motion,), buttons=(button,), create=create), body.version)
+        await self._robot.call(lambda: self._buttons.put(button))
+        return self._motion_answer(button, reply.revision)
+
+    async def _write(self, ask: Ask, edit: EditCommand, version: int | None) -> EditReply:
+        quoted = _if_match(ask.headers)
+        revision = version if quoted is None else quoted
+        command = EditCommand(
+            motors=edit.motors,
+            motions=edit.motions,
+            buttons=edit.buttons,
+            create=edit.create,
+            revision=revision,
+            by=str(ask.client)[:80],
+        )
+        reply = await self._robot.edit(command)
+        if not reply.accepted:
+            _refuse(reply.reason)
+        return reply
+
+    async def _revision(self) -> int:
+        """Return the newest revision of the rows: an edit without rows is refused with it."""
+        reply: EditReply = await self._robot.ask("edit", EditCommand(), timeout_s=5.0)
+        return reply.revision
+
+    def _motor(self, key: str) -> Motor:
+        motor = self._motors.motors.get(int(key)) if _is_id(key) else None
+        if motor is None:
+            raise Refused(404, f"Motor '{key[:40]}' doesn't exist")
+        return motor
+
+    def _button(self, key: str) -> Button:
+        button = self._buttons.buttons.get(int(key)) if _is_id(key) else None
+        if button is None:
+            raise Refused(404, f"Motion '{key[:40]}' doesn't exist")
+        return button
+
+    def _free(self) -> int:
+        found = next((n for n in range(FIRST_OWN_ID, LAST_ID + 1) if n not in self._buttons.buttons), None)
+        if found is None:
+            raise Refused(409, "all numbers for motions are taken")
+        return found
+
+    def _motor_answer(self, motor: Motor, revision: int) -> MotorRowAnswer:
+        joint = self._motors.joints.get(motor.id)
+        row = MotorRow(
+            id=motor.id,
+            name=motor.name,
+            description=motor.description,
+            position=motor.initial,
+            min=motor.lowest,
+            max=motor.highest,
+            default=motor.rest,
+            inverted=motor.inverted,
+            layer=motor.layer,
+            builtin=motor.builtin,
+            joint=joint.name if joint is not None else None,
+        )
+        return MotorRowAnswer(row, revision)
+
+    def _motion_answer(self, button: Button, revision: int) -> MotionRowAnswer:
+        motion = next((each for each in self._robot.motions if each.name == button.motion), None)
+        frames = () if motion is None else motion.frames
+        slot_s = None if motion is None else motion.slot_s
+        row = MotionRow(
+            id=button.id,
+            name=button.name,
+            button=button.button,
+            motion=button.motion or "",
+            help=motion.help if motion is not None else "",
+            builtin=button.builtin or (motion is not None and motion.builtin),
+            slot=motion.slot if motion is not None else None,
+            duration_s=round(sum(frame.duration_s for frame in frames) if slot_s is None else slot_s, 3),
+            frames=[Frame(frame.duration_s, dict(frame.positions)) for frame in frames],
+        )
+        return MotionRowAnswer(row, revision)
+
+
+def _frame(frame: FrameBody, at: int, joints: Mapping[str, Joint], by_id: Mapping[int, Joint]) -> KeyFrame:
+    """Return a key frame in joint radians; refuse joints that there are not, and angles that they may not have."""
+    positions = dict(frame.positions)
+    for key, count in frame.counts.items():
+        joint = by_id.get(int(key)) if _is_id(key) else None
+        if joint is None:
+            raise Refused(400, f"frames[{at}].counts: no joint is turned by a servo '{key[:20]}'")
+        if joint.name in positions:
+            raise Refused(400, f"frames[{at}]: {joint.name} is in positions and in counts")
+        positions[joint.name] = round(joint_rad(joint, count), 4)
+    if not positions:
+        raise Refused(400, f"frames[{at}] moves nothing: give positions (radians) or counts")
+    for name, angle_rad in positions.items():
+        if name not in joints:
+            raise Refused(400, f"frames[{at}].positions: there is no joint '{name[:40]}'")
+        joint = joints[name]
+        if not joint.lower_rad - SLACK_RAD <= angle_rad <= joint.upper_rad + SLACK_RAD:
+            limits = f"{joint.lower_rad:g} to {joint.upper_rad:g}"
+            raise Refused(400, f"frames[{at}]: {angle_rad:g} rad is outside what {name} may do ({limits})")
+        positions[name] = min(max(angle_rad, joint.lower_rad), joint.upper_rad)
+    return KeyFrame(positions=positions, duration_s=frame.duration_s)
+
+
+def _if_match(headers: Mapping[str, str]) -> int | None:
+    """Return the version of an `If-Match` header, if there is one; `*` is any."""
+    said = headers.get("if-match", "").strip()
+    if said in {"", "*"}:
+        return None
+    version = said.removeprefix("W/").strip('"')
+    if not _is_id(version):
+        raise Refused(400, 'If-Match must quote the version of an earlier answer, such as "12"')
+    return int(version)
+
+
+def _refuse(reason: str) -> NoReturn:
+    if CHANGED in reason:
+        raise Refused(412, reason)
+    raise Refused(403 if BUILT_IN in reason or KEPT in reason else 409, reason)
+
+
+def _is_id(text: str) -> bool:
+    return text.isascii() and text.isdigit() and len(text) <= len(str(LAST_ID)) + 3

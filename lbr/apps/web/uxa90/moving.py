@@ -1,0 +1,204 @@
+"""The one lease by which the API moves motors: taken with the first move, joined by others, over when all have arrived."""
+
+from collections import OrderedDict, deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from msgspec.structs import replace
+
+from lbr.apps.web.bridge import Promise
+from lbr.apps.web.face import Refused
+from lbr.apps.web.robot import Robot, answer_of
+from lbr.apps.web.uxa90.counts import joint_rad, strength
+from lbr.apps.web.uxa90.deciding import Turn
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import Joint, JointsCommand
+from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
+
+RENEW_S = 0.1
+TTL_S = 0.5
+ANSWER_S = 1.0
+MOST_TRIES = 3
+MOST_RENEWALS = 4
+MOST_ENDED = 64
+NO_REASON = "it was refused without a reason"
+PLANNED = ("reached", "superseded")
+
+
+@dataclass(slots=True, eq=False)
+class _Wish:
+    """What one request wants: its commands, one for each level of torque, and who waits for all of them."""
+
+    commands: deque[JointsCommand]
+    promise: Promise[None]
+    open: int = 0
+    tries: int = 0
+
+
+@dataclass(slots=True, eq=False)
+class _Hold:
+    """The lease we have; `goal` is what it lives for now."""
+
+    lease: str
+    goal: str
+    sent: float
+    heard: float
+    renewals: int = field(default=0)
+
+
+class Mover:
+    """Borrows the joints for all motors together; everything here is in the capability's loop.
+
+    `lost` is told when a move ended by anything but its arrival, or another of ours.
+    """
+
+    def __init__(self, robot: Robot, lost: Callable[[str], None]) -> None:
+        self._robot = robot
+        self._lost = lost
+        self._hold: _Hold | None = None
+        self._taking: _Wish | None = None
+        self._wishes: deque[_Wish] = deque()
+        self._ended: OrderedDict[str, GoalResult] = OrderedDict()
+
+    @property
+    def holds(self) -> bool:
+        """Whether motors are under way by our lease, or it is being asked for."""
+        return self._hold is not None or self._taking is not None
+
+    def turn(self, turns: Iterable[Turn], joint: Callable[[Turn], Joint]) -> Promise[None]:
+        """Move motors; the promise is kept once the joints have accepted all of it, else Refused with their reason."""
+        promise: Promise[None] = Promise()
+        commands = _commands(turns, joint)
+        if commands:
+            self._wishes.append(_Wish(commands, promise))
+            self._go()
+        else:
+            promise.keep(None)
+        return promise
+
+    def step(self, now: float) -> None:
+        """Read how goals ended, and renew the lease while something is under way."""
+        for result in self._robot.moved:
+            self._note(result)
+        hold = self._hold
+        if hold is None:
+            return
+        if not now - hold.heard <= TTL_S + RENEW_S:
+            self._over("joints operation does not answer")
+        elif now - hold.sent >= RENEW_S and hold.renewals < MOST_RENEWALS:
+            hold.sent = now
+            hold.renewals += 1
+            promise = self._robot.follow("move", JointsCommand(lease=hold.lease, ttl_s=TTL_S), ANSWER_S)
+            promise.add_done_callback(lambda done, hold=hold: self._renewed(hold, done))  # type: ignore[misc]
+
+    def release(self, why: str) -> Promise[Any] | None:
+        """Give the joints back, where they are; the promise is kept when they have said so. None: nothing is held."""
+        self.drop(why)
+        if not self.holds:
+            return None
+        self._hold = None
+        return self._robot.follow("halt", StopCommand(reason=why), ANSWER_S)
+
+    def drop(self, why: str) -> None:
+        """Begin nothing of what waits to be sent."""
+        while self._wishes:
+            self._wishes.popleft().promise.refuse(Refused(409, why))
+
+    def _go(self) -> None:
+        """Send what waits: by the lease, or the first of it to get one."""
+        while self._wishes and self._taking is None:
+            wish = self._wishes[0]
+            if not wish.commands:
+                self._wishes.popleft()
+                continue
+            if self._hold is None:
+                self._taking = wish
+            self._send(wish, wish.commands.popleft(), self._hold)
+
+    def _send(self, wish: _Wish, command: JointsCommand, hold: _Hold | None) -> None:
+        wish.open += 1
+        if hold is not None:
+            hold.sent = self._robot.now()
+        said = replace(command, lease=hold.lease if hold is not None else "")
+        promise = self._robot.follow("move", said, ANSWER_S)
+        promise.add_done_callback(lambda done: self._answered(wish, command, hold, done))
+
+    def _answered(self, wish: _Wish, command: JointsCommand, hold: _Hold | None, done: Any) -> None:
+        wish.open -= 1
+        if hold is None:
+            self._taking = None
+        try:
+            reply = answer_of("move", done.result())
+        except Refused as err:
+            reply = CommandReply(accepted=False, reason=err.message)
+        if reply.accepted:
+            self._accepted(hold, reply)
+            if not wish.commands and not wish.open:
+                wish.promise.keep(None)
+        elif hold is not None and reply.reason.startswith(DEAD_LEASE) and wish.tries < MOST_TRIES:
+            self._again(wish, command, hold)
+        else:
+            wish.commands.clear()
+            wish.promise.refuse(Refused(409, reply.reason.removeprefix(DEAD_LEASE) or NO_REASON))
+        self._go()
+
+    def _again(self, wish: _Wish, command: JointsCommand, hold: _Hold) -> None:
+        """The motors arrived just then: ask for a lease of its own."""
+        if self._hold is hold:
+            self._hold = None
+        wish.tries += 1
+        wish.commands.appendleft(command)
+        if wish not in self._wishes:
+            self._wishes.appendleft(wish)
+
+    def _accepted(self, hold: _Hold | None, reply: CommandReply) -> None:
+        now = self._robot.now()
+        if hold is None:
+            hold = self._hold = _Hold(reply.lease, reply.goal, sent=now, heard=now)
+        hold.heard = now
+        hold.goal = reply.goal or hold.goal
+        if self._hold is hold and (ended := self._ended.get(hold.goal)) is not None:
+            self._finish(ended)
+
+    def _renewed(self, hold: _Hold, done: Any) -> None:
+        hold.renewals -= 1
+        if self._hold is not hold:
+            return
+        try:
+            reply = answer_of("move", done.result())
+        except Refused:
+            return  # silence is seen by `heard`
+        if reply.accepted:
+            hold.heard = self._robot.now()
+        else:
+            self._hold = None  # how it ended is told by its result
+
+    def _note(self, result: GoalResult) -> None:
+        self._ended[result.goal] = result
+        while len(self._ended) > MOST_ENDED:
+            self._ended.popitem(last=False)
+        if self._hold is not None and result.goal == self._hold.goal:
+            self._finish(result)
+
+    def _finish(self, result: GoalResult) -> None:
+        self._hold = None
+        if result.result not in PLANNED:
+            self._lost(result.reason or result.result)
+
+    def _over(self, why: str) -> None:
+        self._hold = None
+        self._lost(why)
+
+
+def _commands(turns: Iterable[Turn], joint: Callable[[Turn], Joint]) -> deque[JointsCommand]:
+    """Return a command for each level of torque; of several turns of one motor, the last counts."""
+    newest = {turn.motor.id: turn for turn in turns}
+    levels: dict[int, dict[str, float]] = {}
+    for turn in newest.values():
+        row = joint(turn)
+        levels.setdefault(turn.level, {})[row.name] = joint_rad(row, turn.count)
+    return deque(
+        JointsCommand(positions=positions, join=True, torque=strength(level), ttl_s=TTL_S)
+        for level, positions in sorted(levels.items())
+    )

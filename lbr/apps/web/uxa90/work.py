@@ -1,0 +1,255 @@
+"""What the API does in the capability's loop: motors move by one lease, motions play one at a time, jobs begin when due."""
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from typing import Any
+
+from msgspec import UNSET
+from msgspec.structs import replace
+
+from lbr.apps.web.bridge import Promise
+from lbr.apps.web.face import Refused
+from lbr.apps.web.robot import Robot, answer_of
+from lbr.apps.web.uxa90 import deciding
+from lbr.apps.web.uxa90.answers import Measured, MotorAnswer, MotorData, MultiAnswer, MultiPositions, PlayedAnswer
+from lbr.apps.web.uxa90.buttons import ButtonTable, played
+from lbr.apps.web.uxa90.counts import count_of
+from lbr.apps.web.uxa90.deciding import Info, Listing, Move, Several, Turn
+from lbr.apps.web.uxa90.jobs import Jobs
+from lbr.apps.web.uxa90.moving import Mover
+from lbr.apps.web.uxa90.number import nearest
+from lbr.apps.web.uxa90.playing import Player
+from lbr.apps.web.uxa90.table import MotorTable
+from lbr.messages.faces import Button, Motor
+from lbr.messages.joints import Joint
+from lbr.messages.system import Role
+from lbr.messages.uxa90 import TakeControlCommand
+
+TAKE_CONTROL_S = 3.0
+NO_REASON = "it was refused without a reason"
+
+
+class Work:
+    """Everything here is in the capability's loop, but for reading the tables."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.motors = MotorTable(robot.motors, robot.joints, robot.settings.layer)
+        self.buttons = ButtonTable(robot.buttons)
+        self.jobs = Jobs()
+        self._robot = robot
+        self._mover = Mover(robot, self._lost)
+        self._player = Player(robot, self._lost)
+        self._stopped_s: float | None = None
+        self._looked = False
+
+    def step(self, now: float) -> None:
+        """Go on with all that is under way."""
+        self._mover.step(now)
+        self._player.step(now)
+        self._watch_stops()
+        for name, turns in self.jobs.due(now):
+            self._begin(name, turns)
+
+    def stopped(self, reason: str) -> None:
+        """Give everything up."""
+        self.jobs.drop(reason)
+        self._mover.release(reason)
+        self._player.stop(reason)
+
+    def state(self) -> Mapping[str, Any]:
+        """Return what belongs into the stream of states."""
+        return {
+            "positions": {str(number): told for number, told in self.motors.told.items()},
+            "busy": self._player.busy(self._robot.now()),
+            "moving": self._mover.holds,
+            "jobs": self.jobs.waiting,
+        }
+
+    def motor(self, query: deciding.Query, require: Callable[[Role], None], *, measured: bool) -> Promise[MotorAnswer]:
+        """Answer /motor."""
+        wanted = deciding.of_motor(self.motors, query)
+        if isinstance(wanted, Move):
+            require("operate")
+            return self._move(wanted, deciding.unit_of(query), measured=measured)
+        unit = deciding.unit_of(query)
+        match wanted:
+            case Listing():
+                every = self.motors.motors.values()
+                data = [self._shown(self.motors.data(motor, unit=unit), measured=measured) for motor in every]
+                return _kept(MotorAnswer(data, "getAllMotors"))
+            case Info(motor=motor):
+                return _kept(
+                    MotorAnswer(self._shown(self.motors.data(motor, unit=unit), measured=measured), "getMotorInfo")
+                )
+
+    def several(self, body: Any, query: deciding.Query) -> Promise[MultiAnswer]:
+        """Answer /multimotor."""
+        wanted = deciding.of_motors(self.motors, body, query)
+        answer = MultiAnswer("setMultiMotorsPos", MultiPositions(wanted.echoed))
+        return self._turn(wanted, lambda job: answer if job is None else replace(answer, job=job))
+
+    def play(self, key: str) -> Promise[PlayedAnswer]:
+        """Answer /motion/KEY: what motors do ends first."""
+        button, by_id = self.buttons.find(key)
+        answer = played(button, by_id=by_id)
+        if not button.motion:
+            return _then(self._take_control(), lambda _: answer)
+        if why := self._player.busy(self._robot.now()):
+            raise Refused(409, why)
+        return _then(self._play(button), lambda _: answer)
+
+    def _move(self, move: Move, unit: str, *, measured: bool) -> Promise[MotorAnswer]:
+        motor, position = move.turn.motor, move.turn.position
+        old = self.motors.told[motor.id]
+
+        def answer(job: str | None) -> MotorAnswer:
+            data = self._shown(self.motors.data(motor, position, unit), measured=measured)
+            return MotorAnswer(data, "setMotorPos", old, position, move.torq, UNSET if job is None else job)
+
+        return self._turn(Several((move.turn,), []), answer)
+
+    def _turn(self, wanted: Several, answer: Callable[[str | None], Any]) -> Promise[Any]:
+        """Have what is not delayed begin, and the rest wait as a job, if what begins was accepted."""
+        now = tuple(turn for turn in wanted.turns if not turn.delay_s > 0.0)
+        later = len(now) < len(wanted.turns)
+        if later:
+            self._refuse_stopped()
+            self.jobs.refuse_more()
+        elif now:
+            self._refuse_busy()
+        if not now:
+            return _kept(answer(self.jobs.add(wanted.turns, self._robot.now()) if later else None))
+        self._refuse_busy()
+        asked = self._robot.now()
+
+        def begun(_: None) -> Any:
+            self._tell(now)
+            return answer(self.jobs.add(wanted.turns, asked) if later else None)
+
+        return _then(self._mover.turn(now, self._joint), begun)
+
+    def _begin(self, name: str, turns: tuple[Turn, ...]) -> None:
+        """Have the due steps of a job begin; whatever refuses them ends it."""
+        if why := self._player.busy(self._robot.now()):
+            self._failed(name, turns, why)
+            return
+
+        def done(moved: "Future[None]") -> None:
+            err = moved.exception()
+            if err is None:
+                self._tell(turns)
+            else:
+                self._failed(name, turns, err.message if isinstance(err, Refused) else str(err))
+
+        self._mover.turn(turns, self._joint).add_done_callback(done)
+
+    def _failed(self, name: str, turns: tuple[Turn, ...], why: str) -> None:
+        self.jobs.fail(name, turns, why)
+        self._robot.ctx.event("job_dropped", f"job {name} was dropped: {why}", level="warning")
+
+    def _play(self, button: Button) -> Promise[None]:
+        motion = button.motion or ""
+        self.jobs.drop(f"the motion '{motion}' was asked for")
+        released = self._mover.release(f"the motion '{motion}' was asked for")
+        if released is None:
+            return self._player.play(motion)
+        promise: Promise[None] = Promise()
+
+        def halted(_: object) -> None:
+            try:
+                _pass(self._player.play(motion), promise)
+            except Refused as err:
+                promise.refuse(err)
+
+        released.add_done_callback(halted)
+        return promise
+
+    def _take_control(self) -> Promise[None]:
+        """Have the main board taken over; what motors do goes on."""
+
+        def read(answers: dict[str, Any]) -> None:
+            reply = answer_of("take_control", answers)
+            if not reply.accepted:
+                raise Refused(409, reply.reason or NO_REASON)
+
+        return _then(self._robot.follow("take_control", TakeControlCommand(), TAKE_CONTROL_S), read)
+
+    def _joint(self, turn: Turn) -> Joint:
+        return self.motors.joint(turn.motor)
+
+    def _tell(self, turns: tuple[Turn, ...]) -> None:
+        for turn in turns:
+            self.motors.told[turn.motor.id] = turn.position
+
+    def _refuse_busy(self) -> None:
+        if why := self._player.busy(self._robot.now()):
+            raise Refused(409, why)
+
+    def _refuse_stopped(self) -> None:
+        joints = self._robot.snapshot.joints_state
+        if joints is not None and joints.estop:
+            raise Refused(409, joints.reason or "emergency stop; 'reset' releases it")
+
+    def _watch_stops(self) -> None:
+        """Whoever stops the joints stops what waits, too."""
+        joints = self._robot.snapshot.joints_state
+        if joints is None:
+            return
+        stopped = self._looked and joints.stopped_s != self._stopped_s
+        self._stopped_s, self._looked = joints.stopped_s, True
+        if joints.estop:
+            self._drop("the emergency stop was pressed")
+        elif stopped:
+            self._drop("somebody stopped the joints")
+
+    def _lost(self, why: str) -> None:
+        self._drop(why)
+
+    def _drop(self, why: str) -> None:
+        if dropped := self.jobs.drop(why):
+            self._robot.ctx.event("job_dropped", f"{dropped} jobs were dropped: {why}", level="warning")
+
+    def _shown(self, data: MotorData, *, measured: bool) -> MotorData:
+        if not measured:
+            return data
+        return replace(data, measured=self._measured(self.motors.motors[data.id]), commanded=data.position)
+
+    def _measured(self, motor: Motor) -> Measured | None:
+        received, joint = self._robot.snapshot.joints, self.motors.joints.get(motor.id)
+        state = received.message.joints.get(joint.name) if received is not None and joint is not None else None
+        if received is None or joint is None or state is None:
+            return None
+        at = None if state.position_rad is None else nearest(count_of(joint, state.position_rad))
+        age_s = None if state.age_s is None else round(state.age_s + received.age_s(self._robot.now()), 3)
+        return Measured(at, state.load, age_s, state.trusted is not False and at is not None)
+
+
+def _kept(result: Any) -> Promise[Any]:
+    promise: Promise[Any] = Promise()
+    promise.keep(result)
+    return promise
+
+
+def _then(first: "Future[Any]", then: Callable[[Any], Any]) -> Promise[Any]:
+    """Return the promise of what is made of another one's result; its refusal is passed on."""
+    promise: Promise[Any] = Promise()
+
+    def done(found: "Future[Any]") -> None:
+        try:
+            promise.keep(then(found.result()))
+        except Exception as err:  # noqa: BLE001 - whatever it is, somebody waits for it
+            promise.refuse(err)
+
+    first.add_done_callback(done)
+    return promise
+
+
+def _pass(first: "Future[Any]", to: Promise[Any]) -> None:
+    def done(found: "Future[Any]") -> None:
+        err = found.exception()
+        if err is not None:
+            to.refuse(err)
+        else:
+            to.keep(found.result())
+
+    first.add_done_callback(done)
