@@ -937,7 +937,7 @@ INSERT INTO device (robot, name, type, address, settings) VALUES
 INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('uxa90', 'servos', 'uxa90', '{"device": "main_board"}', '[]',
      'The serial line: the main board with its motions, and the servos behind it'),
-    ('uxa90', 'joints', 'joints', '{}', '["servos"]',
+    ('uxa90', 'joints', 'joints', '{"open_loop": true}', '["servos"]',
      'The joints: who moves them, how far and how fast'),
     ('uxa90', 'motions', 'motions', '{}', '["joints"]',
      'The motions: the main board''s own, and those of key frames'),
