@@ -25,11 +25,11 @@ AHEAD = Angles(0.0, 0.0)
 
 
 class Pose(NamedTuple):
-    """How the head stood at a time, how far that may be wrong, and whether it had come to rest by then."""
+    """How the head stood at a time, how far that may be wrong, and by how much it rests beside where it is told to be."""
 
     angles: Angles
     unsure_rad: float
-    settled: bool = False
+    beside: Angles = AHEAD
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +61,11 @@ def follow(aim: Angles, head: Pose, seen: Seen, tuning: Tuning) -> Angles:
     """Return where to look from now on, who was to look at `aim`.
 
     What the head's own movement may feign moves nothing, and no step passes the target: it is reached from one side. A
-    head that has come to rest beside its aim is asked for so much more.
+    head that comes to rest beside its aim is asked for so much more.
     """
     target = clamped(direction(head.angles, seen, tuning.field_rad), tuning)
-    origin = head.angles if head.settled else aim
-    yaw, pitch = target.yaw_rad - origin.yaw_rad, target.pitch_rad - origin.pitch_rad
+    yaw = target.yaw_rad - head.beside.yaw_rad - aim.yaw_rad
+    pitch = target.pitch_rad - head.beside.pitch_rad - aim.pitch_rad
     away = hypot(yaw * cos(target.pitch_rad), pitch)
     enough = max(NEAREST_RAD, tuning.dead_zone * radius_rad(seen, tuning.field_rad))
     if not (isfinite(away) and away > enough + head.unsure_rad):

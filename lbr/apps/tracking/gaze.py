@@ -4,7 +4,7 @@ A joint that is not measured is taken to be where it was last told to be, and th
 """
 
 from bisect import bisect_left
-from math import isfinite
+from math import inf, isfinite
 from typing import NamedTuple
 
 from lbr.apps.tracking.control import Angles, Pose
@@ -18,6 +18,7 @@ LAG_S = 0.3
 CURRENT_S = 0.5
 """What was measured longer before a picture says nothing about it."""
 SETTLED_S = 0.6
+MOST_BESIDE_RAD = 0.3
 REST_RAD = 0.03
 """A measurement may go to and fro between two counts."""
 
@@ -32,7 +33,7 @@ class Line:
     @property
     def newest_s(self) -> float:
         """When it was told last; minus infinity before the first."""
-        return self._times[-1] if self._times else float("-inf")
+        return self._times[-1] if self._times else -inf
 
     def add(self, at_s: float, value: float) -> None:
         """Take a value in; one that is not newer than the last is none."""
@@ -67,7 +68,7 @@ class _Where(NamedTuple):
 
     rad: float
     unsure_rad: float
-    at_rest: bool
+    beside_rad: float
 
 
 class JointPast:
@@ -75,6 +76,7 @@ class JointPast:
 
     def __init__(self) -> None:
         self._measured, self._told = Line(), Line()
+        self._beside_rad = 0.0
 
     def hear(self, state: JointState, sent_s: float) -> None:
         """Take in what was sent then."""
@@ -86,15 +88,22 @@ class JointPast:
     def at(self, taken_s: float) -> _Where | None:
         """Return where it was; None if nobody knows."""
         told, measured = self._told, self._measured
-        rest = told.spread(taken_s - SETTLED_S, taken_s + SLACK_S) < REST_RAD
         if taken_s - measured.newest_s < CURRENT_S:
             unsure = measured.spread(taken_s - SLACK_S, taken_s + SLACK_S)
             if measured.newest_s < taken_s + SLACK_S:
                 unsure += told.spread(measured.newest_s - SLACK_S, taken_s + SLACK_S)
-            return _Where(measured.at(taken_s), unsure, rest and unsure < REST_RAD)
-        if told.newest_s == float("-inf"):
+            self._rest(taken_s, unsure)
+            return _Where(measured.at(taken_s), unsure, self._beside_rad)
+        if told.newest_s == -inf:
             return None
-        return _Where(told.at(taken_s), told.spread(taken_s - LAG_S, taken_s + SLACK_S), at_rest=False)
+        return _Where(told.at(taken_s), told.spread(taken_s - LAG_S, taken_s + SLACK_S), 0.0)
+
+    def _rest(self, taken_s: float, unsure_rad: float) -> None:
+        """Learn how far beside its goal the joint comes to rest, such as by the weight of the head."""
+        told = self._told.spread(taken_s - SETTLED_S, taken_s + SLACK_S)
+        if unsure_rad < REST_RAD and told < REST_RAD and self._told.newest_s > -inf:
+            beside = self._measured.at(taken_s) - self._told.at(taken_s)
+            self._beside_rad = min(max(beside, -MOST_BESIDE_RAD), MOST_BESIDE_RAD)
 
 
 class Gaze:
@@ -114,5 +123,5 @@ class Gaze:
         yaw, pitch = self._yaw.at(taken_s), self._pitch.at(taken_s)
         if yaw is None or pitch is None:
             return None
-        unsure = yaw.unsure_rad + pitch.unsure_rad
-        return Pose(Angles(yaw.rad, pitch.rad), unsure, settled=yaw.at_rest and pitch.at_rest)
+        beside = Angles(yaw.beside_rad, pitch.beside_rad)
+        return Pose(Angles(yaw.rad, pitch.rad), yaw.unsure_rad + pitch.unsure_rad, beside)

@@ -1,0 +1,143 @@
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lbr.apps.tracking import KIND, vision
+from lbr.errors import InputError
+
+cv2 = pytest.importorskip("cv2")
+np = pytest.importorskip("numpy")
+
+ORANGE, GREY = (20, 110, 235), (120, 110, 100)
+SEED = 7
+
+
+def picture(*balls, width=640, height=480, noise=8.0, light=1.0, background=GREY, quality=85, more=None):
+    """A JPEG picture with balls (x, y, radius, colour), all in pixels; a ball is lit from above and has a highlight."""
+    image = np.full((height, width, 3), background, np.float32)
+    rows, columns = np.mgrid[0:height, 0:width].astype(np.float32)
+    for x, y, radius, colour in balls:
+        away = np.hypot(columns - x, rows - y)
+        lit = np.clip(0.85 - 0.35 * (rows - y) / radius, 0.4, 1.0)
+        shine = np.hypot(columns - x + 0.3 * radius, rows - y + 0.4 * radius) < 0.12 * radius
+        cover = np.clip(radius + 0.5 - away, 0.0, 1.0)[..., None]
+        ball = np.where(shine[..., None], 255.0, lit[..., None] * np.array(colour, np.float32))
+        image = image * (1.0 - cover) + ball * cover
+    if more is not None:
+        more(image)
+    image = light * image + np.random.default_rng(SEED).normal(0.0, noise, image.shape)
+    data = cv2.imencode(".jpg", image.clip(0, 255).astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
+    return data.tobytes()
+
+
+def colour(**settings):
+    return vision.finder(KIND.settings(**settings), "colour")
+
+
+@pytest.mark.parametrize("x", [60.0, 333.3, 580.5])
+@pytest.mark.parametrize("radius", [6.0, 25.5, 90.0])
+@pytest.mark.parametrize("light", [0.7, 1.0, 1.3])
+def test_a_ball_is_found_where_it_is_in_dim_and_in_bright_light(x, radius, light):
+    seen = colour()(picture((x, 200.0, radius, ORANGE), light=light))
+    assert seen is not None
+    left = max(0.0, radius - x)  # what the picture's edge cuts off
+    assert seen.x * 640 == pytest.approx(x - 319.5 + left / 2, abs=1.5 + 0.06 * radius + left)
+    assert seen.y * 640 == pytest.approx(200.0 - 239.5, abs=1.5 + 0.12 * radius)
+    assert seen.radius * 640 == pytest.approx(radius, rel=0.2, abs=2.0)
+
+
+@pytest.mark.parametrize("size", [(320, 240), (640, 480), (1280, 720), (1920, 1080)])
+def test_the_size_of_the_picture_does_not_matter(size):
+    width, height = size
+    seen = colour()(picture((0.75 * width, 0.5 * height, 0.05 * width, ORANGE), width=width, height=height))
+    assert (seen.x, seen.y, seen.radius) == pytest.approx((0.25, 0.0, 0.05), abs=0.008)
+
+
+def test_without_a_ball_nothing_is_seen_and_noise_is_none():
+    assert colour()(picture()) is None
+    assert colour()(picture(noise=40.0)) is None
+
+
+def test_other_colours_are_not_it():
+    assert colour()(picture((300, 200, 40, (200, 80, 30)), (100, 100, 30, (40, 180, 60)))) is None
+
+
+def test_the_larger_of_two_is_it_and_a_stripe_is_not_one():
+    def stripe(image):
+        image[440:470, :] = ORANGE
+
+    seen = colour()(picture((150, 200, 20, ORANGE), (450, 200, 40, ORANGE), more=stripe))
+    assert seen.x * 640 == pytest.approx(130, abs=4)
+
+
+def test_a_ball_at_the_edge_is_still_one():
+    seen = colour()(picture((2.0, 240.0, 40.0, ORANGE)))
+    assert seen.x < -0.44
+
+
+def test_a_hue_may_go_over_red():
+    red = (40, 30, 220)
+    assert colour(hue_deg=(345.0, 15.0))(picture((300, 200, 40, red))) is not None
+    assert colour(hue_deg=(345.0, 15.0))(picture((300, 200, 40, (220, 60, 30)))) is None
+
+
+@given(data=st.binary(max_size=200), at=st.integers(0, 2000), flip=st.binary(max_size=30))
+def test_whatever_a_picture_is_made_of_nothing_breaks(data, at, flip):
+    find = colour()
+    assert find(data) is None
+    whole = SMALL
+    find(whole[:at])
+    find(whole[:at] + flip + whole[at + len(flip) :])
+
+
+SMALL = picture((40, 30, 12, ORANGE), width=80, height=60)
+
+
+def test_a_picture_that_says_it_is_enormous_is_none():
+    at = SMALL.index(b"\xff\xc0")
+    assert vision.decode(SMALL[: at + 5] + b"\xff\xff\xff\xff" + SMALL[at + 9 :]) is None
+
+
+class Detector:
+    """Stands in for OpenCV's face detector, whose model does not come with lbr."""
+
+    def __init__(self, *faces):
+        self.faces = np.array(faces, np.float32) if faces else None
+        self.size = None
+
+    def setInputSize(self, size):  # noqa: N802
+        self.size = size
+
+    def detect(self, image):
+        return 1, self.faces
+
+
+def test_the_largest_face_is_followed():
+    detector = Detector([10, 10, 20, 20, *[0] * 10, 0.9], [180, 60, 40, 60, *[0] * 10, 0.8])
+    seen = vision.largest_face(np.zeros((240, 320, 3), np.uint8), detector)
+    assert detector.size == (320, 240)
+    assert (seen.x, seen.y, seen.radius) == pytest.approx((40.5 / 320, -29.5 / 320, 30 / 320))
+
+
+def test_no_face_and_a_nonsensical_one_are_none():
+    image = np.zeros((240, 320, 3), np.uint8)
+    assert vision.largest_face(image, Detector()) is None
+    assert vision.largest_face(image, Detector([np.nan] * 15)) is None
+    assert vision.largest_face(image, Detector([9e9, 0, 1, 1, *[0] * 10, 0.9])) is None
+
+
+def test_a_face_needs_a_model_and_is_told_which(tmp_path):
+    for model in ("", str(tmp_path / "none.onnx")):
+        with pytest.raises(InputError, match="face_detection_yunet"):
+            vision.finder(KIND.settings(face_model=model), "face")
+    (tmp_path / "wrong.onnx").write_bytes(b"no model")
+    with pytest.raises(InputError, match="no model of a YuNet"):
+        vision.finder(KIND.settings(face_model=str(tmp_path / "wrong.onnx")), "face")
+
+
+def test_without_opencv_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    with pytest.raises(InputError, match=r"lbr\[vision\]"):
+        vision.finder(KIND.settings(), "colour")
