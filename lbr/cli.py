@@ -23,6 +23,7 @@ COMMANDS = {
     "topic": ("topic", "List, describe, print, measure and publish streams."),
     "graph": ("graph", "Show who feeds whom."),
     "view": ("view", "Watch a simulated robot: its room from above, or its joints."),
+    "motion": ("motion", "Take motions from files, and write them to files."),
     "db": ("db", "Create, check and compare the robot's rows."),
 }
 NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2 it prints the help by itself

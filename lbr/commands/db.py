@@ -188,12 +188,7 @@ def _local(wall_ns: int) -> str:
 
 
 def _problems(database: "Database", robot: str) -> list[str]:
-    from lbr import home  # noqa: PLC0415
-    from lbr.executive import plan  # noqa: PLC0415
-    from lbr.executive.profile import Profile  # noqa: PLC0415
-    from lbr.executive.site import Site  # noqa: PLC0415
+    from lbr.commands.rows import problems_of  # noqa: PLC0415
     from lbr.executive.watch import loaded  # noqa: PLC0415
 
-    site = Site(home=str(home.home()), endpoints=(), secret=bytes(32))
-    _, problems = plan.make(loaded(database, robot), Profile(robot=robot, simulate=True), site)
-    return [str(problem) for problem in problems]
+    return problems_of(loaded(database, robot))

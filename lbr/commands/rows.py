@@ -7,6 +7,7 @@ from lbr.commands.options import DEFAULT_PROFILE
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
+    from lbr.database.rows import RobotRows
     from lbr.database.store import Database
 
 
@@ -28,3 +29,15 @@ def robot_in(database: "Database") -> str:
     if len(names) != 1 and usual not in names:
         raise InputError(f"{database.path} has {len(names)} robots ({', '.join(names)}); say which with --robot NAME")
     return usual if usual in names else names[0]
+
+
+def problems_of(rows: "RobotRows") -> list[str]:
+    """Return what a start would find wrong with a robot's rows."""
+    from lbr import home  # noqa: PLC0415
+    from lbr.executive import plan  # noqa: PLC0415
+    from lbr.executive.profile import Profile  # noqa: PLC0415
+    from lbr.executive.site import Site  # noqa: PLC0415
+
+    site = Site(home=str(home.home()), endpoints=(), secret=bytes(32))
+    _, problems = plan.make(rows, Profile(robot=rows.robot.name, simulate=True), site)
+    return [str(problem) for problem in problems]

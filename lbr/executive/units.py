@@ -96,7 +96,7 @@ def unit(
         phrases=_phrases(rows) if "phrase" in kind.rows else (),
         dance_steps=_dance_steps(rows) if "choreography" in kind.rows else (),
         joints=_joints(rows) if "joint" in kind.rows else (),
-        motions=_motions(rows) if "motion" in kind.rows else (),
+        motions=motions_of(rows) if "motion" in kind.rows else (),
         motors=tuple(msgspec.convert(row, Motor, from_attributes=True) for row in rows.motors)
         if "motor" in kind.rows
         else (),
@@ -182,6 +182,29 @@ def by_name(motions: Iterable[Motion]) -> tuple[Motion, ...]:
     return tuple(sorted(motions, key=lambda motion: motion.name))
 
 
+def motions_of(rows: RobotRows) -> tuple[Motion, ...]:
+    """Return the motions of a robot with their key frames."""
+    steps = sorted(rows.motion_steps, key=lambda step: step.step)
+    return by_name(
+        Motion(
+            name=row.name,
+            frames=tuple(
+                KeyFrame(positions=step.positions, duration_s=step.duration_s)
+                for step in steps
+                if step.motion == row.name
+            ),
+            help=row.help,
+            lead_in=row.lead_in,
+            lead_out=row.lead_out,
+            slot=row.slot,
+            slot_s=row.slot_s,
+            limp=row.limp,
+            builtin=row.builtin,
+        )
+        for row in rows.motions
+    )
+
+
 def commands_of(unit: Unit, kind: Kind) -> tuple[str, ...]:
     """Return what a unit can be asked for."""
     return tuple(unit.program.commands if unit.program is not None else kind.commands)
@@ -206,28 +229,6 @@ def _dance_steps(rows: RobotRows) -> tuple[DanceStep, ...]:
 
 def _joints(rows: RobotRows) -> tuple[Joint, ...]:
     return tuple(msgspec.convert(row, Joint, from_attributes=True) for row in rows.joints)
-
-
-def _motions(rows: RobotRows) -> tuple[Motion, ...]:
-    steps = sorted(rows.motion_steps, key=lambda step: step.step)
-    return by_name(
-        Motion(
-            name=row.name,
-            frames=tuple(
-                KeyFrame(positions=step.positions, duration_s=step.duration_s)
-                for step in steps
-                if step.motion == row.name
-            ),
-            help=row.help,
-            lead_in=row.lead_in,
-            lead_out=row.lead_out,
-            slot=row.slot,
-            slot_s=row.slot_s,
-            limp=row.limp,
-            builtin=row.builtin,
-        )
-        for row in rows.motions
-    )
 
 
 def _button(row: ButtonRow) -> Button:

@@ -1,0 +1,205 @@
+"""`lbr motion`: motions in files, to share them and to take over those of a robot's maker."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.commands.options import json_option, print_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from lbr.database.motion_files import Summary
+    from lbr.database.rows import RobotRows
+    from lbr.database.store import Database
+    from lbr.messages.joints import Motion
+
+database_option = click.option(
+    "--db", "database", type=click.Path(path_type=Path), metavar="FILE", help="$LBR_HOME/robot.db if left out."
+)
+robot_option = click.option("--robot", metavar="NAME", help="Whose motions; found out if left out.")
+
+
+@click.group("motion")
+def command() -> None:
+    """Take motions from files, and write them to files. A running robot follows."""
+
+
+@command.command("list")
+@robot_option
+@database_option
+@json_option
+def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
+    """List the motions: how long they are, how many joints they move, and who keeps them."""
+    with _opened(database) as rows:
+        found = [(name, motion) for name in _robots(rows, robot) for motion in _motions(rows.load(name))]
+    if as_json:
+        keys = ("robot", "name", "help", "slot", "builtin", "duration_s", "frames", "joints")
+        print_json([dict(zip(keys, (name, *_figures(motion)), strict=True)) for name, motion in found])
+        return 0
+    for name, motion in found:
+        _, text, slot, _, seconds, frames, joints = _figures(motion)
+        kept = f"in slot {slot}" if slot is not None else f"{frames} key frames, {joints} joints"
+        click.echo(f"{name} {motion.name}: {seconds:g} s, {kept}" + (f". {text}" if text else ""))
+    if not found:
+        click.echo("there are no motions")
+    return 0
+
+
+@command.command("export")
+@click.argument("name")
+@robot_option
+@click.option("--to", "path", type=click.Path(path_type=Path), metavar="FILE", help="Else it is printed.")
+@database_option
+def export(name: str, robot: str | None, path: Path | None, database: Path | None) -> int:
+    """Write the motion NAME as JSON, for others; 'lbr motion import' takes it."""
+    from lbr.database import motion_files  # noqa: PLC0415 - SQLAlchemy is for those who read rows
+    from lbr.errors import InputError  # noqa: PLC0415
+
+    with _opened(database) as rows:
+        found = [
+            (one, motion) for one in _robots(rows, robot) for motion in _motions(rows.load(one)) if motion.name == name
+        ]
+    if not found:
+        raise InputError(f"there is no motion '{name}'; 'lbr motion list' shows them")
+    if len(found) > 1:
+        raise InputError(f"{' and '.join(one for one, _ in found)} have a motion '{name}'; say which with --robot NAME")
+    content = motion_files.exported(*found[0])
+    if path is None:
+        click.echo(content.decode(), nl=False)
+        return 0
+    try:
+        with path.open("xb") as file:
+            file.write(content)
+    except FileExistsError:
+        raise InputError(f"{path} exists already; name another file, or remove it") from None
+    except OSError as err:
+        raise InputError(f"{path} cannot be written: {err.strerror}") from err
+    click.echo(f"wrote {path}")
+    return 0
+
+
+@command.command("import")
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@robot_option
+@click.option("--name", metavar="NAME", help="What it is to be called; as in the file if left out.")
+@click.option("--clip", is_flag=True, help="Bring angles beyond a joint's limits within them, instead of refusing.")
+@click.option("--replace", "replacing", is_flag=True, help="Put it in the place of the motion that has this name.")
+@click.option("--dry-run", is_flag=True, help="Only say what would be taken.")
+@database_option
+@json_option
+def import_(
+    file: Path,
+    robot: str | None,
+    name: str | None,
+    clip: bool,
+    replacing: bool,
+    dry_run: bool,
+    database: Path | None,
+    as_json: bool,
+) -> int:
+    """Take the motion in FILE: one that 'lbr motion export' wrote, or a factory motion of the UXA-90 (.rbm).
+
+    A robot that runs takes it over at once; a motion that is being played is stopped for it. What the file asks of a joint
+    beyond its limits is refused, and named.
+    """
+    from lbr.commands.rows import problems_of  # noqa: PLC0415
+    from lbr.database import motion_files  # noqa: PLC0415
+    from lbr.messages.faces import EditCommand  # noqa: PLC0415
+
+    with _opened(database) as opened:
+        whose, motion, rows, notes = _understood(opened, file, robot, name)
+        motion, cut = motion_files.within_limits(motion, rows.joints, clip=clip)
+        about = motion_files.summary(motion, rows.joints, cut)
+        if not dry_run:
+            edit = EditCommand(motions=(motion,), create=not replacing, by="lbr motion import")
+            opened.edit(whose, edit, problems_of)
+    if as_json:
+        print_json({"robot": whose, "name": motion.name, "written": not dry_run, **about._asdict(), "notes": notes})
+        return 0
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
+    click.echo(_said(whose, motion, about, written=not dry_run))
+    return 0
+
+
+def _understood(
+    opened: "Database", file: Path, robot: str | None, name: str | None
+) -> tuple[str, "Motion", "RobotRows", list[str]]:
+    """Return for whom a file is, its motion, that robot's rows, and what people should know."""
+    from msgspec.structs import replace  # noqa: PLC0415
+
+    from lbr.database import motion_files  # noqa: PLC0415
+    from lbr.errors import InputError  # noqa: PLC0415
+
+    try:
+        content = file.read_bytes()
+    except OSError as err:
+        raise InputError(f"{file} cannot be read: {err.strerror}") from err
+    notes: list[str] = []
+    try:
+        found = motion_files.read(content)
+        if isinstance(found, motion_files.MotionFile):
+            meant = robot or (found.robot if found.robot in opened.robots() else None)
+            whose, rows = _one(opened, meant, lambda rows: bool(rows.joints))
+            motion = replace(found.motion, builtin=False)
+        else:
+            whose, rows = _one(opened, robot, lambda rows: any(m.layer == motion_files.FACTORY for m in rows.motors))
+            motion, notes = motion_files.of_rbm(found, rows)
+    except InputError as err:
+        raise InputError(f"{file}: {err}") from err
+    return whose, replace(motion, name=name or motion.name), rows, notes
+
+
+def _said(robot: str, motion: "Motion", about: "Summary", *, written: bool) -> str:
+    took = "took" if written else "would take"
+    lines = [
+        f"{took} '{motion.name}' for {robot}: {about.frames} key frames, {about.duration_s:g} s, {about.joints} joints",
+        f"fastest: {about.fastest}, {about.speed_rps:.2f} rad/s of the {about.limit_rps:g} it may",
+    ]
+    if about.speed_rps > about.limit_rps:
+        lines.append("where a joint would be too fast, it takes longer than that")
+    if about.clipped:
+        lines.append(f"{about.clipped} {'angle' if about.clipped == 1 else 'angles'} brought within the joints' limits")
+    return "\n".join(lines)
+
+
+def _figures(motion: "Motion") -> tuple[str, str, int | None, bool, float, int, int]:
+    seconds = motion.slot_s if motion.slot_s is not None else sum(frame.duration_s for frame in motion.frames)
+    joints = {name for frame in motion.frames for name in frame.positions}
+    return motion.name, motion.help, motion.slot, motion.builtin, round(seconds, 2), len(motion.frames), len(joints)
+
+
+def _opened(database: Path | None) -> "Database":
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    return opened(database or home.default_database())
+
+
+def _motions(rows: "RobotRows") -> "tuple[Motion, ...]":
+    from lbr.executive.units import motions_of  # noqa: PLC0415
+
+    return motions_of(rows)
+
+
+def _robots(opened: "Database", robot: str | None) -> tuple[str, ...]:
+    from lbr.errors import InputError  # noqa: PLC0415
+
+    names = opened.robots()
+    if robot is not None and robot not in names:
+        raise InputError(f"there is no robot '{robot}' in {opened.path}: {', '.join(names) or 'none'}")
+    return names if robot is None else (robot,)
+
+
+def _one(opened: "Database", robot: str | None, fits: "Callable[[RobotRows], bool]") -> "tuple[str, RobotRows]":
+    """Return the robot that is meant, or the only one that a file is for, with its rows."""
+    from lbr.errors import InputError  # noqa: PLC0415
+
+    found = [(name, opened.load(name)) for name in _robots(opened, robot)]
+    fitting = found if robot is not None else [(name, rows) for name, rows in found if fits(rows)]
+    if len(fitting) != 1:
+        names = ", ".join(name for name, _ in fitting) or "none"
+        raise InputError(f"{len(fitting)} robots could play it ({names}); say which with --robot NAME")
+    return fitting[0]

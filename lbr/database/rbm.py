@@ -1,0 +1,152 @@
+"""Reads a motion file of the UXA-90's maker (`.rbm`): one line of fields between colons. Pure.
+
+A header, then for each servo its gains and zero, then scenes. A scene leads every servo from one position to another in
+its transition time; the player writes them in as many steps as it has frames. Positions count as on a robot whose zeros
+are the nominal ones. Worked out from the files themselves.
+"""
+
+import re
+from typing import NamedTuple
+
+from lbr.errors import InputError
+
+MOST_BYTES = 4 << 20
+MOST_SERVOS = 64
+MOST_SCENES = 5000
+MOST_FRAMES = 100_000
+LONGEST_MS = 3_600_000
+MOST_COUNTS = 255
+_WHOLE = re.compile(r"\s*(\d{1,9})\s*", re.ASCII)
+
+
+class ServoMove(NamedTuple):
+    """What a scene does with one servo, in nominal counts."""
+
+    id: int
+    start: int
+    end: int
+    torque: int
+
+
+class Scene(NamedTuple):
+    """One stretch of a motion."""
+
+    name: str
+    frames: int
+    transition_s: float
+    moves: tuple[ServoMove, ...]
+
+
+class RbmFile(NamedTuple):
+    """A whole file; `zeros` are the servos' zeros that it was written for."""
+
+    name: str
+    author: str
+    serial: str
+    zeros: dict[int, int]
+    scenes: tuple[Scene, ...]
+
+
+def parse(content: bytes) -> RbmFile:
+    """Return what a file says; InputError names the field that cannot be."""
+    if len(content) > MOST_BYTES:
+        raise InputError(f"it has {len(content)} bytes, and a motion file has {MOST_BYTES} at most")
+    fields = _Fields(content.decode("latin-1").strip("\0\r\n\t "))
+    fields.whole("format", 0, 999)
+    serial = fields.text(fields.whole("length of the serial number", 0, 99), "serial number")
+    author = fields.until_colon("author")
+    fields.until_colon("e-mail")
+    name = fields.text(fields.whole("length of the name", 0, 200), "name")
+    fields.until_colon("flag")
+    fields.until_colon("platform")
+    scenes = fields.whole("number of scenes", 1, MOST_SCENES)
+    fields.whole("torque", 0, 255)
+    servos = fields.whole("number of servos", 1, MOST_SERVOS)
+    fields.until_colon("last number of the header")
+    zeros = dict(_zero(fields, index) for index in range(1, servos + 1))
+    if len(zeros) != servos:
+        raise InputError("two servos have the same number")
+    found = tuple(_scene(fields, index, servos) for index in range(1, scenes + 1))
+    fields.end()
+    return RbmFile(name=name.strip(), author=author.strip(), serial=serial, zeros=zeros, scenes=found)
+
+
+def _zero(fields: "_Fields", index: int) -> tuple[int, int]:
+    fields.where = f"servo {index}"
+    number = fields.whole("number", 0, 254)
+    for what in ("P gain", "D gain", "I gain", "field before the zero"):
+        fields.until_colon(what)
+    return number, fields.whole("zero", 0, MOST_COUNTS)
+
+
+def _scene(fields: "_Fields", index: int, servos: int) -> Scene:
+    fields.where = f"scene {index}"
+    fields.until_colon("number")
+    name = fields.text(fields.whole("length of the name", 0, 200), "name")
+    frames = fields.whole("number of frames", 0, MOST_FRAMES)
+    transition_ms = fields.whole("transition time in milliseconds", 0, LONGEST_MS)
+    moves = []
+    for servo in range(1, servos + 1):
+        fields.where = f"scene {index}, servo {servo}"
+        fields.until_colon("first field")
+        move = ServoMove(
+            id=fields.whole("number", 0, 254),
+            start=fields.whole("start position", 0, MOST_COUNTS),
+            end=fields.whole("end position", 0, MOST_COUNTS),
+            torque=fields.whole("torque", 0, 255),
+        )
+        fields.until_colon("last field")
+        moves.append(move)
+    if len({move.id for move in moves}) != servos:
+        raise InputError(f"scene {index} has a servo twice")
+    return Scene(name=name.strip(), frames=frames, transition_s=transition_ms / 1000, moves=tuple(moves))
+
+
+class _Fields:
+    """Takes one field after the other, and knows which for an error; `where` is the part of the file it is in."""
+
+    def __init__(self, text: str) -> None:
+        self.where = "header"
+        self._text = text
+        self._at = 0
+        self._number = 0
+
+    def until_colon(self, what: str) -> str:
+        """Return the next field."""
+        if self._at > len(self._text):
+            raise InputError(f"the file ends after field {self._number}, where {self.where} should have its {what}")
+        end = self._text.find(":", self._at)
+        end = len(self._text) if end < 0 else end
+        found = self._text[self._at : end]
+        self._at = end + 1
+        self._number += 1
+        return found
+
+    def text(self, length: int, what: str) -> str:
+        """Return a field of so many characters, which may have colons of its own; one of another length ends at a colon."""
+        end = self._at + length
+        if self._text[end : end + 1] not in {":", ""}:
+            return self.until_colon(what)
+        found = self._text[self._at : end]
+        if len(found) < length:
+            raise InputError(f"the file ends within field {self._number + 1} ({self.where}, {what})")
+        self._at = end + 1
+        self._number += 1
+        return found
+
+    def whole(self, what: str, least: int, most: int) -> int:
+        """Return a whole number within bounds."""
+        text = self.until_colon(what)
+        found = _WHOLE.fullmatch(text)
+        if found is None or not least <= int(found[1]) <= most:
+            said = "".join(c if c.isascii() and c.isprintable() else "?" for c in text[:20])
+            raise InputError(
+                f"field {self._number} ({self.where}, {what}): '{said}' is not a whole number from {least} to {most}"
+            )
+        return int(found[1])
+
+    def end(self) -> None:
+        """Raise InputError if there is more."""
+        rest = self._text[self._at :].replace(":", "").strip()
+        if rest:
+            raise InputError(f"field {self._number + 1}: there is more after the last scene")

@@ -1,0 +1,153 @@
+"""A capability that rows wire to `executive.edit` changes rows of the running robot; nobody else does."""
+
+import sqlite3
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+from msgspec.structs import replace
+
+from lbr.database import store
+from lbr.database.rows import ChannelRow
+from lbr.executive import plan as plans
+from lbr.executive import rights
+from lbr.executive.profile import Profile
+from lbr.messages.faces import EditCommand, Motor
+from tests.executive.test_plan import planned, problems
+from tests.robot import Robot, prepare, running, until
+
+pytestmark = pytest.mark.timeout(30)
+
+MOTOR = {"layer": "mine", "id": 3, "name": "neck", "initial": 1, "lowest": 0, "highest": 9, "rest": 1}
+NOD = {"name": "nod", "frames": [{"positions": {"neck": 0.5}, "duration_s": 1.0}]}
+EDITS = (
+    "UPDATE capability SET enabled = 0 WHERE robot = 'lbr'",
+    "INSERT INTO joint (robot, name, device_id, lower_rad, upper_rad, speed_rps) VALUES ('lbr', 'neck', 3, -1, 1, 1)",
+    "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'face', 'editor'), ('lbr', 'other', 'onlooker')",
+    "INSERT INTO channel (robot, source, target) VALUES ('lbr', 'face.edit', 'executive.edit')",
+)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    with tempfile.TemporaryDirectory(prefix="lbr-") as folder:
+        home = prepare(Path(folder) / "h", edits=EDITS)
+        (home / "capabilities").mkdir(mode=0o700)
+        source = Path(__file__).with_name("editor.py").read_text()
+        (home / "capabilities" / "editor.py").write_text(source)
+        (home / "capabilities" / "onlooker.py").write_text(source + "\nKIND = ONLOOKER\n")
+        with running(home) as started:
+            yield started
+
+
+def write(robot: Robot, **edit):
+    return robot.ask("face/write", edit, timeout_s=8.0)
+
+
+def test_an_edit_is_written_and_only_others_restart_for_it(robot):
+    face, other = robot.capability("face")["pid"], robot.capability("other")["pid"]
+    reply = write(robot, motors=[MOTOR], motions=[NOD], create=True, by="phone")
+    assert reply["accepted"], reply
+    until(lambda: robot.ask("face/known") == {"motors": ["neck"], "motions": ["nod"]})
+    until(lambda: robot.capability("other")["pid"] not in {other, None}, what="who has motions starts anew")
+    until(lambda: (robot.ask("other/known") or {}).get("motions") == ["nod"])
+    assert robot.capability("face")["pid"] == face
+    until(lambda: robot.status()["revision"] == reply["revision"])
+    texts = {event["kind"]: event["text"] for event in robot.events() if event["kind"] in {"edit", "rows_changed"}}
+    assert texts["edit"] == "wrote motor 3 of layer 'mine', motion 'nod' for phone"
+    assert "insert motion 'nod'" in texts["rows_changed"]
+    assert "restart other" in texts["rows_changed"]
+    with sqlite3.connect(robot.home / "robot.db") as database:
+        (who,) = database.execute("SELECT subject FROM audit WHERE kind = 'edit' AND text LIKE '%phone%'").fetchone()
+    database.close()
+    assert who == "face"
+
+
+def test_a_refusal_is_a_sentence_with_the_newest_revision_and_nothing_changes(robot):
+    before = robot.status()["revision"]
+    far = {**NOD, "name": "far", "frames": [{"positions": {"neck": 5.0}, "duration_s": 1.0}]}
+    for edit, why in (
+        ({"motors": [{**MOTOR, "id": 4}]}, "there is no motor 4 of layer 'mine'"),
+        ({"motors": [{**MOTOR, "id": 4}], "motions": [far], "create": True}, "the joint's limits"),
+        ({"motors": [{**MOTOR, "id": 4, "layer": "NOT A NAME"}], "create": True}, "layer"),
+    ):
+        reply = write(robot, **edit)
+        assert not reply["accepted"]
+        assert why in reply["reason"]
+    assert robot.status()["revision"] == before
+
+
+def test_whoever_is_not_wired_is_not_heard(robot):
+    assert robot.ask("@edit", {"motors": [MOTOR]}, source="face", timeout_s=0.3) is None
+    answer = until(lambda: robot.ask("other/write", {"motors": [MOTOR]}), what="it has started anew")
+    assert answer["reason"] == "not wired"
+
+
+def test_a_database_that_is_locked_holds_up_the_edit_and_nothing_else(robot):
+    with sqlite3.connect(robot.home / "robot.db", isolation_level=None) as other:
+        other.execute("BEGIN IMMEDIATE")
+        asked = time.monotonic()
+        pending = robot.bus.get(
+            f"{robot.name}/face/write",
+            payload=b'{"motors": [{"layer": "mine", "id": 8, "name": "x", "initial": 1, '
+            b'"lowest": 0, "highest": 9, "rest": 1}], "create": true}',
+            timeout=8.0,
+        )
+        for _ in range(5):
+            assert robot.status()["ready"]
+        held_s = time.monotonic() - asked
+        other.execute("ROLLBACK")
+    other.close()
+    assert held_s < 3.0
+    assert b'"accepted":true' in next(iter(pending)).ok.payload.to_bytes().replace(b" ", b"")
+
+
+# -- plans --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    path = tmp_path_factory.mktemp("database") / "robot.db"
+    store.create(path)
+    with store.Database.open(path) as database:
+        return database.load("uxa90")
+
+
+PROFILE = Profile(robot="uxa90", simulate=True)
+
+
+def test_rows_alone_give_the_right_to_edit(rows):
+    plan = planned(rows, PROFILE)
+    asking = {name for name, unit in plan.units.items() if "uxa90/@edit" in rights.of_unit(plan, unit)[name].ask}
+    assert asking == {"web"}
+    assert "uxa90/@edit" not in rights.of_local(plan).ask
+    unwired = replace(rows, channels=tuple(row for row in rows.channels if row.source != "web.edit"))
+    assert planned(unwired, PROFILE).units["web"].config.requests.get("edit") is None
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "why"),
+    [
+        ("web.move", "executive.edit", "web.move sends JointsCommand, and executive.edit takes EditCommand"),
+        ("web.edit", "executive.reset", "'executive' has no command 'reset'; it has edit"),
+        ("web.state", "executive.edit", "'executive' has no input 'edit'; it has none"),
+    ],
+)
+def test_a_wrong_channel_to_the_executive_is_named(rows, source, target, why):
+    bad = replace(rows, channels=(*rows.channels, ChannelRow(source=source, target=target)))
+    assert any(why in text for text in problems(bad, PROFILE))
+
+
+def test_who_edits_stays_on_the_robots_own_host(rows):
+    profile = Profile(robot="uxa90", simulate=True, hosts={"laptop": ("web",)})
+    assert any("it may change rows" in text for text in problems(rows, profile))
+
+
+def test_who_has_made_an_edit_its_own_is_not_restarted_by_rows_that_say_the_same(rows):
+    motor = Motor(layer="mine", id=1, name="one", initial=1, lowest=0, highest=2, rest=1)
+    plan = planned(rows, PROFILE)
+    edit = EditCommand(motors=(motor,), create=True)
+    again = plans.edited(plan, "web", edit)
+    assert plans.difference(plan, again).restart == ("web",)
+    assert motor in again.units["web"].config.motors
