@@ -139,7 +139,7 @@ class Application:
         stranger = self._pages.stranger(headers, scope["scheme"])
         if stranger and not (route.page and is_visit(headers)):
             raise Refused(403, f"{stranger} may not ask; origins that may are the setting 'cors' of the row")
-        client = self._access.client(address, headers) if route.role is not None else Client(address)
+        client = self._client(route, address, headers)
         refuse_without(client, route.role)
         body = await _body(receive, headers)
         query = routing.parameters(scope["query_string"])
@@ -159,6 +159,15 @@ class Application:
                 return await route.handle(ask)
         except TimeoutError:
             raise Refused(503, f"this took more than {HANDLER_S:g} s") from None
+
+    def _client(self, route: Route, address: str, headers: Mapping[str, str]) -> Client:
+        """Return who asks; what is for everybody is for who shows a wrong token as well."""
+        try:
+            return self._access.client(address, headers)
+        except Refused:
+            if route.role is not None:
+                raise
+            return Client(address)
 
     def _options(self, path: str, headers: Mapping[str, str]) -> Reply:
         """Answer a preflight, or just say which methods there are."""

@@ -30,7 +30,7 @@ class Promise(Future[T], Generic[T]):
 
 
 class Bridge:
-    """`call` is for the server's thread, `serve`, `follow` and `close` are for the loop's."""
+    """`call` is for the server's thread, all else for the loop's."""
 
     def __init__(self, wake: Callable[[], None], failed: Callable[[Exception], None]) -> None:
         self._wake = wake
@@ -71,6 +71,10 @@ class Bridge:
                 self._under_way.append((asked, promise))
             else:
                 promise.keep(dict(answers))
+
+    def open(self) -> None:
+        """Take what comes again."""
+        self._closed = ""
 
     def close(self, why: str) -> None:
         """Refuse what waits, and all that comes."""

@@ -1,0 +1,56 @@
+"""At which addresses this machine is reached, by others or by itself."""
+
+import ipaddress
+import socket
+from collections.abc import Iterable
+from ipaddress import IPv4Address, IPv6Address
+
+import ifaddr
+
+EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared, not bound
+_OUTSIDE = ("192.0.2.1", 9)
+"""Nobody's address (RFC 5737): which of our own a packet to it would bear is asked, and none is sent."""
+
+
+def of_machine() -> tuple[str, ...]:
+    """Return this machine's addresses in its networks, the one that leads outside first, IPv4 before IPv6."""
+    found = [ip for adapter in ifaddr.get_adapters() for ip in _addresses(adapter)]
+    outward = _outward()
+    found.sort(key=lambda ip: (str(ip) != outward, ip.version, int(ip)))
+    return tuple(dict.fromkeys(str(ip) for ip in found))
+
+
+def reached_at(host: str, here: Iterable[str]) -> tuple[str, ...]:
+    """Return the addresses at which a server that listens at `host` is reached, given those of this machine."""
+    if host not in EVERYWHERE:
+        return (host,)
+    return tuple(one for one in here if host == "::" or ":" not in one)
+
+
+def is_local(host: str) -> bool:
+    """Say whether only this machine reaches an address."""
+    try:
+        return ipaddress.ip_address(host.partition("%")[0]).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def url(address: str, port: int, *, tls: bool) -> str:
+    """Return an address as a browser or a phone takes it."""
+    return f"{'https' if tls else 'http'}://{f'[{address}]' if ':' in address else address}:{port}/"
+
+
+def _addresses(adapter: ifaddr.Adapter) -> Iterable[IPv4Address | IPv6Address]:
+    for one in adapter.ips:
+        ip = ipaddress.ip_address(one.ip if isinstance(one.ip, str) else one.ip[0])
+        if not (ip.is_loopback or ip.is_link_local or ip.is_multicast or ip.is_unspecified):
+            yield ip
+
+
+def _outward() -> str:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(_OUTSIDE)
+        except OSError:
+            return ""  # there is no network now
+        return str(probe.getsockname()[0])

@@ -1,0 +1,87 @@
+"""Tells the network by zeroconf where the robot is, for as long as it is there; runs in the server's event loop."""
+
+import asyncio
+import ipaddress
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+
+LOOK_S = 5.0
+TRY_AGAIN_S = 30.0
+KINDS = ("_http._tcp.local.", "_lbr._tcp.local.")
+
+
+class Announcer:
+    """Announces `name` at `port` under the addresses that `where` returns, and follows them as they change.
+
+    `said` is under which name it is announced now, or empty; `trouble` why it is not.
+    """
+
+    def __init__(self, name: str, port: int, where: Callable[[], tuple[str, ...]], properties: dict[str, str]) -> None:
+        self.said = ""
+        self.trouble = ""
+        self._name = name
+        self._port = port
+        self._where = where
+        self._properties = properties
+
+    async def run(self) -> None:
+        """Announce until cancelled; nothing that goes wrong ends it."""
+        while True:
+            there = self._where()
+            if not there:
+                self.trouble = "this machine is in no network"
+                await asyncio.sleep(LOOK_S)
+                continue
+            wait_s = await self._announce(there)
+            if wait_s:
+                await asyncio.sleep(wait_s)
+
+    async def _announce(self, there: tuple[str, ...]) -> float:
+        """Announce for as long as the addresses stay; return how long to wait before the next try."""
+        try:
+            from zeroconf import Error, IPVersion  # noqa: PLC0415 - an extra
+            from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf  # noqa: PLC0415
+        except ImportError:
+            self.trouble = "the package 'zeroconf' is missing: pip install 'lbr[web]'"
+            return TRY_AGAIN_S
+        both = any(":" in one for one in there)
+        try:
+            zeroconf = AsyncZeroconf(
+                interfaces=[one for one in there if ":" not in one] or list(there),
+                ip_version=IPVersion.All if both and all(":" in one for one in there) else IPVersion.V4Only,
+            )
+        except (OSError, Error, RuntimeError) as err:
+            self.trouble = f"the network takes no announcement ({err})"
+            return TRY_AGAIN_S
+        try:
+            names = []
+            for kind in KINDS:
+                info = AsyncServiceInfo(
+                    kind,
+                    f"{self._name}.{kind}",
+                    port=self._port,
+                    addresses=[ipaddress.ip_address(one).packed for one in there],
+                    properties=self._properties,
+                    server=f"{socket.gethostname().partition('.')[0]}.local.",
+                )
+                await (await zeroconf.async_register_service(info, allow_name_change=True))
+                names.append(info.name)
+            self.said, self.trouble = names[0], ""
+            await self._until_moved(there)
+        except (OSError, Error, TimeoutError) as err:
+            self.trouble = f"the network takes no announcement ({err or type(err).__name__})"
+            return TRY_AGAIN_S
+        else:
+            return 0.0
+        finally:
+            self.said = ""
+            with suppress(OSError, Error, TimeoutError):
+                async with asyncio.timeout(1.0):
+                    await zeroconf.async_close()
+
+    async def _until_moved(self, there: tuple[str, ...]) -> None:
+        while True:
+            await asyncio.sleep(LOOK_S)
+            if self._where() != there:
+                return

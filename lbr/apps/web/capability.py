@@ -1,0 +1,203 @@
+"""The server as a process: listens, carries questions between HTTP and the bus, keeps the newest states."""
+
+import importlib
+import socket
+import sys
+from collections.abc import Awaitable, Callable, Mapping
+from importlib.metadata import version
+from typing import Any
+
+from lbr.apps.http import listening
+from lbr.apps.http.rates import Rates
+from lbr.apps.web import WebSettings, addresses
+from lbr.apps.web.access import ANY, Access, Pages
+from lbr.apps.web.announce import Announcer
+from lbr.apps.web.application import Application, Counts
+from lbr.apps.web.bridge import Bridge
+from lbr.apps.web.face import Face
+from lbr.apps.web.own import STOPS, UNLIMITED, Own
+from lbr.apps.web.place import Place
+from lbr.apps.web.robot import Robot, Snapshot
+from lbr.apps.web.routing import Table
+from lbr.apps.web.serving import Serving
+from lbr.apps.web.states import States
+from lbr.apps.web.streams import Streams
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.errors import DeviceError, InputError
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.web import AddressReply, WebState
+
+SWITCH_S = 0.0005
+"""Two threads share the interpreter, and whoever asks waits for both."""
+TELL_S = 1.0
+LOOK_S = 5.0
+ENDS = "the server ends; it comes back at once if its rows were changed"
+
+
+class Web(Capability[WebSettings]):
+    """Raises DeviceError while it cannot listen."""
+
+    rate_hz = 50.0
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[WebSettings]) -> None:
+        super().__init__(ctx)
+        sys.setswitchinterval(SWITCH_S)
+        self._bridge = Bridge(ctx.wake, self._failed)
+        self._robot = Robot(ctx, self._bridge)
+        self._faces = [_face(name, self._robot) for name in ctx.settings.faces]
+        self._counts = Counts()
+        self._serving: Serving | None = None
+        self._streams: Streams | None = None
+        self._announcer: Announcer | None = None
+        self._place = Place(ctx.robot, ctx.name, ctx.settings, ctx.settings.port, here=tuple)
+        self._tell_at = self._look_at = 0.0
+
+    def open(self) -> None:
+        """Listen and serve."""
+        settings = self.ctx.settings
+        try:
+            sock = listening.listen(settings.host, settings.port)
+        except InputError as err:
+            row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
+            raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
+        self._place = Place(self.ctx.robot, self.ctx.name, settings, sock.getsockname()[1])
+        self._bridge.open()
+        self._serving = Serving(self._application(), sock, tls=settings.tls, beside=self._beside(sock))
+        self._serving.start()
+        self.ctx.event("listening", f"HTTP at {', '.join(self._place.urls) or settings.host}")
+        self._warn_of_openness()
+
+    def step(self) -> None:
+        """Do what was asked for, and note what is new."""
+        now = self.ctx.clock()
+        self._robot.moved = tuple(one.message for one in self.ctx.take("moved"))
+        self._robot.played = tuple(one.message for one in self.ctx.take("played"))
+        if self.ctx.on_tick:
+            self._look(now)
+        self._bridge.serve()
+        for face in self._faces:
+            face.step(now)
+        if now >= self._tell_at:
+            self._tell_at = now + TELL_S
+            self._tell()
+
+    def command(self, call: Call) -> None:
+        """Say where it is, or stop what was asked for here."""
+        if call.name == "address":
+            listens = self._serving is not None
+            call.reply(AddressReply(accepted=listens, reason=self._place.told(), url=self._place.url))
+        elif isinstance(call.message, StopCommand):
+            self._stop(call.message.reason or f"stopped by {call.source}")
+            call.reply(CommandReply(accepted=True))
+        else:
+            super().command(call)
+
+    def degraded(self, reason: str) -> None:
+        """Say that nobody is served."""
+        self.ctx.publish("state", WebState(listening=False, faces=self.ctx.settings.faces, reason=reason))
+
+    def close(self) -> None:
+        """Serve nobody any more; what was asked for by now is refused."""
+        self._bridge.close(ENDS)
+        if self._streams is not None:
+            self._streams.close(ENDS)
+        for face in self._faces:
+            face.stopped(ENDS)
+        if self._serving is not None:
+            self._serving.stop()
+            self._serving = None
+
+    def _application(self) -> Application:
+        settings = self.ctx.settings
+        access, pages = Access(settings.trusted, self.ctx.users), Pages(settings.cors)
+        names = frozenset(name.lower() for name in settings.names)
+        states = States(self.ctx.robot)
+        self._streams = Streams(self._robot, states, access, pages, names, self._counts)
+        own = Own(self._robot, states, self._place, self._faces)
+        table = Table([*own.routes(), *(route for face in self._faces for route in face.routes())])
+        own.describe(table.routes, version("lbr"))
+        return Application(
+            table,
+            access=access,
+            pages=pages,
+            rates=Rates(settings.requests_per_s),
+            names=names,
+            unlimited=UNLIMITED,
+            sockets=self._streams,
+            counts=self._counts,
+        )
+
+    def _beside(self, sock: socket.socket) -> Callable[[], Awaitable[None]] | None:
+        settings = self.ctx.settings
+        if not settings.announce or listening.is_loopback(sock):
+            return None
+        properties = {"path": "/", "robot": self.ctx.robot, "tls": str(int(settings.tls))}
+        self._announcer = Announcer(
+            f"{self.ctx.robot} on {socket.gethostname()}"[:60], self._place.port, self._place.look, properties
+        )
+        return self._announcer.run
+
+    def _look(self, now: float) -> None:
+        """Note the newest states, for whoever asks on the other thread."""
+        self._robot.snapshot = Snapshot(
+            at=now,
+            joints=self.ctx.latest("joints"),
+            motions=self.ctx.latest("motions"),
+            controller=self.ctx.latest("controller"),
+            faces={face.name: dict(face.state()) for face in self._faces},
+        )
+        if self._place.open and now >= self._look_at:
+            self._look_at = now + LOOK_S
+            self._place.look()
+
+    def _tell(self) -> None:
+        while self._counts.news:
+            self.ctx.event(*self._counts.news.popleft(), level="error")
+        self.ctx.publish(
+            "state",
+            WebState(
+                listening=True,
+                urls=self._place.urls,
+                faces=self.ctx.settings.faces,
+                announced=self._announcer.said if self._announcer is not None else "",
+                clients=self._serving.connections if self._serving is not None else 0,
+                requests=self._counts.requests,
+                refused=self._counts.refused,
+                jobs=sum(face.jobs for face in self._faces),
+                reason=self._announcer.trouble if self._announcer is not None else "",
+            ),
+        )
+
+    def _stop(self, why: str) -> None:
+        for face in self._faces:
+            face.stopped(why)
+        for request in STOPS:
+            self.ctx.ask(request, StopCommand(reason=why[:200]), 1.0)
+
+    def _failed(self, err: Exception) -> None:
+        self._counts.news.append(("web_fault", f"{type(err).__name__}: {err}"))
+
+    def _warn_of_openness(self) -> None:
+        settings = self.ctx.settings
+        if ANY in settings.cors:
+            self.ctx.event(
+                "exposed", "every page that a browser shows may ask this robot: cors is '*'", level="warning"
+            )
+        if not self._place.open:
+            return
+        if not settings.tls:
+            text = "other machines reach the robot without encryption: whoever is in between can read tokens"
+            self.ctx.event("exposed", text, level="warning")
+        trusted = [one for one in settings.trusted if not addresses.is_local(one.partition("/")[0])]
+        if trusted:
+            text = f"whoever is in {', '.join(trusted)} may move the robot without a token"
+            self.ctx.event("exposed", text, level="warning")
+
+
+def _face(name: str, robot: Robot) -> Face:
+    """Return a face out of its package; ImportError names what is missing."""
+    made: Mapping[str, Any] = vars(importlib.import_module(f"lbr.apps.web.{name}"))
+    face: Face = made["face"](robot)
+    return face

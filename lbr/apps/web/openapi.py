@@ -1,0 +1,126 @@
+"""The OpenAPI document, out of the routes that answer."""
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import msgspec
+
+from lbr.apps.web.face import JSON, Message, Route
+
+VERSION = "3.1.0"
+_TEMPLATE = "#/components/schemas/{name}"
+_KEY = re.compile(r"\{([a-z_]+)\}")
+ALWAYS: Mapping[int, str] = {
+    400: "Something in it is not as it must be.",
+    413: "The body is too large.",
+    414: "The address is too long.",
+    421: "This machine was asked by a name that is not its own.",
+    429: "Too many requests a second.",
+    503: "The robot does not answer now.",
+}
+WITH_ROLE: Mapping[int, str] = {
+    401: "A token is needed, or this one is none.",
+    403: "The token's role does not allow it.",
+}
+WITH_BODY: Mapping[int, str] = {408: "The body did not come.", 415: "The body is not JSON."}
+
+
+def document(routes: Iterable[Route], *, title: str, description: str, version: str) -> dict[str, Any]:
+    """Return the document of what these routes take and return."""
+    shown = [route for route in routes if not route.hidden]
+    kinds: list[Any] = [Message]
+    for route in shown:
+        kinds += [kind for kind in (route.params, route.body) if kind is not None]
+        kinds += [reply for reply in route.replies.values() if not isinstance(reply, str)]
+    kinds = list({id(kind): kind for kind in kinds}.values())
+    found, components = msgspec.json.schema_components(kinds, ref_template=_TEMPLATE)
+    schemas = {id(kind): schema for kind, schema in zip(kinds, found, strict=True)}
+    paths: dict[str, dict[str, Any]] = {}
+    for route in shown:
+        paths.setdefault(route.path, {})[route.method.lower()] = _operation(route, schemas, components)
+    return {
+        "openapi": VERSION,
+        "info": {"title": title, "description": description, "version": version},
+        "paths": paths,
+        "components": {
+            "schemas": components,
+            "securitySchemes": {
+                "token": {
+                    "type": "http",
+                    "scheme": "bearer",
+                    "description": "NAME.SECRET.FINGERPRINT, as 'lbr token add' prints it; not asked for of trusted networks",
+                }
+            },
+        },
+    }
+
+
+def _operation(route: Route, schemas: Mapping[int, Any], components: Mapping[str, Any]) -> dict[str, Any]:
+    parameters = [
+        {"name": name, "in": "path", "required": True, "schema": {"type": "string", "minLength": 1}}
+        for name in _KEY.findall(route.path)
+    ]
+    found: dict[str, Any] = {
+        "operationId": _operation_id(route),
+        "summary": route.summary,
+        **({"description": route.description} if route.description else {}),
+        "x-role": route.role or "anybody",
+        "security": [{}, {"token": []}] if route.role is not None else [{}],
+        "responses": _responses(route, schemas),
+    }
+    if route.params is not None:
+        parameters += _query(schemas[id(route.params)], components)
+    if parameters:
+        found["parameters"] = parameters
+    if route.body is not None:
+        found["requestBody"] = {
+            "required": route.body_required,
+            "content": {JSON: {"schema": schemas[id(route.body)]}},
+        }
+    return found
+
+
+def _query(schema: Mapping[str, Any], components: Mapping[str, Any]) -> list[dict[str, Any]]:
+    whole = components[schema["$ref"].rpartition("/")[2]]
+    required = set(whole.get("required", ()))
+    return [
+        {
+            "name": name,
+            "in": "query",
+            "required": name in required,
+            "schema": {key: value for key, value in each.items() if key != "description"},
+            **({"description": each["description"]} if "description" in each else {}),
+        }
+        for name, each in whole.get("properties", {}).items()
+    ]
+
+
+def _responses(route: Route, schemas: Mapping[int, Any]) -> dict[str, Any]:
+    message = {JSON: {"schema": schemas[id(Message)]}}
+    refusals = {
+        **ALWAYS,
+        **(WITH_ROLE if route.role is not None else {403: WITH_ROLE[403]}),
+        **(WITH_BODY if route.body is not None else {}),
+        **route.refuses,
+    }
+    found = {
+        str(status): {
+            "description": route.summary,
+            "content": {reply: {"schema": {"type": "string"}}}
+            if isinstance(reply, str)
+            else {JSON: {"schema": schemas[id(reply)]}},
+        }
+        for status, reply in route.replies.items()
+    }
+    found |= {
+        str(status): {"description": why, "content": message}
+        for status, why in refusals.items()
+        if str(status) not in found
+    }
+    return dict(sorted(found.items()))
+
+
+def _operation_id(route: Route) -> str:
+    words = re.findall(r"[A-Za-z0-9]+", route.path) or ["root"]
+    return "_".join((route.method.lower(), *words))

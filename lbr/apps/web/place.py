@@ -1,0 +1,69 @@
+"""Where the server is reached, in words and addresses."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from lbr.apps.web import addresses, qr
+
+if TYPE_CHECKING:
+    from lbr.apps.web import WebSettings
+
+
+class Place:
+    """Where a server listens at `port`; `look` again for what the network has changed. From any thread."""
+
+    def __init__(
+        self,
+        robot: str,
+        row: str,
+        settings: "WebSettings",
+        port: int,
+        here: Callable[[], tuple[str, ...]] = addresses.of_machine,
+    ) -> None:
+        self.port = port
+        self.open = not addresses.is_local(settings.host)
+        self.urls: tuple[str, ...] = ()
+        self.addresses: tuple[str, ...] = ()
+        self._robot = robot
+        self._row = row
+        self._settings = settings
+        self._here = here
+        self.look()
+
+    def look(self) -> tuple[str, ...]:
+        """Return the addresses as they are now."""
+        self.addresses = addresses.reached_at(self._settings.host, self._here() if self.open else ())
+        self.urls = tuple(addresses.url(one, self.port, tls=self._settings.tls) for one in self.addresses)
+        return self.addresses
+
+    @property
+    def url(self) -> str:
+        """The most useful address; empty where there is no network."""
+        return self.urls[0] if self.urls else ""
+
+    def words(self) -> str:
+        """Return in a few lines who reaches it, and how to change that."""
+        if not self.open:
+            return f"Only this machine reaches {self.url}. To let phones in your network reach it:\n{self.opening}"
+        if not self.urls:
+            return f"The server listens at port {self.port}, but this machine is in no network now."
+        others = f"\nAlso at {', '.join(self.urls[1:])}" if self.urls[1:] else ""
+        return f"{self.url}{others}\n{self._who()}"
+
+    def told(self) -> str:
+        """Return the address with its QR code, for a terminal."""
+        if not (self.open and self.urls):
+            return self.words()
+        return f"{qr.characters(self.url)}\n{self.words()}\n(too dark to scan on a light terminal: see {self.url}qr)"
+
+    @property
+    def opening(self) -> str:
+        """The line of SQL that opens it, in the robot's database."""
+        change = "UPDATE capability SET settings = json_set(settings, '$.host', '0.0.0.0')"
+        return f"{change} WHERE robot = '{self._robot}' AND name = '{self._row}';"
+
+    def _who(self) -> str:
+        networks = [one for one in self._settings.trusted if not addresses.is_local(one.partition("/")[0])]
+        if networks:
+            return f"Whoever is in {' or '.join(networks)} needs no token; everybody else does ('lbr token add')."
+        return "Other machines need a token ('lbr token add'), or their network in the setting 'trusted'."
