@@ -25,6 +25,7 @@ from lbr.apps.web.uxa90.bodies import (
 from lbr.apps.web.uxa90.editing import Editor
 from lbr.apps.web.uxa90.jobs import JobReply, JobsReply
 from lbr.apps.web.uxa90.work import Work
+from lbr.messages.system import Role
 
 REFUSED = {409: "it is not there, is busy, held by somebody else, or not allowed", 400: "the request makes no sense"}
 EDIT = {400: "the body makes no sense", 403: "it is built in", 404: "it is not there", 409: "it cannot be so"}
@@ -195,11 +196,17 @@ class Uxa90Face(web.Face):
 
     async def _motor(self, ask: Ask) -> Reply:
         query = _query(ask)
+
+        def require(role: Role) -> None:
+            _refuse_head(ask)
+            ask.require(role)
+
         wanted = deciding.flag(query, "measured") if "id" in query or "measured" in query else False
-        answer: MotorAnswer = await self._promised(lambda: self._work.motor(query, ask.require, measured=wanted))
+        answer: MotorAnswer = await self._promised(lambda: self._work.motor(query, require, measured=wanted))
         return web.json(answer)
 
     async def _several(self, ask: Ask) -> Reply:
+        _refuse_head(ask)
         body = _body(ask)
         answer: MultiAnswer = await self._promised(lambda: self._work.several(body, _query(ask)))
         return web.json(answer)
@@ -209,6 +216,7 @@ class Uxa90Face(web.Face):
         return web.json(MotionsAnswer(self._work.buttons.all()))
 
     async def _play(self, ask: Ask) -> Reply:
+        _refuse_head(ask)
         answer: PlayedAnswer = await self._promised(lambda: self._work.play(ask.keys["key"]))
         return web.json(answer)
 
@@ -251,6 +259,12 @@ ANSWER_S = 4.0
 async def _ok(ask: Ask) -> Reply:
     del ask
     return web.text("OK")
+
+
+def _refuse_head(ask: Ask) -> None:
+    """Whoever only wants to know what there is moves nothing."""
+    if ask.method == "HEAD":
+        raise web.Refused(405, "HEAD moves nothing: use GET or POST", {"Allow": "GET, POST"})
 
 
 def _row(answer: MotorRowAnswer | MotionRowAnswer, status: int = 200) -> Reply:

@@ -4,9 +4,13 @@ const at = (id) => document.getElementById(id);
 const said = (text) => { at("said").textContent = text; };
 const EVERY_MS = 100;
 
-async function ask(path, options) {
+let token = sessionStorage.getItem("token") || "";
+
+async function ask(path, options = {}) {
   try {
-    const answer = await fetch(path, options);
+    const headers = { ...options.headers, ...(token ? { Authorization: `Bearer ${token}` } : {}) };
+    const answer = await fetch(path, { ...options, headers });
+    if (answer.status === 401) at("signin").hidden = false;
     const body = await answer.json().catch(() => ({}));
     said(answer.ok ? "" : body.message || `status ${answer.status}`);
     return answer.ok ? body : null;
@@ -78,7 +82,8 @@ function show(state) {
 
 function listen() {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  const socket = new WebSocket(`${scheme}//${location.host}/ws?rate_hz=5`);
+  const protocols = token ? ["lbr.state", `bearer.${token}`] : ["lbr.state"];
+  const socket = new WebSocket(`${scheme}//${location.host}/ws?rate_hz=5`, protocols);
   socket.addEventListener("message", (event) => show(JSON.parse(event.data)));
   socket.addEventListener("close", () => {
     at("state").textContent = "not connected";
@@ -87,6 +92,11 @@ function listen() {
   });
 }
 
+at("signin").addEventListener("submit", (event) => {
+  event.preventDefault();
+  sessionStorage.setItem("token", at("token").value.trim());
+  location.reload();
+});
 at("stop").addEventListener("click", () => post("stop"));
 at("estop").addEventListener("click", () => post("estop", { reason: "pressed on the page" }));
 at("reset").addEventListener("click", () => post("estop/reset"));
