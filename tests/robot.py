@@ -4,6 +4,7 @@ import json
 import os
 import select
 import signal
+import socket
 import sqlite3
 import subprocess
 import sys
@@ -26,7 +27,10 @@ BASE = ("motors", "ranges", "drive", "world")
 
 
 def prepare(home: Path, *also: str, edits: tuple[str, ...] = ()) -> Path:
-    """Make a home with the shipped rows, whose world traces its motor outputs; the base runs, `also`, and after `edits`."""
+    """Make a home with the shipped rows, whose world traces its motor outputs; the base runs, `also`, and after `edits`.
+
+    Other robots than lbr run whole, unless an edit says otherwise (`only`). What is served has a port of its own.
+    """
     home.mkdir(mode=0o700, parents=True, exist_ok=True)
     store.create(home / "robot.db")
     with sqlite3.connect(home / "robot.db") as database:
@@ -35,15 +39,36 @@ def prepare(home: Path, *also: str, edits: tuple[str, ...] = ()) -> Path:
             "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE robot = 'lbr' AND name = 'world'",
             (trace,),
         )
-        running = (*BASE, *also)
+        database.execute(only("lbr", *BASE, *also))
         database.execute(
-            f"UPDATE capability SET enabled = 0 WHERE robot = 'lbr' AND name NOT IN ({', '.join('?' * len(running))})",
-            running,
+            "UPDATE capability SET settings = json_set(settings, '$.port', ?, '$.announce', json('false'))"
+            " WHERE kind = 'web'",
+            (free_port(),),
         )
         for edit in edits:
             database.execute(edit)
     database.close()
     return home
+
+
+def only(robot: str, *names: str) -> str:
+    """Return the edit that leaves a robot these capabilities alone."""
+    wanted = ", ".join(f"'{name}'" for name in names)
+    return f"UPDATE capability SET enabled = 0 WHERE robot = '{robot}' AND name NOT IN ({wanted})"
+
+
+def free_port() -> int:
+    """Return a port of this machine that nobody has, now; each is given out once."""
+    while True:
+        with socket.socket() as found:
+            found.bind(("127.0.0.1", 0))
+            port = int(found.getsockname()[1])
+        if port not in _given:
+            _given.add(port)
+            return port
+
+
+_given: set[int] = set()
 
 
 class Robot:
@@ -90,6 +115,15 @@ class Robot:
         with sqlite3.connect(self.home / "robot.db", timeout=5.0) as database:
             database.execute(sql, parameters)
         database.close()
+
+    @property
+    def web(self) -> str:
+        """Where it is served over HTTP: on a port of its own, whatever else runs on this machine."""
+        with sqlite3.connect(self.home / "robot.db") as database:
+            query = "SELECT settings ->> '$.port' FROM capability WHERE kind = 'web' AND robot = ?"
+            (port,) = database.execute(query, (self.name,)).fetchone()
+        database.close()
+        return f"http://127.0.0.1:{port}"
 
     @property
     def trace(self) -> Path:

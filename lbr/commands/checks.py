@@ -11,7 +11,7 @@ from importlib import metadata
 from pathlib import Path
 
 from lbr import home
-from lbr.commands import device_checks, power_checks, service_checks
+from lbr.commands import device_checks, power_checks, service_checks, web_checks
 from lbr.commands.finding import Finding
 from lbr.errors import LbrError
 
@@ -20,7 +20,11 @@ EXTRAS = {
     "camera": (("linuxpy",), "V4L2 cameras need it"),
     "phidgets": (("Phidget22",), "a PhidgetSpatial on USB needs it"),
     "plots": (("matplotlib",), "a compass calibration goes without its picture"),
-    "web": (("starlette", "uvicorn"), "programs that serve over HTTP, such as navcam, need it"),
+    "vision": (("cv2",), "a head that follows what it sees needs it"),
+    "web": (
+        ("segno", "starlette", "uvicorn", "websockets", "zeroconf"),
+        "a robot's API and programs that serve over HTTP, such as navcam, need it",
+    ),
 }
 SERIAL_GROUPS = ("dialout", "uucp", "tty")
 FREE_MB = 500
@@ -122,6 +126,8 @@ def _database() -> Iterator[Finding]:
                 yield Finding(about="database", level="good", text=f"robot '{name}' in {path}")
             for device in loaded.devices:
                 yield device_checks.device(name, device)
+                yield from device_checks.latency(device)
+            yield from web_checks.ports(name, loaded.capabilities)
 
 
 def _bus() -> Iterator[Finding]:

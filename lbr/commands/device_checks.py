@@ -15,6 +15,10 @@ from lbr.database.rows import DeviceRow
 Judgement = tuple[Level, str, str]
 """How it stands, in words, and what to type."""
 
+USB_SERIAL = Path("/sys/bus/usb-serial/devices")
+TUNED_MS = "1"
+ASKED_AND_ANSWERED = frozenset({"uxa90", "dynamixel"})
+"""Types of devices that are asked many times a second, and answer in a few bytes each time."""
 SOUND_CARDS = Path("/proc/asound/cards")
 LOOKS = {
     "camera": "v4l2-ctl --list-devices",
@@ -30,6 +34,20 @@ def device(robot: str, row: DeviceRow) -> Finding:
     if level == "hint":
         text += f"; robot '{robot}' runs without it, and simulation does not need it"
     return Finding(about=f"device '{row.name}'", level=level, text=text, do=do)
+
+
+def latency(row: DeviceRow) -> Iterator[Finding]:
+    """Look how long a USB adapter holds answers back, where a device is asked many times a second."""
+    timer = USB_SERIAL / Path(row.address).resolve().name / "latency_timer"
+    if row.type not in ASKED_AND_ANSWERED or not timer.exists():
+        return
+    about, held = f"latency of '{row.name}'", timer.read_text().strip()
+    if held == TUNED_MS:
+        yield Finding(about=about, level="good", text=f"its adapter holds answers back for {held} ms")
+    else:
+        text = f"its adapter holds every answer back for {held} ms: positions come late and seldom"
+        do = f"echo {TUNED_MS} | sudo tee {timer}; 'lbr service install' has it so at every plug-in"
+        yield Finding(about=about, level="hint", text=text, do=do)
 
 
 def speech() -> Iterator[Finding]:

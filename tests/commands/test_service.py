@@ -96,9 +96,10 @@ def test_groups_are_those_of_the_machine_that_it_is_for(tmp_path):
 
 
 RULE = re.compile(
-    r'(SUBSYSTEM|ACTION|KERNEL|ATTRS?\{\w+\}|ENV\{\w+\}|GROUP|MODE|SYMLINK|LABEL|GOTO)(==|!=|\+=|=)"([^"]*)"'
+    r'(SUBSYSTEM|ACTION|KERNEL|DRIVER|ATTRS?\{\w+\}|ENV\{\w+\}|GROUP|MODE|SYMLINK|LABEL|GOTO)(==|!=|\+=|=)"([^"]*)"'
 )
-MATCHED = ("SUBSYSTEM", "ACTION", "KERNEL", "ATTR")
+MATCHED = ("SUBSYSTEM", "ACTION", "KERNEL", "DRIVER", "ATTR")
+WRITTEN = {"ATTR{latency_timer}"}
 
 
 @pytest.mark.parametrize("groups", [(), ("dialout",), ("dialout", "i2c"), ("i2c", "video")])
@@ -110,7 +111,7 @@ def test_device_rules_are_well_formed_and_open_nothing_to_everybody(groups):
             rule = RULE.fullmatch(token)
             assert rule is not None, token
             key, operator, value = rule.groups()
-            assert operator in {"==", "!="} or not key.startswith(MATCHED), token
+            assert operator in {"==", "!="} or not key.startswith(MATCHED) or key in WRITTEN, token
             assert key != "MODE" or value == "0660", token
             assert key != "GROUP" or value in {*groups, "root"}, token
             labels |= {value} if key == "LABEL" else set()

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from benchmarks.trace import Trace
 from lbr.bus.tokens import Token
-from tests.lan.door import add_token, free_port
-from tests.robot import LBR, Robot, prepare, running, until
+from tests.lan.door import add_token
+from tests.robot import LBR, Robot, free_port, prepare, running, until
 
 FAR = '''
 """Moves nothing, but would have to stop if it did."""

@@ -2,7 +2,6 @@
 
 import json
 import os
-import socket
 import ssl
 import subprocess
 import sys
@@ -21,7 +20,7 @@ from lbr.bus.tokens import Token
 from lbr.database import store
 from lbr.errors import BusError
 from lbr.executive import credentials
-from tests.robot import LBR, Robot, running, until
+from tests.robot import LBR, Robot, free_port, running, until
 
 PLAIN = Path(__file__).with_name("plain.py")
 ROLES = {"eye": "view", "phone": "operate", "boss": "admin"}
@@ -152,9 +151,3 @@ def answer(bus: Session, key: str, message: Any = None, *, source: str = "afar",
     """Query a key and return the decoded answer; None if nobody answered."""
     answers = wire.ask(bus, key, message, source=source, timeout_s=timeout_s)
     return json.loads(answers[0].payload) if answers else None
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

@@ -14,8 +14,8 @@ from lbr.apps.http.rates import Bucket
 from lbr.apps.lan import KIND, rights
 from lbr.bus.access import Credentials
 from lbr.capability.config import LanConfig
-from tests.lan.door import ROLES, Door, add_token, answer, free_port
-from tests.robot import lbr, running, until
+from tests.lan.door import ROLES, Door, add_token, answer
+from tests.robot import free_port, lbr, running, until
 
 pytestmark = pytest.mark.timeout(30)
 LAN = LanConfig(
