@@ -14,6 +14,7 @@ from lbr.messages.joints import (
     CapturedFrame,
     JointsCommand,
     JointsState,
+    KeyFrame,
     MotionsState,
     PlayCommand,
 )
@@ -21,10 +22,11 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.leasing.state import Ask, EstopChanged, Happened, Reply, Stop
 from lbr.operations.motions import MotionsSettings
 from lbr.operations.motions.follower import Follower
-from lbr.operations.motions.kernel import decide, motions_state
+from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.pose import key_frame, reach_s
 from lbr.operations.motions.programme import Programme, programme
 from lbr.operations.motions.state import Answer, Event, Halt, LetGo, Play, Result, Send, Tick, first_state
+from lbr.operations.motions.view import motions_state
 
 STATE_PERIOD_S = 0.5
 OLDEST_S = 0.5
@@ -103,7 +105,7 @@ class Motions(Capability[MotionsSettings]):
         wanted: Programme | None = None
         why = ""
         try:
-            wanted = self._from_here(programme(self.ctx.motions, command))
+            wanted = programme(self.ctx.motions, command)
         except InputError as err:
             why = str(err)
         event = Play(
@@ -115,13 +117,13 @@ class Motions(Capability[MotionsSettings]):
         )
         self._decide(event, call)
 
-    def _from_here(self, wanted: Programme) -> Programme:
-        """Return what is wanted, with a way to its first key frame that no joint is too slow for."""
+    def _from_here(self, frames: tuple[KeyFrame, ...], *, mirror: bool) -> tuple[KeyFrame, ...]:
+        """Return key frames with a way to the first that no joint is too slow for."""
         newest = self.ctx.latest("joints")
-        if newest is None:
-            return wanted
-        way_s = reach_s(self.ctx.joints, newest.message, wanted.at(0), mirror=wanted.mirror)
-        return replace(wanted, reach_s=way_s)
+        if newest is None or not frames:
+            return frames
+        way_s = reach_s(self.ctx.joints, newest.message, frames[0], mirror=mirror)
+        return (replace(frames[0], duration_s=max(frames[0].duration_s, way_s)), *frames[1:])
 
     def _capture(self, command: CaptureCommand, source: str) -> str:
         """Write the pose of now down; raise InputError if it is not known."""
@@ -171,8 +173,10 @@ class Motions(Capability[MotionsSettings]):
                 self._follower.let_go()
 
     def _send(self, output: Send, call: Call | None) -> None:
+        frames = output.frames if output.append else self._from_here(output.frames, mirror=output.mirror)
         command = JointsCommand(
-            frames=output.frames,
+            frames=frames,
+            stored=output.stored,
             mirror=output.mirror,
             append=output.append,
             asked_s=output.asked_s,
@@ -181,14 +185,15 @@ class Motions(Capability[MotionsSettings]):
         if output.append:
             self._follower.append(command)
         else:
-            self._waiting = call
+            self._waiting = self._waiting if output.leg else call
             self._follower.follow(command)
 
     def _report(self) -> None:
         now = self.ctx.clock()
         state = motions_state(self._state)
-        if state != self._reported or not now - self._reported_at < STATE_PERIOD_S:
-            self._reported, self._reported_at = state, now
+        bare = replace(state, left_s=None)  # that alone is no news
+        if bare != self._reported or not now - self._reported_at < STATE_PERIOD_S:
+            self._reported, self._reported_at = bare, now
             self.ctx.publish("state", state)
 
 

@@ -1,9 +1,11 @@
 """The decisions of motions, as a pure function of what is known, what happened and when."""
 
+from math import inf
+
 from msgspec.structs import replace
 
 from lbr.messages.drive import GoalResult
-from lbr.messages.joints import MAX_FRAMES, MotionsState
+from lbr.messages.joints import MAX_FRAMES
 from lbr.messages.leases import CommandReply
 from lbr.operations.leasing import acceptance, ending, holding
 from lbr.operations.leasing.state import Ended, Ending, EstopChanged, Happened, Hold, Stop, confirmed
@@ -51,24 +53,6 @@ def decide(state: State, event: Event, now: float) -> Decision:
     state, more = _handle(state, event, now)
     state, fed = _feed(state, now)
     return state, outputs + more + fed
-
-
-def motions_state(state: State) -> MotionsState:
-    """Return what the world may know."""
-    hold = state.hold
-    if hold is None or hold.motion.asked:
-        return MotionsState(playing=False, reason=state.holding.reason)
-    playing = hold.motion
-    place = playing.programme.place(playing.passed)
-    return MotionsState(
-        playing=True,
-        motion=place.motion,
-        frame=place.frame,
-        frames=place.frames,
-        round=place.round,
-        times=playing.programme.times,
-        holder=hold.source,
-    )
 
 
 def _handle(state: State, event: Event, now: float) -> Decision:
@@ -149,22 +133,31 @@ def _begin(state: State, event: Play, playing: Playing, now: float, *, change: b
     assert state.hold is not None
     if change and before is not None and before.motion.asked:
         outputs = (*outputs, Answer(message=CommandReply(accepted=False, reason=holding.ANOTHER)))
-    frames = playing.programme.portion(0)
-    state = _with(state, replace(playing, sent=len(frames)), expires=now + ANSWER_S)
-    send = Send(
-        frames=frames,
-        append=False,
-        mirror=playing.programme.mirror,
-        asked_s=event.ask.received,
-        take_over=event.ask.take_over,
-    )
-    return state, (*outputs, send)
+    send = _leg(playing, 0)
+    state = _with(state, replace(playing, sent=len(send.frames) or 1), expires=now + ANSWER_S)
+    return state, (*outputs, replace(send, asked_s=event.ask.received, take_over=event.ask.take_over))
+
+
+def _next_leg(state: State, playing: Playing, now: float) -> Decision:
+    """Go on from where the joints came to rest, with what they cannot do in one go with what was before."""
+    send = replace(_leg(playing, playing.sent), asked_s=now, leg=True)
+    sent = playing.sent + (len(send.frames) or 1)
+    playing = replace(playing, leg=playing.sent, passed=playing.sent, sent=sent, joints_goal="")
+    return _with(state, replace(playing, lost="", lost_at=inf)), (LetGo(), send)
+
+
+def _leg(playing: Playing, start: int) -> Send:
+    programme = playing.programme
+    stored = programme.stored(start)
+    return Send(frames=programme.portion(start), append=False, mirror=programme.mirror, stored=stored)
 
 
 def _granted(state: State, event: Granted, now: float) -> Decision:
     hold = state.hold
-    if hold is None or not hold.motion.asked:
+    if hold is None or not (hold.motion.asked or not hold.motion.joints_goal):
         return state, ()
+    if not hold.motion.asked:
+        return _with(state, replace(hold.motion, joints_goal=event.goal)), ()
     playing = replace(hold.motion, asked=False, joints_goal=event.goal, started=now)
     state = _with(state, playing, expires=now + hold.ttl_s)
     return state, (Answer(message=holding.accepted(hold, event.reason, playing.goal).message),)
@@ -194,8 +187,10 @@ def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
     if result.result != "reached":
         state = _with(state, replace(playing, lost=result.reason or result.result))
         return _end(state, ENDINGS.get(result.result, "fault"), result.reason, now)
-    if playing.sent < playing.programme.length:
+    if playing.sent < playing.programme.leg_end(playing.leg):
         return _end(state, "fault", "the joints came to the end of what was sent before more of it was", now)
+    if playing.sent < playing.programme.length:
+        return _next_leg(state, playing, now)
     state = _with(state, replace(playing, passed=playing.sent))
     return _end(state, "reached", _played(playing, result.reason, now), now)
 
@@ -227,7 +222,7 @@ def _passed(state: State, event: Passed) -> State:
     hold = state.hold
     if hold is None or hold.motion.asked or event.goal != hold.motion.joints_goal:
         return state
-    passed = min(max(hold.motion.passed, event.frames), hold.motion.sent)
+    passed = min(max(hold.motion.passed, hold.motion.leg + event.frames), hold.motion.sent)
     return state if passed == hold.motion.passed else _with(state, replace(hold.motion, passed=passed))
 
 
@@ -238,7 +233,7 @@ def _feed(state: State, now: float) -> Decision:
         return state, ()
     playing = hold.motion
     enough = _ahead_s(playing) >= AHEAD_S or playing.sent - playing.passed > AHEAD_FRAMES
-    if playing.sent >= playing.programme.length or enough:
+    if playing.sent >= playing.programme.leg_end(playing.leg) or enough:
         return state, ()
     frames = playing.programme.portion(playing.sent)
     more = Send(frames=frames, append=True, mirror=playing.programme.mirror)

@@ -58,7 +58,8 @@ def _missing(joint: Joint, state: JointState | None) -> str:
     if state is None:
         return f"{joint.name} (servo {joint.device_id}) is not among the states"
     if state.position_rad is None or not isfinite(state.position_rad):
-        return f"{joint.name} (servo {joint.device_id}): {state.reason or 'no reason given'}"
+        doubted = "what it reports is not believed" if state.trusted is False else "no reason given"
+        return f"{joint.name} (servo {joint.device_id}): {state.reason or doubted}"
     if state.age_s is not None and not state.age_s <= OLDEST_S:
         return f"{joint.name} (servo {joint.device_id}) was measured {state.age_s:.1f} s ago"
     return ""

@@ -1,4 +1,7 @@
-"""What is played, key frame by key frame: a lead-in, the motion so many times, a lead-out. Pure."""
+"""What is played, step by step: a lead-in, the motion so many times, a lead-out. Pure.
+
+A step is a key frame; or a motion that the robot's own controller keeps, as a whole.
+"""
 
 from collections.abc import Iterable, Mapping
 
@@ -7,7 +10,7 @@ from msgspec import Struct
 
 from lbr.capability.near import near
 from lbr.errors import InputError
-from lbr.messages.joints import KeyFrame, Motion, PlayCommand
+from lbr.messages.joints import KeyFrame, Motion, PlayCommand, StoredMotion
 
 LONGEST_FRAME_S = 60.0
 MOST_SENT = 50
@@ -16,7 +19,7 @@ MOST_BYTES = 40_000
 
 
 class Place(Struct, frozen=True):
-    """Where in a programme a key frame is; `frame` and `round` count from 1."""
+    """Where in a programme a step is; `frame` and `round` count from 1."""
 
     motion: str
     frame: int
@@ -25,10 +28,7 @@ class Place(Struct, frozen=True):
 
 
 class Programme(Struct, frozen=True):
-    """A motion as it is to be played, with a lead-in and a lead-out that may be empty.
-
-    Its first key frame takes `reach_s` at least: the joints may be far from it.
-    """
+    """A motion as it is to be played, with a lead-in and a lead-out that may be empty."""
 
     motion: Motion
     lead_in: Motion | None
@@ -36,29 +36,53 @@ class Programme(Struct, frozen=True):
     times: int
     speed: float
     mirror: bool
-    reach_s: float = 0.0
 
     @property
     def length(self) -> int:
-        """How many key frames there are."""
-        return len(_of(self.lead_in)) + self.times * len(self.motion.frames) + len(_of(self.lead_out))
+        """How many steps there are."""
+        return _steps(self.lead_in) + self.times * _steps(self.motion) + _steps(self.lead_out)
+
+    @property
+    def duration_s(self) -> float:
+        """How long all of it takes, but for the way to where it begins."""
+        rest_s = self.times * _lasts_s(self.motion) + _lasts_s(self.lead_out)
+        return (_lasts_s(self.lead_in) + rest_s) / self.speed
 
     def at(self, index: int) -> KeyFrame:
-        """Return a key frame, counted from 0, as fast as it is to be played."""
+        """Return a key frame, counted from 0, as fast as it is to be played; of what the controller keeps, the last."""
         motion, place = self._find(index)
+        if motion.slot is not None:
+            return KeyFrame(positions=_pose(motion), duration_s=_lasts_s(motion))
         frame = motion.frames[place.frame - 1]
-        duration_s = max(frame.duration_s / self.speed, 0.0 if index else self.reach_s)
-        return KeyFrame(positions=frame.positions, duration_s=duration_s)
+        return KeyFrame(positions=frame.positions, duration_s=frame.duration_s / self.speed)
 
     def place(self, index: int) -> Place:
-        """Return where a key frame is; after the last, it is the last."""
+        """Return where a step is; after the last, it is the last."""
         return self._find(min(index, self.length - 1))[1]
 
+    def stored(self, index: int) -> StoredMotion | None:
+        """Return what the controller is to play as this step, or None if it is a key frame."""
+        motion, _ = self._find(index)
+        if motion.slot is None:
+            return None
+        return StoredMotion(slot=motion.slot, duration_s=_lasts_s(motion), pose=_pose(motion), limp=motion.limp)
+
+    def leg_end(self, start: int) -> int:
+        """Return where the joints come to rest that begin at a step: after key frames up to the next that are not."""
+        if self.stored(start) is not None:
+            return start + 1
+        body = _steps(self.lead_in)
+        parts = ((body, self.motion), (body + self.times * _steps(self.motion), self.lead_out))
+        ends = (at for at, motion in parts if at > start and motion is not None and motion.slot is not None)
+        return next(ends, self.length)
+
     def portion(self, start: int) -> tuple[KeyFrame, ...]:
-        """Return the key frames from `start` on that fit into one message."""
+        """Return the key frames from `start` on that fit into one message; none where the controller plays."""
+        if self.stored(start) is not None:
+            return ()
         found: list[KeyFrame] = []
         size = 0
-        for index in range(start, min(start + MOST_SENT, self.length)):
+        for index in range(start, min(start + MOST_SENT, self.leg_end(start))):
             frame = self.at(index)
             size += len(msgspec.json.encode(frame))
             if found and size > MOST_BYTES:
@@ -67,13 +91,13 @@ class Programme(Struct, frozen=True):
         return tuple(found)
 
     def _find(self, index: int) -> tuple[Motion, Place]:
-        before, body, after = _of(self.lead_in), self.motion.frames, _of(self.lead_out)
-        if self.lead_in is not None and index < len(before):
-            return self.lead_in, Place(self.lead_in.name, index + 1, len(before), 1)
-        index -= len(before)
-        if self.lead_out is not None and index >= self.times * len(body):
-            return self.lead_out, Place(self.lead_out.name, index - self.times * len(body) + 1, len(after), self.times)
-        return self.motion, Place(self.motion.name, index % len(body) + 1, len(body), index // len(body) + 1)
+        before, body, after = _steps(self.lead_in), _steps(self.motion), _steps(self.lead_out)
+        if self.lead_in is not None and index < before:
+            return self.lead_in, Place(self.lead_in.name, index + 1, before, 1)
+        index -= before
+        if self.lead_out is not None and index >= self.times * body:
+            return self.lead_out, Place(self.lead_out.name, index - self.times * body + 1, after, self.times)
+        return self.motion, Place(self.motion.name, index % body + 1, body, index // body + 1)
 
 
 def programme(motions: Iterable[Motion], command: PlayCommand) -> Programme:
@@ -81,22 +105,25 @@ def programme(motions: Iterable[Motion], command: PlayCommand) -> Programme:
     known = {motion.name: motion for motion in motions}
     if command.motion not in known:
         raise InputError(f"there is no motion '{command.motion[:40]}'; {near(command.motion, known)}")
-    motion = _playable(known[command.motion], command.speed)
-    lead_in, lead_out = (_lead(known, motion, name, command.speed) for name in (motion.lead_in, motion.lead_out))
+    motion = _playable(known[command.motion], command)
+    lead_in, lead_out = (_lead(known, motion, name, command) for name in (motion.lead_in, motion.lead_out))
     return Programme(motion, lead_in, lead_out, command.times, command.speed, command.mirror)
 
 
-def _lead(known: Mapping[str, Motion], motion: Motion, name: str, speed: float) -> Motion | None:
+def _lead(known: Mapping[str, Motion], motion: Motion, name: str, command: PlayCommand) -> Motion | None:
     if not name:
         return None
     if name not in known:
         raise InputError(
             f"motion '{motion.name}' leads from or to '{name}', and there is no such motion among the rows"
         )
-    return _playable(known[name], speed)
+    return _playable(known[name], command)
 
 
-def _playable(motion: Motion, speed: float) -> Motion:
+def _playable(motion: Motion, command: PlayCommand) -> Motion:
+    if motion.slot is not None:
+        return _as_it_is(motion, command)
+    speed = command.speed
     if not motion.frames:
         raise InputError(f"motion '{motion.name}' has no key frame; capture one, or write it as a row of motion_step")
     for number, frame in enumerate(motion.frames, 1):
@@ -108,5 +135,32 @@ def _playable(motion: Motion, speed: float) -> Motion:
     return motion
 
 
-def _of(motion: Motion | None) -> tuple[KeyFrame, ...]:
-    return motion.frames if motion is not None else ()
+def _as_it_is(motion: Motion, command: PlayCommand) -> Motion:
+    keeps = f"motion '{motion.name}' is kept by the robot's own controller, which plays it"
+    if command.speed != 1.0:
+        raise InputError(f"{keeps} as fast as it is: leave speed out, or say 1")
+    if command.mirror:
+        raise InputError(f"{keeps} as it is: it cannot be mirrored")
+    if motion.slot_s is None:
+        raise InputError(f"{keeps}, and its row does not say for how long: write slot_s")
+    return motion
+
+
+def _steps(motion: Motion | None) -> int:
+    if motion is None:
+        return 0
+    return len(motion.frames) if motion.slot is None else 1
+
+
+def _lasts_s(motion: Motion | None) -> float:
+    if motion is None:
+        return 0.0
+    return sum(frame.duration_s for frame in motion.frames) if motion.slot is None else motion.slot_s or 0.0
+
+
+def _pose(motion: Motion) -> dict[str, float]:
+    """Return where key frames lead: the last that each joint is named by."""
+    pose: dict[str, float] = {}
+    for frame in motion.frames:
+        pose |= frame.positions
+    return pose

@@ -5,7 +5,7 @@ from math import inf
 from msgspec import Struct
 
 from lbr.messages.drive import GoalResult
-from lbr.messages.joints import KeyFrame
+from lbr.messages.joints import KeyFrame, StoredMotion
 from lbr.messages.leases import CommandReply
 from lbr.operations.leasing.state import Ask, EstopChanged, Happened, Hold, Holding, Reply, Stop, Words, first
 from lbr.operations.motions.programme import Programme
@@ -77,11 +77,14 @@ class Answer(Struct, frozen=True, kw_only=True):
 class Send(Struct, frozen=True, kw_only=True):
     """Key frames for the joints: instead of what they do, or after it. Whoever asked waits for their answer.
 
-    `asked_s` is when that was; what is appended bears none.
+    `asked_s` is when that was; what is appended bears none. `stored` is for their controller, instead of key frames.
+    `leg`: they came to rest in the middle of what is played, and nobody waits for the answer.
     """
 
     frames: tuple[KeyFrame, ...]
     append: bool
+    stored: StoredMotion | None = None
+    leg: bool = False
     mirror: bool
     asked_s: float | None = None
     take_over: bool = False
@@ -109,7 +112,7 @@ Outputs = tuple[Output, ...]
 
 
 class Playing(Struct, frozen=True, kw_only=True):
-    """A motion under way: `sent` of its key frames were sent, `passed` lie behind.
+    """A motion under way: `sent` of its steps were sent, `passed` lie behind; the joints began from rest with step `leg`.
 
     `asked`: joints operation has not answered yet; `joints_goal` is its name for it. `lost` is why its lease is no more,
     since `lost_at`.
@@ -120,6 +123,7 @@ class Playing(Struct, frozen=True, kw_only=True):
     started: float
     asked: bool = True
     joints_goal: str = ""
+    leg: int = 0
     sent: int = 0
     passed: int = 0
     lost: str = ""

@@ -43,6 +43,10 @@ MOTIONS = (
         lead_out="ready",
     ),
     Motion(name="empty", frames=()),
+    Motion(name="stand", frames=(frame(neck=0.0), frame(right_elbow=-0.1)), slot=7, slot_s=2.0),
+    Motion(name="sit", frames=(), slot=21, slot_s=1.0, limp=True),
+    Motion(name="greet", frames=(frame(neck=0.1), frame(neck=-0.1)), lead_in="stand", lead_out="sit"),
+    Motion(name="endless", frames=(), slot=8),
 )
 
 
@@ -75,11 +79,14 @@ class FakeJoints:
             return CommandReply(accepted=False, reason="a stop came after this command")
         if self.refusal:
             return CommandReply(accepted=False, reason=self.refusal)
-        if not message.lease or (message.frames and not message.append):
+        anew = (message.frames and not message.append) or message.stored
+        if not message.lease or anew:
             number = next(self._numbers)
             self.lease, self.goal = message.lease or f"lease-{number}", f"joints-{number}"
             self.holder, self.ends, self.frames = "motions", [], []
         self.renewed = now
+        if message.stored:
+            self.ends.append(now + message.stored.duration_s)
         for one in message.frames:
             self.ends.append(max(now, self.ends[-1] if self.ends else now) + one.duration_s)
             self.frames.append(one)

@@ -1,0 +1,23 @@
+"""What the world may know of the motions."""
+
+from lbr.messages.joints import MotionsState
+from lbr.operations.motions.state import State
+
+
+def motions_state(state: State) -> MotionsState:
+    """Return what the world may know."""
+    hold = state.hold
+    if hold is None or hold.motion.asked:
+        return MotionsState(playing=False, reason=state.holding.reason)
+    playing = hold.motion
+    place = playing.programme.place(playing.passed)
+    return MotionsState(
+        playing=True,
+        motion=place.motion,
+        frame=place.frame,
+        frames=place.frames,
+        round=place.round,
+        times=playing.programme.times,
+        left_s=round(max(0.0, playing.programme.duration_s - (state.clock - playing.started)), 1),
+        holder=hold.source,
+    )
