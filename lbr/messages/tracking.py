@@ -16,6 +16,12 @@ class TrackCommand(Struct, frozen=True, kw_only=True):
     target: Target = "colour"
 
 
+class LookCommand(Struct, frozen=True, kw_only=True):
+    """Look for a target in the newest picture, save it with what is seen marked, and say which colour its middle has."""
+
+    target: Target = "colour"
+
+
 class Seen(Struct, frozen=True, kw_only=True):
     """A target in a picture: its middle and its radius as shares of the picture's width, x to the right, y down from the middle."""
 

@@ -1,4 +1,5 @@
 import threading
+from pathlib import Path
 from types import SimpleNamespace
 
 import msgspec
@@ -10,13 +11,14 @@ from lbr.apps.tracking import KIND
 from lbr.apps.tracking import capability as module
 from lbr.apps.tracking.control import Angles
 from lbr.apps.tracking.eye import Eye, Look
+from lbr.apps.tracking.sketch import Sketch
 from lbr.capability.context import Received
 from lbr.errors import InputError
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.tracking import Seen, TrackCommand
+from lbr.messages.tracking import LookCommand, Seen, TrackCommand
 
 JOINTS = (
     Joint(name="neck_yaw", device_id=23, lower_rad=-2.3, upper_rad=2.3, speed_rps=4.0),
@@ -400,6 +402,21 @@ def test_what_cannot_be_followed_is_refused_with_a_reason(world, monkeypatch):
     world.run(0.1)
     assert "face_model" in call.answer.reason
     assert world.asked == []
+
+
+def test_a_look_saves_the_marked_picture_and_says_what_is_in_it(world, monkeypatch, tmp_path):
+    monkeypatch.setattr(module, "sketch", lambda settings, target, data: Sketch(f"sees no {target}", data))
+    world.home = str(tmp_path)
+    begin(world)
+    call = FakeCall(LookCommand())
+    world.tracking.command(call)
+    assert "no pictures come" in call.answer.reason
+    world.run(0.2)
+    call = FakeCall(LookCommand())
+    world.tracking.command(call)
+    until(lambda: world.run(0.02) or call.answer)
+    assert call.answer.reason == f"sees no colour; saved as {call.answer.path}"
+    assert Path(call.answer.path).read_bytes() == b"null"
 
 
 def test_one_at_a_time(world):

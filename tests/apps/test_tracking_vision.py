@@ -1,3 +1,4 @@
+import re
 import sys
 
 import pytest
@@ -5,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.apps.tracking import KIND, vision
+from lbr.apps.tracking.sketch import sketch
 from lbr.errors import InputError
 
 cv2 = pytest.importorskip("cv2")
@@ -141,3 +143,25 @@ def test_without_opencv_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(InputError, match=r"lbr\[vision\]"):
         vision.finder(KIND.settings(), "colour")
+
+
+def test_a_sketch_tells_what_is_seen_and_the_colour_of_the_middle(tmp_path):
+    found = sketch(KIND.settings(), "colour", picture((320, 240, 60, ORANGE), (500, 300, 20, ORANGE), noise=2.0))
+    assert "sees a colour 0 % " in found.text
+    hues = re.search(r"hue (\d+) to (\d+) degrees", found.text)
+    assert 10 <= int(hues[1]) <= 25 <= int(hues[2]) + 2 <= 35
+    marked = cv2.imdecode(np.frombuffer(found.picture, np.uint8), cv2.IMREAD_COLOR)
+    assert marked[120, 160 + 30][1] > 150  # half as large; the circle is green
+
+
+def test_a_sketch_of_red_tells_hues_over_red():
+    text = sketch(KIND.settings(), "colour", picture((320, 240, 60, (25, 20, 220)))).text
+    low, high = map(int, re.search(r"hue (\d+) to (\d+) degrees", text).groups())
+    assert low > 300
+    assert high < 60
+    assert text.startswith("sees no colour; ")
+
+
+def test_a_sketch_of_what_is_no_picture_is_refused():
+    with pytest.raises(InputError, match="cannot be read"):
+        sketch(KIND.settings(), "colour", b"no picture")

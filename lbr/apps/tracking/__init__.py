@@ -5,11 +5,11 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
-from lbr.messages.camera import CameraState, JpegFrame
+from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.tracking import TrackCommand, TrackingState
+from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 from lbr.messages.units import Name
 
 Degrees = Annotated[float, Meta(ge=0.0, le=360.0)]
@@ -53,8 +53,8 @@ KIND = Kind(
     settings=TrackingSettings,
     inputs={"frame": JpegFrame, "camera": CameraState, "joints": JointsState, "ended": GoalResult},
     outputs={"state": TrackingState},
-    commands={"track": TrackCommand, "stop": StopCommand},
+    commands={"track": TrackCommand, "stop": StopCommand, "look": LookCommand},
     requests={"move": JointsCommand, "halt": StopCommand},
-    replies=dict.fromkeys(("track", "stop", "move", "halt"), CommandReply),
+    replies={**dict.fromkeys(("track", "stop", "move", "halt"), CommandReply), "look": SnapshotReply},
     rows=("joint",),
 )

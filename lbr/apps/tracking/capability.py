@@ -1,6 +1,7 @@
 """Tracking as a capability: looks at the head's pictures while somebody wants it to, and has the head follow."""
 
 from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from math import inf, radians
@@ -10,15 +11,18 @@ from lbr.apps.tracking.control import AHEAD, Angles, Tuning, ahead_again, clampe
 from lbr.apps.tracking.eye import Eye, Look
 from lbr.apps.tracking.gaze import Gaze
 from lbr.apps.tracking.mover import Mover, Neck
+from lbr.apps.tracking.sketch import Sketch, sketch
 from lbr.apps.tracking.vision import finder
+from lbr.capability import snapshot
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
-from lbr.messages.camera import CameraState
+from lbr.messages.camera import CameraState, SnapshotReply
 from lbr.messages.joints import JointsState
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.tracking import TrackCommand, TrackingState
+from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 
+NO_PICTURES = "no pictures come from the camera in the head, or only old ones"
 STATE_EVERY_S = 1.0
 JOINTS_CURRENT_S = 0.5
 NO_PICTURE_S = 1.0
@@ -54,6 +58,8 @@ class Tracking(Capability[TrackingSettings]):
     def __init__(self, ctx: Context[TrackingSettings]) -> None:
         super().__init__(ctx)
         self._following: _Following | None = None
+        self._pool = ThreadPoolExecutor(1)
+        self._looking: tuple[Call, Future[Sketch]] | None = None
         self._last = TrackingState(following=False)
         self._tell_at = -inf
         self._warned = ""
@@ -66,16 +72,20 @@ class Tracking(Capability[TrackingSettings]):
         """Look, and have the head follow."""
         if self._following is not None:
             self._go_on(self._following)
+        if self._looking is not None and self._looking[1].done():
+            self._show(*self._looking)
         if self.ctx.clock() >= self._tell_at:
             self._tell()
 
     def command(self, call: Call) -> None:
-        """Answer `track` and `stop`."""
+        """Answer `track`, `look` and `stop`."""
         if isinstance(call.message, TrackCommand):
             try:
                 self._begin(call, call.message)
             except InputError as err:
                 call.refuse(str(err))
+        elif isinstance(call.message, LookCommand):
+            self._look(call, call.message)
         elif isinstance(call.message, StopCommand):
             self._end(f"stopped by {call.source}" + (f": {call.message.reason}" if call.message.reason else ""))
             call.reply(CommandReply(accepted=True, reason="stopped"))
@@ -100,6 +110,28 @@ class Tracking(Capability[TrackingSettings]):
         self._joints()
         eye = Eye(partial(finder, settings, command.target), self.ctx.wake)
         self._following = _Following(command, eye, call, self.ctx.clock())
+
+    def _look(self, call: Call, command: LookCommand) -> None:
+        """Look at the newest picture on a thread, for that may take a while."""
+        newest = self.ctx.latest("frame")
+        if self._looking is not None:
+            call.refuse("a picture is being looked at; wait for the answer")
+        elif newest is None or not newest.age_s(self.ctx.clock()) <= self.ctx.settings.max_age_s:
+            call.refuse(self._blind() or NO_PICTURES)
+        else:
+            looked = self._pool.submit(sketch, self.ctx.settings, command.target, newest.message.data)
+            looked.add_done_callback(lambda _: self.ctx.wake())
+            self._looking = call, looked
+
+    def _show(self, call: Call, looked: "Future[Sketch]") -> None:
+        self._looking = None
+        try:
+            found = looked.result()
+            path = snapshot.save(self.ctx.home, snapshot.name_now(self.ctx.name), found.picture)
+        except InputError as err:
+            call.reply(SnapshotReply(accepted=False, reason=str(err)))
+        else:
+            call.reply(SnapshotReply(accepted=True, reason=f"{found.text}; saved as {path}", path=str(path)))
 
     def _joints(self) -> JointsState:
         """Return what the joints told last; raise InputError if that is too long ago."""
@@ -189,7 +221,7 @@ class Tracking(Capability[TrackingSettings]):
     def _trouble(self, following: _Following, now: float) -> str:
         """Return why the head stays where it is, or nothing."""
         if now - max(following.picture_s, following.began) > NO_PICTURE_S:
-            return self._blind() or "no pictures come from the camera in the head, or only old ones; the head stays"
+            return self._blind() or f"{NO_PICTURES}; the head stays"
         return following.mover.waiting if following.mover is not None else ""
 
     def _complain(self, why: str) -> None:

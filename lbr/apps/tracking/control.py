@@ -5,7 +5,7 @@ a direction of the body's, not a place in the picture: so a late picture is as g
 """
 
 from dataclasses import dataclass
-from math import atan, atan2, cos, hypot, isfinite, sin, tan
+from math import atan, atan2, cos, hypot, inf, isfinite, sin, tan
 from typing import NamedTuple
 
 from lbr.messages.tracking import Seen
@@ -63,12 +63,14 @@ def follow(aim: Angles, head: Pose, seen: Seen, tuning: Tuning) -> Angles:
     What the head's own movement may feign moves nothing, and no step passes the target: it is reached from one side. A
     head that comes to rest beside its aim is asked for so much more.
     """
+    if not all(map(isfinite, (*head.angles, *head.beside, head.unsure_rad, seen.x, seen.y, seen.radius))):
+        return aim
     target = clamped(direction(head.angles, seen, tuning.field_rad), tuning)
     yaw = target.yaw_rad - head.beside.yaw_rad - aim.yaw_rad
     pitch = target.pitch_rad - head.beside.pitch_rad - aim.pitch_rad
     away = hypot(yaw * cos(target.pitch_rad), pitch)
     enough = max(NEAREST_RAD, tuning.dead_zone * radius_rad(seen, tuning.field_rad))
-    if not (isfinite(away) and away > enough + head.unsure_rad):
+    if not enough + head.unsure_rad < away < inf:
         return aim
     share = min(tuning.gain, 1.0) * (away - head.unsure_rad) / away
     return clamped(Angles(aim.yaw_rad + share * yaw, aim.pitch_rad + share * pitch), tuning)

@@ -115,7 +115,7 @@ class Mover:
     def _over(self, loan: Loan) -> None:
         """Find out what it means that a lease is no more: the head has arrived, or somebody else has a say."""
         now, result = self._ctx.clock(), self._results.get(self._goal)
-        if loan.granted is None and self.began and loan.ended.startswith(HELD):
+        if loan.granted is None and self.began and HELD in loan.ended:
             self.waiting = loan.ended
             self._rest(now)
         elif loan.granted is None:

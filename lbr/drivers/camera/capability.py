@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from lbr.bus import pictures
+from lbr.capability import snapshot
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
-from lbr.drivers.camera import CameraSettings, snapshot, wish
+from lbr.drivers.camera import CameraSettings, wish
 from lbr.drivers.camera.capture import Capture
 from lbr.drivers.camera.source import Picture, open_source
 from lbr.errors import DeviceError, InputError
