@@ -76,9 +76,10 @@ def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
 
 def _busy(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
     """While the controller plays, nothing else moves; whoever takes over breaks that off."""
+    del command
     hold = state.holding.hold
     foreign = hold is not None and ask.lease != hold.lease
-    if hold is None or (foreign and (ask.lease or command.take_over)):
+    if hold is None or (foreign and (ask.lease or ask.take_over)):
         return ""
     why = stored.busy(state, now)
     return f"{why}, held by {hold.source}" if why and foreign else why

@@ -5,7 +5,7 @@ from math import nan
 from msgspec.structs import replace
 
 from lbr.messages.joints import Joint, JointsCommand, KeyFrame, TorqueCommand
-from lbr.messages.servos import ServosState, ServoState
+from lbr.messages.servos import ServosState, ServoState, StoredState
 from lbr.operations.joints.body import body
 from lbr.operations.joints.kernel import decide
 from lbr.operations.joints.settings import JointsSettings
@@ -60,8 +60,11 @@ class Servos:
         self.phase = "released"
         self.armed, self.reason, self.estop = True, "", False
         self.sweep = 0
+        self.stores, self.stored, self.mode = False, None, ""
+        self.doubted = set()
 
     def obey(self, setpoint):
+        self._play(setpoint)
         if setpoint.lost:
             self.phase = "holding" if any(self.torque.values()) else "released"
             return
@@ -71,6 +74,17 @@ class Servos:
             if moves:
                 self.at[goal.id] += (goal.position_rad - self.at[goal.id]) * self.share
         self.phase = "following" if any(self.torque.values()) else "released"
+
+    def _play(self, setpoint):
+        """A controller that plays from the first setpoint on that says so, until it is told that this is over."""
+        asked = setpoint.stored
+        if not self.stores or asked is None or (self.stored and self.stored.count >= asked.count):
+            return
+        self.stored = StoredState(slot=asked.slot, count=asked.count, phase="playing")
+
+    def plays(self, phase, reason=""):
+        """Have the controller say so of what it was told last."""
+        self.stored = replace(self.stored, phase=phase, reason=reason)
 
     def let_go(self):
         self.torque = dict.fromkeys(self.at, 0.0)
@@ -86,6 +100,9 @@ class Servos:
             servos=tuple(self._servo(servo) for servo in self.at),
             reason=self.reason,
             estop=self.estop,
+            stores=self.stores,
+            stored=self.stored,
+            mode=self.mode,
         )
 
     def _servo(self, servo):
@@ -95,7 +112,8 @@ class Servos:
             return ServoState(id=servo, reason=f"servo {servo} does not answer")
         return ServoState(
             id=servo,
-            position_rad=self.at[servo],
+            position_rad=None if servo in self.doubted else self.at[servo],
+            trusted=False if servo in self.doubted else None,
             torque=0.0 if servo in self.powerless else self.torque[servo],
             goal_rad=self.held_at.get(servo),
             latched=self.latched.get(servo, ()),

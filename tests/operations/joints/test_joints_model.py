@@ -4,9 +4,11 @@ from math import inf, nan
 
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from joints_bench import BODY, DT, NAMES, Bench, Servos, frame
+from msgspec.structs import replace
 
+from lbr.messages.joints import StoredMotion
 from lbr.operations.joints.moving import MARGIN_RAD
 from lbr.operations.joints.state import Tick
 
@@ -34,8 +36,14 @@ class Motion(RuleBasedStateMachine):
         self.leases = {}
         self.outside = {}
         self.renewed = -inf
+        self.bench.servos.stores = True
         self.bench.standing()
         self._look()
+
+    @initialize(open_loop=st.booleans())
+    def the_row_says(self, open_loop):
+        state = self.bench.state
+        self.bench.set(settings=replace(state.settings, open_loop=open_loop))
 
     def _look(self):
         """Hold the newest setpoint against the one before."""
@@ -133,6 +141,33 @@ class Motion(RuleBasedStateMachine):
         how = "smooth" if smooth else "linear"
         self._ask(source, {"frames": frames, "append": append, "lease": lease, "interpolation": how})
 
+    @rule(
+        source=sources,
+        positions=good | anywhere,
+        torque=st.none() | st.floats(0.2, 1.0),
+        smooth=st.booleans(),
+        holds=st.booleans(),
+    )
+    def somebody_joins(self, source, positions, torque, smooth, holds):
+        how = "smooth" if smooth else "linear"
+        lease = self.leases.get(source, "") if holds else ""
+        command = {"positions": positions, "join": True, "torque": torque, "interpolation": how, "lease": lease}
+        self._ask(source, command)
+
+    @rule(source=sources, pose=good, limp=st.booleans(), holds=st.booleans())
+    def somebody_has_the_controller_play(self, source, pose, limp, holds):
+        lease = self.leases.get(source, "") if holds else ""
+        playing = self.bench.state.move is not None and self.bench.state.move.stored is not None
+        motion = StoredMotion(slot=4, duration_s=0.5, pose=pose, limp=limp)
+        told = self.bench.servos.stored
+        self._ask(source, {"stored": motion, "lease": lease})
+        assert not playing or self.bench.servos.stored == told, "it was told another while it played"
+
+    @precondition(lambda self: self.bench.servos.stored is not None)
+    @rule(phase=st.sampled_from(["over", "failed"]))
+    def the_controller_says(self, phase):
+        self.bench.servos.plays(phase, "test")
+
     @rule(source=sources)
     def somebody_renews(self, source):
         more = {"remote": True, "sender_s": self.bench.now + 3.0} if source == "far" else {}
@@ -152,16 +187,19 @@ class Motion(RuleBasedStateMachine):
         self._look()
         assert self.bench.state.move is None
 
-    @rule(servo=st.sampled_from(sorted(IDS)), how=st.sampled_from(["latched", "missing", "well"]))
+    @rule(servo=st.sampled_from(sorted(IDS)), how=st.sampled_from(["latched", "missing", "doubted", "well"]))
     def a_servo_changes(self, servo, how):
         servos = self.bench.servos
         servos.latched.pop(servo, None)
         servos.missing.discard(servo)
+        servos.doubted.discard(servo)
         if how == "latched":
             servos.latched[servo] = ("overload",)
             servos.torque[servo] = 0.0
         elif how == "missing":
             servos.missing.add(servo)
+        elif how == "doubted":
+            servos.doubted.add(servo)
 
     @rule(name=st.sampled_from(NAMES), by_rad=st.floats(-0.5, 0.5))
     def somebody_pushes(self, name, by_rad):
@@ -195,6 +233,13 @@ class Motion(RuleBasedStateMachine):
     def what_is_stopped_does_not_move(self):
         if self.bench.state.holding.estop:
             assert self.bench.state.move is None
+
+    @invariant()
+    def the_controller_plays_for_who_holds(self):
+        setpoint, move = self.bench.setpoint, self.bench.state.move
+        if setpoint is not None and setpoint.stored is not None and self.bench.state.clock == self.bench.now:
+            assert move is not None or not self.bench.state.adopted
+            assert all(goal.position_rad is None for goal in setpoint.goals)
 
     @invariant()
     def each_goal_ends_once(self):

@@ -1,0 +1,196 @@
+"""Motions that the servos' controller plays by itself: who may have them played, and what ends them."""
+
+import pytest
+from joints_bench import NAMES, Bench
+
+from lbr.messages.joints import StoredMotion
+from lbr.operations.joints.view import joints_state
+
+WALK = StoredMotion(slot=4, duration_s=2.0, pose={"left_knee": -0.4})
+SIT = StoredMotion(slot=21, duration_s=1.0, limp=True)
+
+
+@pytest.fixture
+def bench():
+    made = Bench()
+    made.servos.stores = True
+    return made.run(0.05)
+
+
+def last(bench):
+    return bench.results[-1].result, bench.results[-1].reason
+
+
+def test_the_driver_is_told_slot_and_duration_until_it_says_that_it_is_over(bench):
+    reply = bench.command(stored=WALK)
+    assert reply.accepted
+    play = bench.setpoint.stored
+    assert (play.slot, play.duration_s, play.limp) == (4, 2.0, False)
+    assert {goal.torque for goal in bench.setpoint.goals} == {1.0}
+    assert {goal.position_rad for goal in bench.setpoint.goals} == {None}
+    bench.run(1.5, reply.lease)
+    assert bench.setpoint.stored == play
+    state = joints_state(bench.state, bench.now)
+    assert (state.stored, state.moving, state.holder) == (4, True, "console")
+    assert state.left_s == pytest.approx(0.5, abs=0.05)
+    bench.push("left_knee", -0.42)
+    bench.servos.plays("over")
+    bench.run(0.02, reply.lease)
+    assert last(bench) == ("reached", bench.results[-1].reason)
+    assert bench.setpoint.stored is None
+    assert bench.goals["left_knee"] == -0.4, "at its pose, if it is about there"
+    assert set(bench.goals) == set(NAMES)
+    assert joints_state(bench.state, bench.now).stored is None
+
+
+def test_who_is_elsewhere_than_the_pose_says_is_held_there(bench):
+    reply = bench.command(stored=WALK)
+    bench.run(0.1, reply.lease)
+    bench.push("left_knee", -0.9)
+    bench.servos.plays("over")
+    bench.run(0.02, reply.lease)
+    assert bench.goals["left_knee"] == pytest.approx(-0.9)
+
+
+def test_after_a_limp_one_no_joint_has_torque(bench):
+    reply = bench.command(stored=SIT)
+    assert bench.setpoint.stored.limp
+    bench.run(0.1, reply.lease)
+    bench.servos.plays("over")
+    bench.run(0.02, reply.lease)
+    assert bench.goals == {}
+    assert last(bench)[0] == "reached"
+
+
+def test_a_driver_that_never_says_over_is_believed_by_its_time(bench):
+    reply = bench.command(stored=SIT)
+    bench.run(3.9, reply.lease)
+    assert bench.results == []
+    bench.run(0.2, reply.lease)
+    assert last(bench)[0] == "reached"
+
+
+def test_nothing_else_moves_meanwhile_and_who_asks_is_told_for_how_long(bench):
+    reply = bench.command(stored=WALK)
+    bench.run(0.5, reply.lease)
+    told = "busy: the controller plays slot 4 for 1.5 s more"
+    assert bench.command({"left_knee": -0.1}, lease=reply.lease).reason == told
+    assert bench.command({"left_knee": -0.1}, join=True, lease=reply.lease).reason == told
+    assert bench.command(stored=SIT, lease=reply.lease).reason == told
+    assert bench.command({"left_knee": -0.1}, source="pad").reason == f"{told}, held by console"
+    assert bench.torque("left_knee", on=True).reason == told
+    assert bench.results == []
+
+
+def test_each_is_told_with_a_count_that_grows_also_after_a_process_began_anew(bench):
+    counts = []
+    for _ in range(3):
+        reply = bench.command(stored=SIT)
+        counts.append(bench.setpoint.stored.count)
+        bench.servos.plays("over")
+        bench.run(0.02, reply.lease)
+        bench.restart()
+        bench.run(0.05)
+    assert counts == sorted(set(counts))
+
+
+@pytest.mark.parametrize("how", ["stop", "lapse", "holder", "estop"])
+def test_whatever_ends_it_is_told_to_the_driver_which_then_holds(bench, how):
+    reply = bench.command(stored=WALK)
+    bench.run(0.3, reply.lease)
+    halt = bench.setpoint.halt
+    if how == "stop":
+        bench.stop()
+    elif how == "lapse":
+        bench.run(0.4)
+    elif how == "holder":
+        bench.lose_holder()
+    else:
+        bench.estop()
+    assert bench.setpoint.stored is None
+    assert bench.setpoint.halt > halt
+    assert bench.setpoint.lost == (how in {"lapse", "holder"})
+    assert last(bench)[0] == {"stop": "stopped", "estop": "fault"}.get(how, "lapsed")
+    assert set(bench.goals) == set(NAMES)
+
+
+def test_a_process_that_is_killed_meanwhile_says_nothing_of_it_afterwards(bench):
+    reply = bench.command(stored=WALK)
+    bench.run(0.3, reply.lease)
+    bench.servos.phase = "holding"
+    bench.restart()
+    bench.run(0.3)
+    assert bench.setpoint.lost
+    assert bench.setpoint.stored is None
+    assert not bench.command(lease=reply.lease).accepted
+
+
+def test_who_takes_over_breaks_it_off(bench):
+    first = bench.command(stored=WALK)
+    bench.run(0.2, first.lease)
+    halt = bench.setpoint.halt
+    assert bench.command({"left_knee": -0.1}, source="pad", take_over=True).accepted
+    assert last(bench) == ("superseded", "taken over by pad")
+    assert bench.setpoint.stored is None
+    assert bench.setpoint.halt > halt
+
+
+def test_what_the_driver_could_not_begin_leaves_every_joint_as_it_was(bench):
+    bench.torque("left_knee", on=True)
+    reply = bench.command(stored=WALK)
+    bench.servos.plays("failed", "slot 4 is not among those that may be started")
+    bench.run(0.02, reply.lease)
+    assert last(bench) == ("fault", "slot 4 is not among those that may be started")
+    assert set(bench.goals) == {"left_knee"}
+
+
+def test_a_driver_that_does_not_take_it_up_ends_it(bench):
+    bench.servos._play = lambda setpoint: None
+    bench.servos.reason = "the cable is out"
+    reply = bench.command(stored=WALK)
+    bench.run(1.1, reply.lease)
+    assert last(bench) == ("fault", "the controller does not play slot 4: the cable is out")
+
+
+def test_a_driver_that_is_gone_ends_it(bench):
+    bench.command(stored=WALK)
+    bench.lose_servos()
+    assert last(bench) == ("fault", "the servo driver (servos) is gone")
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ({"positions": {"left_knee": 0.0}}, "the controller plays slot 4 as it is, and nothing beside it"),
+        ({"torque": 0.4}, "the controller plays slot 4 as it is, and nothing beside it"),
+        ({"stored": StoredMotion(slot=4, duration_s=float("nan"))}, "duration_s nan is outside 0 to 600"),
+        ({"stored": StoredMotion(slot=4, duration_s=1.0, pose={"tail": 0.0})}, "there is no joint 'tail'"),
+        ({"role": "view"}, "role 'view' may stop the robot but not move it"),
+    ],
+)
+def test_one_that_makes_no_sense_is_refused(bench, command, said):
+    assert bench.command(**{"stored": WALK, **command}).reason.startswith(said)
+    assert bench.state.move is None
+
+
+def test_a_controller_without_motions_plays_none(bench):
+    bench.servos.stores = False
+    bench.hear()
+    assert bench.command(stored=WALK).reason == "the servos' controller keeps no motions of its own"
+
+
+def test_nothing_goes_on_while_the_controller_does_not_pass_goals_on(bench):
+    bench.torque(on=True)
+    bench.servos.mode = "taking"
+    bench.run(0.05)
+    bench.servos.obey = lambda setpoint: None
+    bench.servos.phase = "holding"
+    reply = bench.command({"left_knee": -0.5}, join=True)
+    bench.run(1.0, reply.lease)
+    assert bench.goals["left_knee"] == 0.0
+    assert bench.results == []
+    del bench.servos.obey
+    bench.servos.mode = "pc"
+    bench.run(0.5, reply.lease)
+    assert last(bench)[0] == "reached"
+    assert bench.goals["left_knee"] == -0.5
