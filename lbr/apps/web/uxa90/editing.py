@@ -82,6 +82,8 @@ class Editor:
     async def _write_motor(self, ask: Ask, body: MotorBody, number: int, *, create: bool) -> MotorRowAnswer:
         if not body.lowest <= body.rest <= body.highest or body.lowest >= body.highest:
             raise Refused(400, "min must be less than max, and default between them")
+        if number not in self._motors.joints:
+            raise Refused(400, f"no joint is turned by a servo {number}: there is no row of `joint` for it")
         motor = Motor(
             layer=self._robot.settings.layer,
             id=number,
