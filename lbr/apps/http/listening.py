@@ -46,10 +46,10 @@ class Connection(H11Protocol):
 def listen(host: str, port: int) -> socket.socket:
     """Return a listening socket whose connections hold little; InputError says what is wrong with the address."""
     try:
-        family, kind, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except OSError as err:
         raise InputError(f"'{host}' is no address of this machine: {err.strerror or err}") from err
-    listening = socket.socket(family, kind)
+    listening = socket.socket(family, kind, protocol)  # asyncio sends at once only what it knows to be TCP
     try:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)

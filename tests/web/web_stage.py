@@ -1,0 +1,165 @@
+"""The real server on a real port, in a loop like its process's, with a robot that is nothing but answers."""
+
+import http.client
+import json
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from lbr.apps.web import WebSettings
+from lbr.apps.web.capability import Web
+from lbr.apps.web.face import Face
+from lbr.capability.context import Received
+from lbr.errors import DeviceError
+from lbr.messages.leases import CommandReply
+
+REQUESTS = ("move", "halt", "torque", "play", "stop_motion", "take_control", "edit", "estop_reset")
+
+
+class Asked:
+    def __init__(self, name: str, answer: Any) -> None:
+        self._answers = {name: answer}
+
+    def answers(self) -> dict[str, Any]:
+        return self._answers
+
+
+class Stage:
+    """What the server has of its robot. `answer` answers what it asks, in the loop."""
+
+    name, robot, on_tick = "web", "uxa90", True
+    joints = motions = motors = buttons = ()
+
+    def __init__(self, settings: WebSettings, users: tuple[Any, ...] = ()) -> None:
+        self.settings, self.users = settings, users
+        self.asked: list[tuple[str, Any]] = []
+        self.events: list[tuple[str, str, str]] = []
+        self.published: dict[str, Any] = {}
+        self.engaged: list[str] = []
+        self.inputs: dict[str, Received] = {}
+        self.wired = set(REQUESTS)
+        self.answer: Callable[[str, Any], Any] = lambda _request, _message: CommandReply(accepted=True)
+        self.woken = threading.Event()
+
+    def clock(self) -> float:
+        return time.monotonic()
+
+    def wake(self) -> None:
+        self.woken.set()
+
+    def latest(self, port: str) -> Received | None:
+        return self.inputs.get(port)
+
+    def take(self, port: str) -> list[Received]:
+        return []
+
+    def targets(self, request: str) -> tuple[str, ...]:
+        return ("joints",) if request in self.wired else ()
+
+    def ask(self, request: str, message: Any, timeout_s: float) -> Asked:
+        self.asked.append((request, message))
+        return Asked("joints", self.answer(request, message))
+
+    def event(self, kind: str, text: str, *, level: str = "info", data: Any = None) -> None:
+        self.events.append((kind, text, level))
+
+    def publish(self, output: str, message: Any) -> None:
+        self.published[output] = message
+
+    def engage_estop(self, reason: str) -> None:
+        self.engaged.append(reason)
+
+    def say(self, port: str, message: Any) -> None:
+        self.inputs[port] = Received(message, None, time.monotonic(), "test")
+
+
+class Served:
+    """A running server and its port."""
+
+    def __init__(self, stage: Stage, web: Web) -> None:
+        self.stage, self.web = stage, web
+        self.port = web._place.port
+
+    def ask(
+        self,
+        method: str,
+        path: str,
+        body: Any = None,
+        headers: dict[str, str] | None = None,
+        *,
+        host: str = "127.0.0.1",
+    ) -> "Answer":
+        connection = http.client.HTTPConnection(host, self.port, timeout=8)
+        given = dict(headers or {})
+        if body is not None and not isinstance(body, bytes):
+            body = json.dumps(body).encode()
+            given = {"Content-Type": "application/json"} | given
+        try:
+            connection.request(method, path, body, given)
+            response = connection.getresponse()
+            return Answer(response.status, dict(response.getheaders()), response.read())
+        finally:
+            connection.close()
+
+    def raw(self, sent: bytes) -> bytes:
+        with socket.create_connection(("127.0.0.1", self.port), timeout=8) as client:
+            client.sendall(sent)
+            parts = []
+            while part := client.recv(65536):
+                parts.append(part)
+        return b"".join(parts)
+
+
+class Answer:
+    def __init__(self, status: int, headers: dict[str, str], body: bytes) -> None:
+        self.status, self.body = status, body
+        self.headers = {name.lower(): value for name, value in headers.items()}
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.body)
+
+    @property
+    def said(self) -> str:
+        return self.json["message"]
+
+
+@contextmanager
+def serving(*faces: Face, users: tuple[Any, ...] = (), **settings: Any) -> Iterator[Served]:
+    """Serve faces with these settings until the end of a `with`."""
+    stage = Stage(WebSettings(**{"port": 0, "announce": False, **settings}), users)
+    web = Web(stage)  # type: ignore[arg-type]
+    web._faces += faces
+    ended = threading.Event()
+    opened = threading.Event()
+    troubles: list[BaseException] = []
+
+    def loop() -> None:
+        try:
+            web.open()
+            opened.set()
+            while not ended.is_set():
+                web.step()
+                stage.woken.wait(0.02)
+                stage.woken.clear()
+        except (DeviceError, AssertionError) as err:
+            troubles.append(err)
+        finally:
+            opened.set()
+            web.close()
+
+    thread = threading.Thread(target=loop)
+    thread.start()
+    opened.wait(5.0)
+    try:
+        if troubles:
+            raise troubles[0]
+        yield Served(stage, web)
+    finally:
+        ended.set()
+        stage.wake()
+        thread.join(5.0)
+        assert not thread.is_alive()
