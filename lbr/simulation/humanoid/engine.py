@@ -62,21 +62,25 @@ class HumanoidEngine:
         return bool(self._data.eq_active[0])
 
     def pick_up(self) -> None:
-        """Put it as it began where it is and as it looks: limp joints at zero, or as it rests, and on its feet.
+        """Put it as it began where it is and as it looks: limp joints at zero, or as it rests.
 
-        A hand holds it until it can stand, unless it can rest.
+        A hand holds it upright until it can stand, unless it can rest: that is, all of it is limp.
         """
         data, limp = self._data, self._servos.limp
+        rests = bool(self.settings.rests) and bool(limp.all()) and not self.settings.stand
         yaw = heading_rad(data.xmat[self.body.trunk])
         data.qpos[self.body.positions] = np.where(limp, self._rest, data.qpos[self.body.positions])
         data.qvel[:] = 0.0
         data.qpos[2:7] = (0.0, 1.0, 0.0, 0.0, 0.0)
         mujoco.mj_kinematics(self._model, data)
-        mujoco.mju_mulQuat(data.qpos[3:7], (cos(yaw / 2), 0.0, 0.0, sin(yaw / 2)), self._on_soles())
+        lean = self._on_soles() if rests else (1.0, 0.0, 0.0, 0.0)
+        mujoco.mju_mulQuat(data.qpos[3:7], (cos(yaw / 2), 0.0, 0.0, sin(yaw / 2)), lean)
         mujoco.mj_kinematics(self._model, data)
         data.qpos[2] = (_STAND_M if self.settings.stand else 0.0) - self._lowest_m()
+        if self.settings.rests and not rests:
+            data.qpos[2] = max(data.qpos[2], self._tall_m)
         data.mocap_pos[0], data.mocap_quat[0] = data.qpos[:3], data.qpos[3:7]
-        data.eq_active[0] = self.settings.stand or not self.settings.rests or not limp.all()
+        data.eq_active[0] = not rests
         self._driven_s = 0.0
         self.balls.apply(data)
         mujoco.mj_forward(self._model, data)
@@ -159,7 +163,7 @@ class HumanoidEngine:
     def _on_soles(self) -> Floats:
         """Return how the trunk is turned when its foot is flat on the floor, from where all is with the trunk unturned."""
         turned = np.array((1.0, 0.0, 0.0, 0.0))
-        if self.settings.rests and self.body.feet:
+        if self.body.feet:
             mujoco.mju_negQuat(turned, self._data.xquat[next(iter(self.body.feet.values()))])
         return turned
 
