@@ -1,0 +1,143 @@
+import asyncio
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec import Struct
+
+from lbr.apps.web import openapi, routing
+from lbr.apps.web.face import Ask, Message, Refused, Reply, Route
+from lbr.apps.web.routing import Table
+from lbr.apps.web.streams import StreamParams
+
+
+async def nothing(_ask: Ask) -> Reply:
+    return Reply()
+
+
+class Body(Struct, forbid_unknown_fields=True):
+    count: int
+
+
+def route(method: str, path: str, **more: Any) -> Route:
+    return Route(method=method, path=path, handle=nothing, summary="s", replies={200: Message}, **more)
+
+
+TABLE = Table([route("GET", "/"), route("GET", "/motion"), route("GET", "/motion/{key}"), route("POST", "/stop")])
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "found"),
+    [
+        ("GET", "/", ("/", {})),
+        ("GET", "/Motion/", ("/motion", {})),
+        ("GET", "/motion/Basic_Motion", ("/motion/{key}", {"key": "Basic_Motion"})),
+        ("GET", "/MOTION/a%2Fb/", ("/motion/{key}", {"key": "a/b"})),
+        ("HEAD", "/motion", ("/motion", {})),
+        ("GET", "/motion//", None),
+        ("GET", "/motion/a/b", None),
+        ("POST", "/motion", None),
+        ("PUT", "/stop", None),
+        ("GET", "/motio", None),
+    ],
+)
+def test_a_path_is_found_in_either_case_and_with_a_slash_at_its_end(method, path, found):
+    route = TABLE.find(method, path)
+    assert (route and (route[0].path, route[1])) == found
+
+
+def test_a_path_knows_its_methods():
+    assert TABLE.methods("/STOP/") == ("POST",)
+    assert TABLE.methods("/motion") == ("GET", "HEAD")
+    assert TABLE.methods("/nope") == ()
+
+
+def test_a_key_that_is_no_text_is_refused():
+    with pytest.raises(Refused) as refused:
+        TABLE.find("GET", "/motion/%ff")
+    assert refused.value.status == 400
+
+
+def refusal_of(work) -> int | None:
+    try:
+        work()
+    except Refused as err:
+        return err.status if err.message else 0
+    return None
+
+
+@given(st.binary(max_size=300), st.text(max_size=60))
+def test_whatever_is_asked_is_answered_or_refused(query, path):
+    assert refusal_of(lambda: routing.converted(routing.parameters(query), StreamParams)) in {None, 400}
+    assert refusal_of(lambda: TABLE.find("GET", f"/{path}")) in {None, 400}
+
+
+@given(st.binary(max_size=300))
+def test_whatever_a_body_holds_is_read_or_refused(body):
+    assert refusal_of(lambda: routing.decoded(body, Body)) in {None, 400}
+
+
+@pytest.mark.parametrize(
+    ("query", "said"),
+    [
+        (b"rate_hz=x", "rate_hz: Expected 'float'"),
+        (b"rate_hz=0", "rate_hz: Expected 'float' >= 0.1"),
+        (b"rate_hz=1&rate_hz=2", "'rate_hz' may be given once"),
+        (b"&".join(b"a=1" for _ in range(99)), "64 parameters"),
+    ],
+)
+def test_a_parameter_that_does_not_fit_is_named(query, said):
+    with pytest.raises(Refused) as refused:
+        routing.converted(routing.parameters(query), StreamParams)
+    assert said in refused.value.message
+
+
+def test_what_is_nested_too_deeply_is_refused():
+    with pytest.raises(Refused):
+        routing.decoded(b"[" * 60_000, Body)
+
+
+def test_the_document_is_made_of_the_routes():
+    made = openapi.document(
+        [
+            route("GET", "/motion/{key}", params=StreamParams, refuses={409: "busy"}),
+            route("POST", "/things", body=Body, role="admin"),
+            route("GET", "/hidden", hidden=True),
+        ],
+        title="t",
+        description="d",
+        version="1",
+    )
+    made = json.loads(json.dumps(made))
+    assert set(made["paths"]) == {"/motion/{key}", "/things"}
+    moved = made["paths"]["/motion/{key}"]["get"]
+    assert [(one["name"], one["in"], one["required"]) for one in moved["parameters"]] == [
+        ("key", "path", True),
+        ("rate_hz", "query", False),
+    ]
+    assert moved["parameters"][1]["schema"]["maximum"] == 50.0
+    assert {"200", "400", "401", "403", "409", "429"} <= set(moved["responses"])
+    made_one = made["paths"]["/things"]["post"]
+    assert made_one["x-role"] == "admin"
+    assert made_one["requestBody"]["required"]
+    assert made["components"]["schemas"]["Body"]["additionalProperties"] is False
+
+
+def test_a_promise_that_nobody_waits_for_hurts_nobody():
+    from lbr.apps.web.bridge import Bridge, Promise
+
+    failed: list[Exception] = []
+    promise: Promise[int] = Promise()
+    bridge = Bridge(lambda: None, failed.append)
+
+    async def asks() -> None:
+        with pytest.raises(Refused) as refused:
+            await bridge.call(lambda: promise, timeout_s=0.01)
+        assert refused.value.status == 503
+
+    asyncio.run(asks())
+    bridge.serve()
+    promise.keep(1)
+    assert not failed

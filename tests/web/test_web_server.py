@@ -1,0 +1,375 @@
+import http.client
+import socket
+import ssl
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
+
+import pytest
+from msgspec.structs import replace
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+from lbr.apps.web.face import Ask, Face, Reply, Route, json, text
+from lbr.errors import DeviceError
+from lbr.messages.faces import EditCommand, EditReply, Motor
+from lbr.messages.joints import JointsState
+from lbr.messages.leases import CommandReply
+from tests.robot import until
+from tests.web.test_web_access import FINGERPRINT, SECRET, user
+from tests.web.web_stage import Served, serving
+
+JOINTS = JointsState(sequence=1, measured_s=0.0, moving=False, phase="ready", joints={})
+
+
+class Plain(Face):
+    """A face that answers, moves, breaks and hangs."""
+
+    name = "plain"
+
+    def __init__(self) -> None:
+        self.stops: list[str] = []
+
+    def routes(self) -> list[Route]:
+        def made(method: str, path: str, handle, **more):
+            return Route(method=method, path=path, handle=handle, summary=path, replies={200: "text/plain"}, **more)
+
+        return [
+            made("GET", "/", self._ok, role=None, page=True),
+            made("GET", "/move", self._move, role="operate"),
+            made("GET", "/broken", self._broken),
+            made("GET", "/echo", self._echo, lenient=True),
+        ]
+
+    def stopped(self, reason: str) -> None:
+        self.stops.append(reason)
+
+    def state(self) -> dict[str, int]:
+        return {"jobs": 0}
+
+    async def _ok(self, _ask: Ask) -> Reply:
+        return text("OK")
+
+    async def _move(self, _ask: Ask) -> Reply:
+        return text("moved")
+
+    async def _echo(self, ask: Ask) -> Reply:
+        return json({"body": len(ask.body), "query": ask.query})
+
+    async def _broken(self, _ask: Ask) -> Reply:
+        raise ZeroDivisionError
+
+
+def ending_of(viewer) -> tuple[int, str]:
+    """Read a stream to its end, and return how it was closed."""
+    try:
+        while True:
+            viewer.recv(timeout=5)
+    except ConnectionClosed as closed:
+        return closed.rcvd.code, closed.rcvd.reason
+
+
+@pytest.fixture(scope="module")
+def face() -> Plain:
+    return Plain()
+
+
+@pytest.fixture(scope="module")
+def served(face) -> Iterator[Served]:
+    with serving(face, cors=("http://app:8081",), names=("robot.example.org",), requests_per_s=4000.0) as found:
+        yield found
+
+
+def test_pages_and_states_are_served(served):
+    served.stage.say("joints", JOINTS)
+    assert served.ask("GET", "/").body == b"OK"
+    state = until(lambda: (found := served.ask("GET", "/state").json)["joints"] and found)
+    assert state["robot"] == "uxa90"
+    assert state["joints"]["phase"] == "ready"
+    assert state["age_s"]["joints"] >= 0
+    assert state["faces"] == {"plain": {"jobs": 0}}
+    assert "server" not in served.ask("GET", "/").headers
+
+
+def test_what_there_is_not_is_told_as_express_does(served):
+    answer = served.ask("GET", "/nope/%3Cscript%3E?x=1")
+    assert answer.status == 404
+    assert b"<pre>Cannot GET /nope/%3Cscript%3E</pre>" in answer.body
+    assert answer.headers["content-type"] == "text/html; charset=utf-8"
+    assert served.ask("POST", "/move").status == 404
+    assert b"Cannot POST /move" in served.ask("POST", "/move").body
+
+
+def test_head_is_a_get_without_its_body(served):
+    answer = served.ask("HEAD", "/")
+    assert (answer.status, answer.body, answer.headers["content-length"]) == (200, b"", "2")
+
+
+def test_a_broken_answer_is_an_answer_and_an_event(served, capfd):
+    assert served.ask("GET", "/broken").status == 500
+    until(lambda: any(kind == "web_fault" and "ZeroDivisionError" in text for kind, text, _ in served.stage.events))
+    assert served.ask("GET", "/").status == 200
+    assert "ZeroDivisionError" in capfd.readouterr().err
+
+
+def test_stop_reaches_whatever_is_wired_and_the_faces(served, face):
+    served.stage.asked.clear()
+    assert served.ask("POST", "/stop").json == {"message": "stopped"}
+    assert {request for request, _ in served.stage.asked} == {"halt", "stop_motion"}
+    assert face.stops[-1] == "stopped by 127.0.0.1"
+
+
+def test_a_refused_stop_says_why(served):
+    served.stage.answer = lambda _request, _message: CommandReply(accepted=False, reason="no bus")
+    try:
+        answer = served.ask("POST", "/stop")
+        assert (answer.status, answer.said) == (409, "no bus")
+    finally:
+        served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
+
+
+def test_a_robot_that_does_not_answer_is_told(served):
+    served.stage.answer = lambda _request, _message: None
+    try:
+        answer = served.ask("POST", "/estop/reset")
+        assert (answer.status, answer.said) == (503, "'joints' does not answer")
+    finally:
+        served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
+
+
+def test_the_emergency_stop_is_engaged_and_released(served, face):
+    served.stage.say("joints", replace(JOINTS, estop=True))
+    answer = served.ask("POST", "/estop", {"reason": "smoke"})
+    assert answer.json == {"message": "the emergency stop is engaged", "engaged": True, "noticed": True}
+    assert served.stage.engaged == ["smoke (127.0.0.1)"]
+    assert face.stops[-1].startswith("emergency stop")
+    assert served.ask("POST", "/estop/reset").status == 200
+    assert served.stage.asked[-1][0] == "estop_reset"
+
+
+@pytest.mark.parametrize(
+    ("body", "headers", "status"),
+    [
+        (b"{", {"Content-Type": "application/json"}, 400),
+        (b'{"reason": 5}', {"Content-Type": "application/json"}, 400),
+        (b'{"why": "x"}', {"Content-Type": "application/json"}, 400),
+        (b"\xff", {"Content-Type": "application/json; charset=utf-8"}, 400),
+        (b'{"reason": "x"}', {"Content-Type": "text/plain"}, 415),
+        (b"x" * 70_000, {"Content-Type": "application/json"}, 413),
+    ],
+)
+def test_a_body_that_is_none_engages_nothing(served, body, headers, status):
+    before = len(served.stage.engaged)
+    answer = served.ask("POST", "/estop", body, headers)
+    assert answer.status == status
+    assert answer.said
+    assert len(served.stage.engaged) == before
+
+
+def test_a_body_without_end_is_cut_where_it_is_too_large(served):
+    chunk = b"8000\r\n" + b"x" * 0x8000 + b"\r\n"
+    head = b"GET /echo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
+    assert served.raw(head + chunk * 3).startswith(b"HTTP/1.1 413")
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        b"nonsense\r\n\r\n",
+        b"GET / HTTP/1.1\r\n\r\n",
+        b"GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n",
+        b"\x16\x03\x01\x02\x00\r\n\r\n",
+        b"GET / HTTP/1.1\r\nX: " + b"x" * 70_000,
+    ],
+)
+def test_what_is_no_request_is_answered_with_400(served, request_):
+    assert served.raw(request_).startswith(b"HTTP/1.1 400")
+    assert served.ask("GET", "/").status == 200
+
+
+def test_an_address_that_is_too_long_is_refused(served):
+    assert served.ask("GET", "/" + "x" * 5000).status == 414
+
+
+@pytest.mark.parametrize(
+    ("host", "status"),
+    [
+        ("127.0.0.1", 200),
+        ("[::1]:50000", 200),
+        ("localhost:1", 200),
+        ("robot.example.org", 200),
+        ("evil.example", 421),
+        ("", 421),
+    ],
+)
+def test_a_name_that_was_made_to_lead_here_is_refused(served, host, status):
+    assert served.ask("GET", "/", headers={"Host": host}).status == status
+
+
+def test_foreign_pages_may_not_move_the_robot_and_may_link_to_pages(served):
+    browser = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
+    assert served.ask("GET", "/move", headers=browser).status == 403
+    assert served.ask("GET", "/", headers=browser).status == 200
+    assert served.ask("GET", "/", headers=browser | {"Sec-Fetch-Mode": "cors"}).status == 403
+    assert served.ask("POST", "/stop", headers={"Origin": "http://evil.example"}).status == 403
+    assert served.ask("GET", "/move", headers={"Sec-Fetch-Site": "none"}).status == 200
+
+
+def test_allowed_pages_are_told_so_and_others_are_not(served):
+    allowed = served.ask("GET", "/move", headers={"Origin": "http://app:8081"})
+    assert (allowed.status, allowed.headers["access-control-allow-origin"]) == (200, "http://app:8081")
+    assert allowed.headers["vary"] == "Origin"
+    asked = {"Access-Control-Request-Method": "POST", "Access-Control-Request-Private-Network": "true"}
+    preflight = served.ask("OPTIONS", "/stop", headers={"Origin": "http://app:8081"} | asked)
+    assert (preflight.status, preflight.headers["access-control-allow-methods"]) == (204, "POST")
+    assert preflight.headers["access-control-allow-private-network"] == "true"
+    refused = served.ask("OPTIONS", "/stop", headers={"Origin": "http://evil.example"} | asked)
+    assert refused.status == 403
+    assert "access-control-allow-origin" not in refused.headers
+    assert served.ask("OPTIONS", "/move").headers["allow"] == "GET,HEAD"
+
+
+def test_states_stream_and_the_newest_wins(served):
+    with connect(f"ws://127.0.0.1:{served.port}/ws?rate_hz=50") as viewer:
+        viewer.recv(timeout=5)
+        served.stage.say("joints", JointsState(sequence=77, measured_s=0.0, moving=True, phase="ready", joints={}))
+        until(lambda: b'"sequence":77' in viewer.recv(timeout=5).encode())
+
+
+@pytest.mark.parametrize(
+    ("path", "headers", "status"),
+    [
+        ("/ws?rate_hz=0", {}, 400),
+        ("/nope", {}, 404),
+        ("/ws", {"Origin": "http://evil.example"}, 403),
+        ("/ws", {"Authorization": "Bearer nonsense"}, 401),
+    ],
+)
+def test_a_stream_is_refused_with_a_status(served, path, headers, status):
+    with (
+        pytest.raises(InvalidStatus) as refused,
+        connect(f"ws://127.0.0.1:{served.port}{path}", additional_headers=headers),
+    ):
+        pass
+    assert refused.value.response.status_code == status
+
+
+def test_whoever_talks_on_a_stream_is_shown_out(served):
+    with connect(f"ws://127.0.0.1:{served.port}/ws?rate_hz=50") as viewer:
+        for _ in range(100):
+            with suppress(ConnectionClosed):
+                viewer.send("hello")
+        assert ending_of(viewer) == (1008, "nothing is to be said here")
+
+
+def test_a_reader_that_never_reads_costs_nothing_and_stops_nobody(served):
+    with socket.create_connection(("127.0.0.1", served.port)) as lazy:
+        lazy.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        lazy.sendall(
+            b"GET /ws?rate_hz=50 HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+        )
+        big = {f"j{n}": {"id": n, "reason": "x" * 200} for n in range(25)}
+        for n in range(20):
+            served.stage.say("joints", JointsState(sequence=n, measured_s=0.0, moving=False, phase="ready", joints=big))
+            assert served.ask("GET", "/").status == 200
+    served.stage.say("joints", JOINTS)
+
+
+def test_edited_rows_are_the_robots_at_once(served):
+    import asyncio
+
+    motor = Motor(layer="mine", id=23, name="neck", initial=127, lowest=1, highest=254, rest=127)
+    served.stage.answer = lambda _request, _message: EditReply(accepted=True, revision=3)
+    robot = served.web._robot
+    try:
+        assert asyncio.run(robot.edit(EditCommand(motors=(motor,)))).revision == 3
+        assert robot.motors == (motor,)
+    finally:
+        robot.motors = ()
+        served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
+
+
+def test_the_address_is_told_honestly(served):
+    assert "Only this machine reaches http://127.0.0.1" in served.web._place.told()
+    assert "UPDATE capability" in served.ask("GET", "/qr").body.decode()
+    assert served.ask("GET", "/qr.svg").status == 404
+
+
+def test_tokens_let_in_whom_no_network_does():
+    with serving(Plain(), users=(user("ann", "operate"), user("eve", "view")), trusted=()) as served:
+        assert served.ask("GET", "/").status == 200
+        nobody = served.ask("GET", "/move")
+        assert (nobody.status, nobody.headers["www-authenticate"]) == (401, 'Bearer realm="lbr"')
+        shown = {name: f"{name}.{SECRET}.{FINGERPRINT}" for name in ("ann", "eve")}
+        assert served.ask("GET", "/move", headers={"Authorization": f"Bearer {shown['ann']}"}).status == 200
+        assert served.ask("GET", "/move", headers={"Authorization": f"Bearer {shown['eve']}"}).status == 403
+        assert served.ask("POST", "/stop", headers={"Authorization": f"Bearer {shown['eve']}"}).status == 200
+        url = f"ws://127.0.0.1:{served.port}/ws"
+        with pytest.raises(InvalidStatus):
+            connect(url)
+        with connect(url, subprotocols=["lbr.state", f"bearer.{shown['eve']}"]) as viewer:
+            assert viewer.subprotocol == "lbr.state"
+            assert "uxa90" in viewer.recv(timeout=5)
+
+
+def test_whoever_asks_too_often_waits_and_may_stop_all_the_same():
+    with serving(Plain(), requests_per_s=20.0) as served:
+        answers = [served.ask("GET", "/") for _ in range(20)]
+        refused = next(answer for answer in answers if answer.status == 429)
+        assert refused.headers["retry-after"] == "1"
+        assert served.ask("POST", "/stop").status == 200
+
+
+def test_a_port_that_is_taken_is_told_with_the_row():
+    with ExitStack() as stack:
+        port = stack.enter_context(serving()).port
+        with pytest.raises(DeviceError, match="'host' and 'port' of capability 'uxa90/web'"):
+            stack.enter_context(serving(port=port))
+
+
+def test_streams_end_with_a_reason_when_the_server_does():
+    with ExitStack() as stack:
+        with serving() as served:
+            viewer = stack.enter_context(connect(f"ws://127.0.0.1:{served.port}/ws?rate_hz=50"))
+            viewer.recv(timeout=5)
+        code, reason = ending_of(viewer)
+    assert code == 1001
+    assert "the server ends" in reason
+
+
+def test_it_may_be_served_encrypted_and_to_everybody(monkeypatch, tmp_path):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path))
+    with serving(Plain(), host="0.0.0.0", tls=True) as served:
+        context = ssl._create_unverified_context()
+        with socket.create_connection(("127.0.0.1", served.port)) as plain, context.wrap_socket(plain) as secure:
+            secure.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+            assert secure.recv(100).startswith(b"HTTP/1.1 200")
+        with pytest.raises((ConnectionError, http.client.HTTPException)):
+            served.ask("GET", "/")
+        assert not any(kind == "exposed" for kind, _, _ in served.stage.events)
+
+
+def test_it_is_said_aloud_when_others_may_move_the_robot():
+    with serving(host="0.0.0.0", trusted=("127.0.0.0/8", "192.168.0.0/16"), cors=("*",)) as served:
+        said = [text for kind, text, level in served.stage.events if kind == "exposed" and level == "warning"]
+    assert any("without encryption" in text for text in said)
+    assert any("192.168.0.0/16" in text for text in said)
+    assert any("cors" in text for text in said)
+
+
+def test_many_ask_at_once_and_all_are_answered(served):
+    statuses: list[int] = []
+
+    def ask() -> None:
+        statuses.extend(served.ask("POST", "/stop").status for _ in range(15))
+
+    threads = [threading.Thread(target=ask) for _ in range(6)]
+    began = time.monotonic()
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert statuses == [200] * 90
+    assert time.monotonic() - began < 8
