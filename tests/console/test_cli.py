@@ -78,7 +78,7 @@ def test_a_group_without_a_command_prints_its_help(lbr, command):
 
 def test_rows_are_made_checked_and_compared(lbr):
     assert lbr("db", "init").returncode == 0
-    assert lbr("db", "check").stdout == "bioloid: good\nlbr: good\n"
+    assert lbr("db", "check").stdout == "bioloid: good\nlbr: good\nuxa90: good\n"
     assert lbr("db", "diff").stdout == "the rows are as shipped\n"
 
 

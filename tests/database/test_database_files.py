@@ -55,7 +55,7 @@ def test_a_file_that_others_may_change(path, mode):
 def test_a_file_that_others_may_read_is_taken(path):
     path.chmod(0o644)
     with Database.open(path) as database:
-        assert database.robots() == ("bioloid", "lbr")
+        assert database.robots() == ("bioloid", "lbr", "uxa90")
 
 
 def test_a_folder_where_others_may_replace_it(path):
