@@ -106,7 +106,5 @@ class Bench:
         return False
 
 
-AROUND = Surroundings(
-    seed=1, now=0.0, trace=OutputTrace(""), cameras=CameraHost(b"", 0), mounts=("front", "rear")
-)
+AROUND = Surroundings(seed=1, now=0.0, trace=OutputTrace(""), cameras=CameraHost(b"", 0), mounts=("front", "rear"))
 """What a twin needs that is built without a world."""

@@ -1,0 +1,50 @@
+"""A client of an emulated camera, and how its pictures are looked at."""
+
+import io
+import json
+import socket
+import struct
+
+from PIL import Image
+
+
+def like(pixel, colour):
+    """The same hue, whatever the light."""
+    return all(abs(a / max(pixel) - b / max(colour)) < 0.12 for a, b in zip(pixel, colour, strict=True))
+
+
+def picture(jpeg):
+    return Image.open(io.BytesIO(jpeg)).convert("RGB")
+
+
+class Film:
+    """A client of a camera's socket."""
+
+    def __init__(self, path, **wanted):
+        self.connection = socket.socket(socket.AF_UNIX)
+        self.connection.settimeout(5)
+        self.connection.connect(str(path))
+        self.stream = self.connection.makefile("rb")
+        if wanted:
+            self.ask(**wanted)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stream.close()
+        self.connection.close()
+
+    def ask(self, **wanted):
+        self.connection.sendall(json.dumps(wanted).encode() + b"\n")
+
+    def frame(self):
+        """The next picture and when it was taken; None at the end."""
+        try:
+            header = self.stream.read(12)
+            if len(header) < 12:
+                return None
+            length, taken_ns = struct.unpack("<IQ", header)
+            return self.stream.read(length), taken_ns
+        except ConnectionError:
+            return None

@@ -1,0 +1,134 @@
+"""The running world of a UXA-90: its main board on a real tty, its head's camera on a real socket, in real time."""
+
+import threading
+import time
+
+import msgspec
+import numpy as np
+import pytest
+import serial
+from camera_bench import Film, picture
+from humanoid_bench import rows
+from PIL import Image
+from uxa90_bench import settings
+from world_bench import FakeCall, FakeContext
+
+from lbr.capability.context import Device
+from lbr.simulation.humanoid.capability import HumanoidWorld
+from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
+from lbr.simulation.uxa90.firmware import shipped
+
+BUTTON = bytes.fromhex("ff ff aa 55 aa 55 37 ba 14 00 00 00 00 01")
+STAND = 7
+
+
+class Stage:
+    """A world, run by a thread as its process would."""
+
+    def __init__(self, folder):
+        self.line, self.eye = folder / "main_board", folder / "head_camera"
+        fast = [msgspec.structs.replace(frame, duration_s=2.0) for frame in shipped()[STAND].frames[:1]]
+        board = {
+            "programmes": {
+                str(STAND): msgspec.to_builtins(msgspec.structs.replace(shipped()[STAND], frames=tuple(fast)))
+            }
+        }
+        devices = (
+            Device("main_board", "uxa90", str(self.line), board),
+            Device("head_camera", "camera", f"unix:{self.eye}", {}),
+        )
+        self.ctx = FakeContext(settings(), devices)
+        self.ctx.robot, self.ctx.home, self.ctx.joints = "uxa90", str(folder), rows("uxa90")[0]
+        self.world = HumanoidWorld(self.ctx)
+        self.over = threading.Event()
+        self.thread = threading.Thread(target=self._step)
+
+    def _step(self):
+        while not self.over.wait(0.01):
+            self.world.step()
+
+    def ask(self, name, message):
+        call = FakeCall(name, message)
+        self.world.command(call)
+        return call
+
+    def until(self, condition, seconds=8.0):
+        end, pause = time.monotonic() + seconds, threading.Event()
+        while not condition() and time.monotonic() < end:
+            pause.wait(0.01)
+        return condition()
+
+    def told(self, kind):
+        return [text for told, text in self.ctx.events if told == kind]
+
+
+@pytest.fixture(scope="module")
+def stage(tmp_path_factory):
+    made = Stage(tmp_path_factory.mktemp("stage"))
+    made.world.open()
+    made.thread.start()
+    yield made
+    made.over.set()
+    made.thread.join()
+    made.world.close()
+
+
+def orange(jpeg):
+    """Where the ball is in a picture: shares of its width and height from the middle, and how much of it it takes."""
+    red, green, blue = np.asarray(picture(jpeg), float).transpose(2, 0, 1)
+    seen = (red > 1.5 * green) & (green > 1.5 * blue) & (red > 80)
+    if not seen.any():
+        return None
+    down, across = np.argwhere(seen).mean(axis=0) / seen.shape
+    return across - 0.5, down - 0.5, seen.mean()
+
+
+def shown(film, condition):
+    """The first of the next pictures that shows the ball as wanted, or the last one looked at."""
+    for _ in range(60):
+        found = orange(film.frame()[0])
+        if condition(found):
+            break
+    return found
+
+
+def test_its_head_sees_the_ball_where_it_is_put(stage):
+    with Film(stage.eye, width=160, height=120, fps=30) as film:
+        assert stage.ask("ball", BallRequest(x_m=1.0, y_m=0.2, z_m=0.6)).answer.accepted
+        left = shown(film, lambda seen: seen is not None and seen[0] < -0.1)
+        stage.ask("ball", BallRequest(x_m=1.0, y_m=-0.2, z_m=0.6))
+        right = shown(film, lambda seen: seen is not None and seen[0] > 0.1)
+        stage.ask("ball", BallRequest(x_m=2.0, y_m=0.0, z_m=0.6))
+        far = shown(film, lambda seen: seen is not None and abs(seen[0]) < 0.05)
+        stage.ask("ball", BallRequest(gone=True))
+        gone = shown(film, lambda seen: seen is None)
+        stage.ask("ball", BallRequest())
+        back = shown(film, lambda seen: seen is not None)
+    assert left[0] == pytest.approx(-right[0], abs=0.03)
+    assert left[0] < -0.1
+    assert far[2] < 0.5 * left[2]
+    assert gone is None
+    assert back is not None
+    assert (
+        "there is no ball 'moon'; the world's setting `balls` has: ball"
+        in stage.ask("ball", BallRequest(name="moon")).refusal
+    )
+
+
+def test_a_button_of_the_remote_control_stands_it_up_and_a_picture_shows_it(stage, tmp_path):
+    assert stage.ctx.warnings == []
+    assert stage.until(lambda: stage.ctx.published["pose"])
+    assert not stage.ctx.published["pose"][-1].stands
+    with serial.Serial(str(stage.line), 115_200, timeout=5, exclusive=True) as tty:
+        tty.write(BUTTON + bytes((STAND, STAND)))
+        assert tty.read(8) == BUTTON[:8], "it answers when the motion is over"
+    assert stage.until(lambda: stage.told("stands"))
+    assert stage.ctx.published["pose"][-1].supply_v == pytest.approx(18.5, abs=1.0)
+    path = tmp_path / "it.png"
+    call = stage.ask("picture", PictureRequest(path=str(path), width_px=600, height_px=400))
+    assert stage.until(lambda: call.answer is not None)
+    with Image.open(path) as drawn:
+        white = np.asarray(drawn.convert("RGB"))[60:350] != (250, 250, 247)
+        assert 0.02 < white.any(axis=2).mean() < 0.5
+    assert "in a helper's hand if it has torque" in stage.ask("pick_up", PickUpRequest()).answer.reason
+    assert stage.until(lambda: stage.told("let_go"))
