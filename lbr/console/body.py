@@ -47,12 +47,18 @@ def power(state: PowerState) -> list[Piece]:
 
 
 def _doing(state: JointsState) -> tuple[str, str]:
+    if state.stored is not None:
+        left = "" if state.left_s is None else f", {state.left_s:.0f} s more"
+        return DOUBTFUL, f"controller plays slot {state.stored}{left}"
     if state.moving:
         return DOUBTFUL, "joints moving"
     style, words = _PHASES[state.phase]
     without = sum(1 for one in state.joints.values() if one.torque == 0.0)
     if state.phase == "following" and 0 < without < len(state.joints):
         words = f"{words}, {without} without torque"
+    doubted = sum(1 for one in state.joints.values() if one.trusted is False)
+    if doubted:
+        words = f"{words}, {doubted} not believed"
     return style, f"joints {words}"
 
 

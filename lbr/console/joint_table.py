@@ -6,16 +6,23 @@ from lbr.console.printable import shown
 from lbr.messages.joints import JointsState, JointState
 from lbr.messages.simulation import HumanoidPose
 
+WEAK = 0.95
+"""A joint that has less of its torque is said to."""
 _HEAD = f"{'joint':<22}{'angle':>8}{'goal':>8}{'load':>7}{'°C':>5}{'V':>6}  "
 
 
 def lines(state: JointsState, pose: HumanoidPose | None, width: int, height: int) -> list[str]:
     """Return the view, no larger than asked; angles are degrees from each joint's zero."""
-    doing = "moving" if state.moving else state.phase
+    doing = _plays(state) if state.stored is not None else "moving" if state.moving else state.phase
     by = f", held by {shown(state.holder)}" if state.holder else ""
     why = f": {shown(state.reason)}" if state.reason and not state.moving else ""
     table = [_row(name, one) for name, one in state.joints.items()]
     return [line[:width] for line in [*_lies(pose), f"{doing}{by}{why}", _HEAD, *table][:height]]
+
+
+def _plays(state: JointsState) -> str:
+    left = "" if state.left_s is None else f" for {state.left_s:.1f} s more"
+    return f"the controller plays slot {state.stored}{left}"
 
 
 def _lies(pose: HumanoidPose | None) -> list[str]:
@@ -36,8 +43,18 @@ def _row(name: str, one: JointState) -> str:
 def _note(one: JointState) -> str:
     if one.latched:
         return f"latched: {', '.join(one.latched)}"
-    notes = (*one.faults, *([shown(one.reason)] if one.reason else []), *(["no torque"] if one.torque == 0.0 else []))
-    return ", ".join(notes)
+    doubted = (
+        [f"says {one.raw}, not believed" if one.raw is not None else "not believed"] if one.trusted is False else []
+    )
+    return ", ".join(
+        (
+            *one.faults,
+            *doubted,
+            *([shown(one.reason)] if one.reason and not doubted else []),
+            *(["no torque"] if one.torque == 0.0 else []),
+            *([f"torque {one.torque * 100:.0f} %"] if one.torque and one.torque < WEAK else []),
+        )
+    )
 
 
 def _angle(rad: float | None) -> str:

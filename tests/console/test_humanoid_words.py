@@ -9,6 +9,7 @@ from prompt_toolkit.document import Document
 from lbr.console.asking import Question
 from lbr.console.body import joints, power
 from lbr.console.completion import LineCompleter
+from lbr.console.joint_table import lines
 from lbr.console.operator import Telemetry
 from lbr.console.toolbar import toolbar
 from lbr.console.verbs import VerbCall, Vocabulary
@@ -184,12 +185,25 @@ def test_the_bar_of_a_humanoid_tells_of_joints_and_power_and_of_no_base():
         ({"phase": "releasing"}, "joints mover lost: letting go"),
         ({}, "joints holding"),
         ({"joints": {"a": JointState(id=1, torque=0.0), "b": JointState(id=2, torque=1.0)}}, "1 without torque"),
+        ({"joints": {"a": JointState(id=1, torque=1.0, trusted=False)}}, "joints holding, 1 not believed"),
+        ({"moving": True, "stored": 4, "left_s": 1.6}, "controller plays slot 4, 2 s more"),
         ({"joints": {"left_knee": JointState(id=1, latched=("overload",))}}, "latched: left_knee overload"),
         ({"joints": {"a": JointState(id=1), "b": JointState(id=2, temperature_c=None)}}, "joints holding"),
     ],
 )
 def test_what_the_joints_do_is_said_in_words(fields, words):
     assert any(words in text for _, _, text in joints(body(**fields)))
+
+
+def test_the_table_says_of_a_joint_that_it_is_weak_not_believed_or_without_torque():
+    of = {
+        "a": JointState(id=1, torque=0.4),
+        "b": JointState(id=2, trusted=False, raw=200, reason="it jumped"),
+        "c": JointState(id=3, torque=0.0, reason="was let go"),
+    }
+    first, _, *rows = lines(body(joints=of, moving=True, stored=4, left_s=1.6), None, 100, 20)
+    assert first == "the controller plays slot 4 for 1.6 s more"
+    assert [row.split("  ")[-1] for row in rows] == ["torque 40 %", "says 200, not believed", "was let go, no torque"]
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,7 @@ def freeze(state: State) -> State:
     """
     moved = frozenset(state.move.joints if state.move is not None else ())
     goals = {name: _here_rad(state, name, None if name in moved else state.goals.get(name)) for name in state.on}
-    return replace(state, goals=goals, halt=state.halt + 1)
+    return replace(state, goals=goals, halt=state.halt + 1, ticked=state.clock)
 
 
 def measured(state: State, name: str) -> float | None:
