@@ -287,7 +287,7 @@ def test_edited_rows_are_the_robots_at_once(served):
         assert asyncio.run(robot.edit(EditCommand(motors=(motor,)))).revision == 3
         assert robot.motors == (motor,)
     finally:
-        robot.motors = ()
+        served.stage.motors = ()
         served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
 
 

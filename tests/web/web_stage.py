@@ -14,6 +14,7 @@ from lbr.apps.web.capability import Web
 from lbr.apps.web.face import Face
 from lbr.capability.context import Received
 from lbr.errors import DeviceError
+from lbr.messages.faces import EditCommand, Motor
 from lbr.messages.leases import CommandReply
 
 REQUESTS = ("move", "halt", "torque", "play", "stop_motion", "take_control", "edit", "estop_reset")
@@ -31,7 +32,8 @@ class Stage:
     """What the server has of its robot. `answer` answers what it asks, in the loop."""
 
     name, robot, on_tick = "web", "uxa90", True
-    joints = motions = motors = buttons = ()
+    joints = motions = buttons = ()
+    motors: tuple[Motor, ...] = ()
 
     def __init__(self, settings: WebSettings, users: tuple[Any, ...] = ()) -> None:
         self.settings, self.users = settings, users
@@ -68,6 +70,9 @@ class Stage:
 
     def publish(self, output: str, message: Any) -> None:
         self.published[output] = message
+
+    def adopt(self, edit: EditCommand) -> None:
+        self.motors = edit.motors
 
     def engage_estop(self, reason: str) -> None:
         self.engaged.append(reason)

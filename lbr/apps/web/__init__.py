@@ -57,7 +57,7 @@ KIND = Kind(
     name="web",
     summary="serves the robot over HTTP: an API, a page, and a stream of states",
     family="app",
-    entry="lbr.apps.web.capability:Web",
+    entry="lbr.apps.web.start:Web",
     settings=WebSettings,
     inputs={
         "joints": JointsState,

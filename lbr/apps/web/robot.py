@@ -8,8 +8,8 @@ from lbr.apps.web.bridge import ANSWER_S, Bridge, Promise
 from lbr.apps.web.face import Refused
 from lbr.capability.context import Context, Received
 from lbr.messages.drive import GoalResult
-from lbr.messages.faces import EditCommand, EditReply
-from lbr.messages.joints import JointsState, MotionsState
+from lbr.messages.faces import Button, EditCommand, EditReply, Motor
+from lbr.messages.joints import JointsState, Motion, MotionsState
 from lbr.messages.uxa90 import ControllerState
 
 if TYPE_CHECKING:
@@ -57,13 +57,25 @@ class Robot:
         self.name = ctx.robot
         self.settings = ctx.settings
         self.joints = ctx.joints
-        self.motions = ctx.motions
-        self.motors = ctx.motors
-        self.buttons = ctx.buttons
         self.snapshot = Snapshot(at=ctx.clock())
         self.moved: tuple[GoalResult, ...] = ()
         self.played: tuple[GoalResult, ...] = ()
         self._bridge = bridge
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """Rows of the table `motion`, as they are now."""
+        return self.ctx.motions
+
+    @property
+    def motors(self) -> tuple[Motor, ...]:
+        """Rows of the table `motor`, as they are now."""
+        return self.ctx.motors
+
+    @property
+    def buttons(self) -> tuple[Button, ...]:
+        """Rows of the table `button`, as they are now."""
+        return self.ctx.buttons
 
     def now(self) -> float:
         """Monotonic seconds."""
@@ -90,14 +102,8 @@ class Robot:
         """Have rows written; once they are, this robot has them."""
         reply = cast("EditReply", await self.ask("edit", command, timeout_s=EDIT_S))
         if reply.accepted:
-            await self.call(lambda: self.adopt(command))
+            await self.call(lambda: self.ctx.adopt(command))
         return reply
-
-    def adopt(self, command: EditCommand) -> None:
-        """Take rows for ours that were written; within the loop."""
-        self.motors = _with(self.motors, command.motors, lambda row: (row.layer, row.id))
-        self.motions = _with(self.motions, command.motions, lambda row: row.name)
-        self.buttons = _with(self.buttons, command.buttons, lambda row: row.id)
 
 
 def answer_of(request: str, answers: dict[str, Any]) -> Any:
@@ -108,10 +114,3 @@ def answer_of(request: str, answers: dict[str, Any]) -> Any:
     if answer is None:
         raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
     return answer
-
-
-def _with(rows: tuple[T, ...], new: tuple[T, ...], key: "Callable[[T], Any]") -> tuple[T, ...]:
-    """Return rows with new ones in the place of those with the same key, or after all."""
-    changed = {key(row): row for row in new}
-    kept = tuple(changed.pop(key(row), row) for row in rows)
-    return (*kept, *changed.values())
