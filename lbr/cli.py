@@ -32,6 +32,7 @@ HELP = """Run a robot that is rows in a database, and talk to it.
 \b
   lbr run                  start the simulated robot, with a console
   lbr run bioloid-sim      start the simulated humanoid
+  lbr run uxa90-sim        start the simulated UXA-90, with its API
   lbr send /r/0.2/0        drive at a fifth of full power, for 5 s
   lbr status               what runs
 
