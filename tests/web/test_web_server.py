@@ -1,3 +1,4 @@
+import asyncio
 import http.client
 import socket
 import ssl
@@ -11,7 +12,12 @@ from msgspec.structs import replace
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
+from lbr.apps.web import WebSettings, qr
+from lbr.apps.web.addresses import url
+from lbr.apps.web.announce import Announcer
 from lbr.apps.web.face import Ask, Face, Reply, Route, json, text
+from lbr.apps.web.place import Place
+from lbr.console.printable import wrapped
 from lbr.errors import DeviceError
 from lbr.messages.faces import EditCommand, EditReply, Motor
 from lbr.messages.joints import JointsState
@@ -278,8 +284,6 @@ def test_a_reader_that_never_reads_costs_nothing_and_stops_nobody(served):
 
 
 def test_edited_rows_are_the_robots_at_once(served):
-    import asyncio
-
     motor = Motor(layer="mine", id=23, name="neck", initial=127, lowest=1, highest=254, rest=127)
     served.stage.answer = lambda _request, _message: EditReply(accepted=True, revision=3)
     robot = served.web._robot
@@ -373,3 +377,62 @@ def test_many_ask_at_once_and_all_are_answered(served):
         thread.join()
     assert statuses == [200] * 90
     assert time.monotonic() - began < 8
+
+
+OPEN = WebSettings(host="0.0.0.0", port=50000)
+
+
+def test_an_address_is_shown_as_a_code_that_a_terminal_keeps_as_it_is():
+    place = Place("uxa90", "web", OPEN, 50000, here=lambda: ("192.168.1.5", "10.0.0.2", "fd00::2"))
+    told = place.told()
+    assert place.url == "http://192.168.1.5:50000/"
+    assert "Also at http://10.0.0.2:50000/" in told
+    assert "Other machines need a token" in told
+    code = qr.characters(place.url)
+    assert told.startswith(code)
+    assert wrapped(code, 80) == code
+    assert all(set(line) <= set("█▀▄ ") for line in code.splitlines())
+
+
+def test_an_address_follows_the_network():
+    here: list[str] = []
+    place = Place("uxa90", "web", OPEN, 50000, here=lambda: tuple(here))
+    assert "in no network now" in place.told()
+    here.append("192.168.1.5")
+    assert place.look() == ("192.168.1.5",)
+    assert "192.168.1.5" in place.told()
+
+
+def test_who_needs_no_token_is_said():
+    place = Place("uxa90", "web", replace(OPEN, trusted=("192.168.1.0/24",)), 1, here=lambda: ("192.168.1.5",))
+    assert "Whoever is in 192.168.1.0/24 needs no token" in place.told()
+    assert url("fd00::2", 1, tls=True) == "https://[fd00::2]:1/"
+
+
+def test_an_announcement_is_told_and_followed():
+    async def announced() -> tuple[str, str]:
+        announcer = Announcer("uxa90 test", 50000, lambda: ("127.0.0.1",), {"path": "/"})
+        running = asyncio.ensure_future(announcer.run())
+        for _ in range(400):
+            if announcer.said or announcer.trouble:
+                break
+            await asyncio.sleep(0.01)
+        told = announcer.said, announcer.trouble
+        running.cancel()
+        await asyncio.wait([running])
+        return told
+
+    said, trouble = asyncio.run(announced())
+    assert said.startswith("uxa90 test") or "announcement" in trouble
+
+
+def test_without_a_network_nothing_is_announced():
+    async def announced() -> str:
+        announcer = Announcer("uxa90 test", 50000, tuple, {})
+        running = asyncio.ensure_future(announcer.run())
+        await asyncio.sleep(0)
+        running.cancel()
+        await asyncio.wait([running])
+        return announcer.trouble
+
+    assert asyncio.run(announced()) == "this machine is in no network"

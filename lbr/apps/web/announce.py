@@ -55,19 +55,21 @@ class Announcer:
             self.trouble = f"the network takes no announcement ({err})"
             return TRY_AGAIN_S
         try:
-            names = []
-            for kind in KINDS:
-                info = AsyncServiceInfo(
+            there_as = [ipaddress.ip_address(one).packed for one in there]
+            infos = [
+                AsyncServiceInfo(
                     kind,
                     f"{self._name}.{kind}",
                     port=self._port,
-                    addresses=[ipaddress.ip_address(one).packed for one in there],
+                    addresses=there_as,
                     properties=self._properties,
                     server=f"{socket.gethostname().partition('.')[0]}.local.",
                 )
-                await (await zeroconf.async_register_service(info, allow_name_change=True))
-                names.append(info.name)
-            self.said, self.trouble = names[0], ""
+                for kind in KINDS
+            ]
+            told = [zeroconf.async_register_service(info, allow_name_change=True) for info in infos]
+            await asyncio.gather(*await asyncio.gather(*told))
+            self.said, self.trouble = infos[0].name, ""
             await self._until_moved(there)
         except (OSError, Error, TimeoutError) as err:
             self.trouble = f"the network takes no announcement ({err or type(err).__name__})"

@@ -79,6 +79,8 @@ class Web(Capability[WebSettings]):
         self._bridge.serve()
         for face in self._faces:
             face.step(now)
+        while self._counts.news:
+            self.ctx.event(*self._counts.news.popleft(), level="error")
         if now >= self._tell_at:
             self._tell_at = now + TELL_S
             self._tell()
@@ -153,8 +155,6 @@ class Web(Capability[WebSettings]):
             self._place.look()
 
     def _tell(self) -> None:
-        while self._counts.news:
-            self.ctx.event(*self._counts.news.popleft(), level="error")
         self.ctx.publish(
             "state",
             WebState(
