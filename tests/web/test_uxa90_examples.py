@@ -1,0 +1,276 @@
+"""The thirty documented requests of the UXA-90's API, to a robot that runs: statuses, bodies, and bytes on the line.
+
+They are asked in their order of one fresh server; ways to a place are smooth, so that of the packets that a request has
+the main board read, the last is the one that is documented.
+"""
+
+import json
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from benchmarks.rest_cases import ask_all, on_the_wire, served
+from benchmarks.uxa90_wire import chunks, packets
+from tests.robot import until
+
+SLOTS = """UPDATE motion SET slot_s = 0.2 WHERE robot = 'uxa90' AND slot IS NOT NULL"""
+
+
+@pytest.fixture(scope="module")
+def api():
+    with (
+        tempfile.TemporaryDirectory(prefix="lbr-") as place,
+        served(Path(place) / "h", SLOTS) as (robot, client, trace),
+    ):
+        yield Api(robot, client, trace)
+
+
+class Api:
+    def __init__(self, robot, client, trace):
+        self.robot, self.client, self.trace = robot, client, trace
+
+    def ask(self, method, url, body=None, **headers):
+        media = {"Content-Type": "application/json"} if body is not None else {}
+        return self.client.request(method, url, content=body, headers=media | headers)
+
+    def read(self):
+        """Return what the main board has read until now."""
+        return chunks(self.trace)
+
+    def moves(self, since):
+        """Return the moves that it read after so many chunks, oldest first."""
+        found, wrong = packets(b"".join(chunk.data for chunk in self.read()[since:]))
+        assert wrong == []
+        return [packet.data.hex(" ").upper() for packet in found if packet.kind == "move"]
+
+    def idle(self):
+        """Wait until nothing moves or plays."""
+        until(self._is_idle, limit_s=8.0, what="a robot that stands still")
+
+    def _is_idle(self):
+        state = self.client.get("/state").json()
+        return (
+            not state["faces"]["uxa90"]["moving"]
+            and not state["faces"]["uxa90"]["busy"]
+            and not state["joints"]["holder"]
+        )
+
+
+def neck(position):
+    return {"id": 23, "name": "neck", "description": "look left/right", "position": position, "min": 1, "max": 254,
+            "default": 127, "inverted": False}  # fmt: skip
+
+
+def head(position):
+    return {"id": 24, "name": "head", "description": "look up/down", "position": position, "min": 100, "max": 160,
+            "default": 127, "inverted": False}  # fmt: skip
+
+
+def moved(data, old, torq):
+    return {"data": data, "message": "setMotorPos", "oldPosition": old, "newPosition": data["position"], "torq": torq}
+
+
+def missing(number):
+    return {"message": f"Motor '{number}' doesn't exist"}
+
+
+WALK = {
+    "data": {"id": 4, "name": "walk_forward_short", "button": "U"},
+    "message": "callMotionById",
+    "motionMsg": {"btn_code": 4},
+}
+BASIC = {
+    "data": {"id": 1, "name": "basic_motion", "button": "A"},
+    "message": "callMotionByName",
+    "motionMsg": {"btn_code": 1},
+}
+SIT = {
+    "data": {"id": 21, "name": "sit_down", "button": "0"},
+    "message": "callMotionByName",
+    "motionMsg": {"btn_code": 21},
+}
+CONTROL = {"data": {"id": 99, "name": "pc_control", "button": ""}, "motionMsg": {"motion_name": "pc_control"}}
+MULTI = "setMultiMotorsPos"
+
+EXAMPLES = [
+    (3, "GET", "/motor?id=23", None, 200, {"data": neck(127), "message": "getMotorInfo"}, None),
+    (4, "GET", "/motor?id=23&position=100&torq=4", None, 200, moved(neck(100), 127, 4), "FF 97 64 73"),
+    (5, "GET", "/motor?id=24&pos=10", None, 200, moved(head(100), 127, 0), "FF 18 64 7C"),
+    (6, "GET", "/motor?id=24&pos=300&torque=9", None, 200, moved(head(160), 100, 4), "FF 98 A0 38"),
+    (7, "GET", "/motor?id=23&pos=5&position=200&torq=-3", None, 200, moved(neck(5), 100, 0), "FF 17 05 12"),
+    (10, "GET", "/motor?id=20", None, 409, missing(20), None),
+    (11, "GET", "/motor?id=99&pos=10", None, 409, missing(99), None),
+    (12, "GET", "/motor?id=abc", None, 409, missing("NaN"), None),
+    (15, "GET", "/motor?id=23&torq=2", None, 400, None, None),
+    (16, "GET", "/motor?id=23&pos=abc", None, 400, None, None),
+    (18, "GET", "/motion/4", None, 200, WALK, "button 04"),
+    (19, "GET", "/motion/Basic_Motion", None, 200, BASIC, "button 01"),
+    (20, "GET", "/motion/pc_control", None, 200, CONTROL | {"message": "callMotionByName"}, "control"),
+    (21, "GET", "/motion/99", None, 200, CONTROL | {"message": "callMotionById"}, "control"),
+    (22, "GET", "/motion/sit_down", None, 200, SIT, "button 15"),
+    (23, "GET", "/motion/stop", None, 409, {"message": "Motion doesn't exist"}, None),
+    (23, "GET", "/motion/14", None, 409, {"message": "Motion doesn't exist"}, None),
+    (23, "GET", "/motion/7up", None, 409, {"message": "Motion doesn't exist"}, None),
+    (23, "GET", "/motion/walk_forward_4step", None, 409, {"message": "Motion doesn't exist"}, None),
+    (24, "GET", "/multimotor", '{"motors":[{"id":23,"pos":20,"torq":0},{"id":24,"pos":200}]}', 200,
+     {"message": MULTI, "multiMsg": {"positions": [{"id": 23, "pos": 20, "torq": 0}, {"id": 24, "pos": 160, "torq": 0}]}},
+     "FF 17 14 03 FF 18 A0 38"),
+    (25, "GET", "/motor?id=23", None, 200, {"data": neck(20), "message": "getMotorInfo"}, None),
+    (27, "GET", "/multimotor", '{"motors":[{"id":99,"pos":1,"torq":0}]}', 409, missing(99), None),
+    (28, "GET", "/multimotor", None, 400, None, None),
+    (29, "GET", "/multimotor", "{bad", 400, None, None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("number", "method", "url", "body", "status", "reply", "wire"), EXAMPLES)
+def test_the_documented_requests_are_answered_as_documented(api, number, method, url, body, status, reply, wire):
+    api.idle()
+    before = len(api.read())
+    answer = api.ask(method, url, body)
+    assert answer.status_code == status
+    found = answer.json()
+    if reply is None:
+        assert list(found) == ["message"]
+        assert found["message"]
+    else:
+        assert found == reply
+        assert json.dumps(found) == json.dumps({key: reply[key] for key in found})  # its keys, inner ones too, in order
+    if wire is None:
+        api.idle()
+        assert api.moves(before) == []
+    elif wire.startswith("FF"):
+        for packet in (wire[at : at + 11] for at in range(0, len(wire), 12)):
+            until(lambda one=packet: _last(api.moves(before), one) == one, limit_s=4.0, what=packet)
+    else:
+        until(lambda: wire in _frames(api, before), limit_s=4.0, what=wire)
+
+
+def test_1_it_says_that_it_is_there(api):
+    answer = api.ask("GET", "/")
+    assert (answer.status_code, answer.text, answer.headers["content-type"]) == (200, "OK", "text/plain; charset=utf-8")
+
+
+def test_2_and_14_all_motors_are_listed(api):
+    for url in ("/motor", "/motor?pos=10&torq=1"):
+        answer = api.ask("GET", url).json()
+        assert answer["message"] == "getAllMotors"
+        assert [motor["id"] for motor in answer["data"]] == [*range(20), 22, 23, 24]
+        assert list(answer["data"][0]) == ["id", "name", "description", "position", "min", "max", "default", "inverted"]
+
+
+def test_8_and_9_a_motor_begins_out_of_its_range_as_shipped_and_is_brought_within(api):
+    data = api.ask("GET", "/motor?id=14").json()["data"]
+    assert (data["position"], data["min"]) == (115, 135)
+    before = len(api.read())
+    answer = api.ask("GET", "/motor?id=14&pos=0").json()
+    assert (answer["oldPosition"], answer["newPosition"], answer["torq"]) == (115, 135, 0)
+    until(lambda: _last(api.moves(before), "FF 0E 87 09") == "FF 0E 87 09", limit_s=4.0)
+
+
+def test_13_an_empty_id_is_motor_0(api):
+    assert api.ask("GET", "/motor?id=").json()["data"]["id"] == 0
+
+
+def test_17_all_motions_are_listed(api):
+    answer = api.ask("GET", "/motion").json()
+    assert answer["message"] == "findAll"
+    assert [motion["id"] for motion in answer["data"]] == [*range(1, 14), 21, 99]
+    assert answer["data"][8] == {"id": 9, "name": "walk_foward_4step", "button": "LA"}
+
+
+def test_24_several_motors_leave_in_one_write(api):
+    api.idle()
+    api.ask("GET", "/multimotor", '{"motors":[{"id":23,"pos":120},{"id":24,"pos":120}]}')
+    api.idle()
+    before = len(api.read())
+    api.ask("POST", "/multimotor", '{"motors":[{"id":23,"pos":20},{"id":24,"pos":160}]}')
+    api.idle()
+    servos = [
+        {packet.servo for packet in packets(chunk.data)[0] if packet.kind == "move"} for chunk in api.read()[before:]
+    ]
+    assert {23, 24} in servos
+
+
+def test_26_a_delay_is_a_job(api):
+    api.idle()
+    before = len(api.read())
+    answer = api.ask("GET", "/multimotor", '{"motors":[{"id":23,"pos":220,"torq":9,"delay":400}]}').json()
+    assert answer["multiMsg"] == {"positions": [{"id": 23, "pos": 220, "torq": 4, "delay": 400}]}
+    assert api.ask("GET", f"/jobs/{answer['job']}").json()["data"]["state"] == "waiting"
+    assert api.moves(before) == []
+    until(lambda: _last(api.moves(before), "FF 97 DC 4B") == "FF 97 DC 4B", limit_s=4.0)
+    assert api.ask("GET", f"/jobs/{answer['job']}").json()["data"]["state"] == "done"
+
+
+@pytest.mark.parametrize(("method", "url"), [("POST", "/motor"), ("GET", "/nope"), ("DELETE", "/motion/4")])
+def test_30_what_there_is_not_is_a_page_that_says_so(api, method, url):
+    answer = api.ask(method, url)
+    assert answer.status_code == 404
+    assert answer.headers["content-type"].startswith("text/html")
+    assert f"Cannot {method} {url}" in answer.text
+
+
+def test_a_head_request_moves_nothing(api):
+    before = len(api.read())
+    assert api.ask("HEAD", "/motor?id=23&pos=30").status_code == 405
+    assert api.ask("HEAD", "/motion/4").status_code == 405
+    assert api.ask("HEAD", "/motor?id=23").status_code == 200
+    assert api.moves(before) == []
+
+
+def test_while_a_motion_plays_motors_and_motions_are_refused(api):
+    api.idle()
+    api.robot.edit("UPDATE motion SET slot_s = 30 WHERE robot = 'uxa90' AND slot = 12")
+    until(lambda: api.ask("GET", "/motion/12").status_code == 200, limit_s=8.0, what="a longer motion")
+    for url in ("/motor?id=23&pos=30", "/motion/4"):
+        answer = api.ask("GET", url)
+        assert answer.status_code == 409
+        assert answer.json()["message"].startswith("busy: 'demo_introduction' plays for another ")
+    assert api.ask("POST", "/stop").status_code == 200
+    until(
+        lambda: api.ask("GET", "/motor?id=23&pos=30").status_code == 200,
+        limit_s=4.0,
+        what="a motor that may move again",
+    )
+
+
+def test_a_motion_of_key_frames_can_be_made_and_played(api):
+    api.idle()
+    frames = [{"duration_s": 0.3, "counts": {"24": 120}}, {"duration_s": 0.3, "positions": {"head_pitch": 0}}]
+    made = api.ask("POST", "/motions", json.dumps({"name": "nod", "frames": frames}))
+    assert made.status_code == 201
+    number, version = made.json()["data"]["id"], made.headers["etag"]
+    changed = api.ask(
+        "PUT", f"/motions/{number}", json.dumps({"name": "nod", "frames": frames[:1]}), **{"If-Match": version}
+    )
+    assert changed.status_code == 200
+    late = api.ask("PUT", f"/motions/{number}", json.dumps({"name": "nod", "frames": frames}), **{"If-Match": version})
+    assert late.status_code == 412
+    assert api.ask("PUT", "/motions/4", json.dumps({"name": "walk_forward_short", "frames": frames})).status_code == 403
+    api.ask("POST", "/multimotor", '{"motors": [{"id": 24, "pos": 127}]}')
+    before = len(api.read())
+    until(lambda: api.ask("POST", f"/motion/{number}").status_code == 200, limit_s=5.0, what="the new motion")
+    until(lambda: _last(api.moves(before), "FF 18 78 60") == "FF 18 78 60", limit_s=4.0)
+
+
+def test_generated_requests_find_nothing_wrong(api):
+    """The whole amount is `python -m benchmarks.rest_cases`."""
+    tally = ask_all(api.client, 60)
+    assert tally.wrong == []
+    assert on_the_wire(api.trace)[1] == []
+
+
+def _last(moves, like):
+    """Return the last move of the same servo."""
+    return next((move for move in reversed(moves) if int(move[3:5], 16) & 31 == int(like[3:5], 16) & 31), None)
+
+
+def _frames(api, before):
+    found, wrong = packets(b"".join(chunk.data for chunk in api.read()[before:]))
+    assert wrong == []
+    named = {
+        "button": lambda data: f"button {data[14]:02x}",
+        "frame": lambda data: "control" if data[8] == 0x10 else "",
+    }
+    return [named[packet.kind](packet.data) for packet in found if packet.kind in named]
