@@ -96,6 +96,11 @@ def ended(state: Mover, reason: str) -> Mover:
     return replace(state, follows=False, reason=reason, dead=_buried(state.dead, state.lease))
 
 
+def bury(state: Mover, lease: str) -> Mover:
+    """Have a lease dead from the beginning: what was under way before the line was opened does not go on."""
+    return replace(state, dead=_buried(state.dead, lease))
+
+
 def _lose(state: Mover, reason: str, now: float) -> Mover:
     if state.lost_since is not None and not state.follows:
         return state

@@ -52,6 +52,10 @@ class Owner(Generic[Bus]):
         """Whether a stop waits; the bus asks that while it listens."""
         return bool(self._jobs[STOP]) or self._ending
 
+    def waiting(self, priority: int) -> bool:
+        """Whether a job of that priority waits."""
+        return bool(self._jobs[priority])
+
     def join(self, within_s: float) -> bool:
         """Do what still waits, then end; say whether that was possible."""
         with self._changed:

@@ -95,7 +95,8 @@ class ServosState(Struct, frozen=True, kw_only=True):
     """One coherent look at every servo of a bus. `sweep` counts; `measured_s` is when it ended, monotonic.
 
     `armed` says that a setpoint would be applied; `reason` says why not. `stores`: its controller plays motions of its
-    own; `stored` is the newest of them. `mode` is the controller's, where it has several.
+    own; `stored` is the newest of them. `mode` is the controller's, where it has several. `tells_torque` false: servos
+    cannot say whether they have torque; null is then all that is ever known of one that this driver told nothing.
     """
 
     sweep: int
@@ -109,6 +110,7 @@ class ServosState(Struct, frozen=True, kw_only=True):
     stores: bool = False
     stored: StoredState | None = None
     mode: str = ""
+    tells_torque: bool = True
     bus: BusStatistics = BusStatistics()
 
 

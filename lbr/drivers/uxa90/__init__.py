@@ -28,6 +28,7 @@ class Uxa90Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     ] = "break"
     on_close: Literal["hold", "release"] = "hold"
     reply_s: Annotated[float, Meta(ge=0.002, le=0.25, description="how long a servo's answer is waited for")] = 0.03
+    together: Annotated[int, Meta(ge=1, le=25, description="so many servos are asked in one write")] = 5
     settle_s: Annotated[float, Meta(ge=0.0, le=5.0, description="from taking control to the first servo packet")] = 1.0
     trust: Annotated[
         Literal["never", "plausible", "always"],

@@ -1,0 +1,51 @@
+"""In which mode the main board is taken to be: a pure function of what it was told, what it said, and time.
+
+unknown ─take─► taking ─answer, or settled─► pc ─a stored motion, or nobody answers─► normal ─take─► taking …
+"""
+
+from dataclasses import dataclass, replace
+from math import inf
+
+from lbr.messages.uxa90 import ControllerMode
+
+HEARD_S = 0.05
+"""From the main board's answer to the first packet that it is relied on to pass on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """`since` it is so; `ready_at` is when taking control is over. `answered`: it has said so itself."""
+
+    name: ControllerMode = "unknown"
+    since: float = -inf
+    ready_at: float = inf
+    answered: bool = False
+
+    @property
+    def pc(self) -> bool:
+        """Whether packets are passed on to servos."""
+        return self.name == "pc"
+
+
+def taking(now: float, settle_s: float) -> Mode:
+    """The frame that takes control was written."""
+    return Mode("taking", now, now + settle_s)
+
+
+def heard(mode: Mode, now: float) -> Mode:
+    """The main board answered that frame."""
+    if mode.name != "taking":
+        return mode
+    return replace(mode, ready_at=min(mode.ready_at, now + HEARD_S), answered=True)
+
+
+def left(now: float) -> Mode:
+    """It was told to play as by its remote control, or is found to pass nothing on."""
+    return Mode("normal", now)
+
+
+def tick(mode: Mode, now: float) -> Mode:
+    """Let time pass."""
+    if mode.name == "taking" and now >= mode.ready_at:
+        return Mode("pc", now, answered=mode.answered)
+    return mode

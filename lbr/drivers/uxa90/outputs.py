@@ -1,0 +1,317 @@
+"""What every servo is to do, as the packet that says so; what changed leaves in one write. Lives in the loop's thread.
+
+Only `flush` and `brake` run in the line's thread: they write what is wanted at that moment.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
+from math import inf
+
+from lbr.drivers.mover import Mover
+from lbr.drivers.uxa90 import packets
+from lbr.drivers.uxa90.bus import Bus
+from lbr.drivers.uxa90.packets import PACKET_BYTES, WEAKEST
+from lbr.drivers.uxa90.trust import Seen
+from lbr.messages.servos import ServoGoal
+
+PLACE_S = 0.6
+"""A position older than this is not where the servo is."""
+NEAR = 12
+"""Counts: a servo so near its goal may go there at the torque that was asked for."""
+WEAK_S = 2.0
+"""So long a servo goes at the weakest level whose place nobody knew, or that was far from its goal."""
+SAG = 8
+"""Counts: so far from its goal a servo may rest under its load."""
+REST_S = 0.3
+AGAIN_S = 1.0
+MOVING_S = 1.0
+OFF_AGAIN_S, OFF_TIMES = 0.1, 3
+"""Nothing says that a servo has let go: it is told several times."""
+STILL, STILL_S = 2, 0.04
+"""Counts within which a servo stands still, for so long."""
+FEW = 8
+"""After a write to more servos than this the line needs a moment for itself."""
+PLAYED_S = 1.0
+"""So long after a motion of the main board nobody tells servos where to be before it was read where they are."""
+LET_GO = "was let go; switch its torque off, then on"
+LIMP = "was let go by the main board's motion; switch its torque off, then on"
+BRAKED = "was braked by the emergency stop; switch its torque off, then on"
+
+
+@dataclass(slots=True)
+class Out:
+    """One servo. `known`: whether this driver knows if it has torque (`on`). `count`: its goal, None where unknown.
+
+    `want` is the packet that is to be said, `said` the one that was, `told_at` when. `carried`: it may have had torque
+    before the line was opened; it is held where it is until a new motion begins. `adrift`: to be held where it is as
+    soon as that is known. `blocked` says why it gets no torque before a setpoint had it without.
+    """
+
+    id: int
+    known: bool = False
+    on: bool = False
+    count: int | None = None
+    level: int = 0
+    want: bytes | None = None
+    said: bytes | None = None
+    told_at: float = -inf
+    times: int = 0
+    weak_until: float = -inf
+    rest_at: float = inf
+    carried: bool = False
+    adrift: bool = False
+    blocked: str = ""
+    trouble: str = ""
+    still: tuple[int, float] | None = None
+
+
+class Outputs:
+    """All servos of the line."""
+
+    def __init__(
+        self,
+        servos: Collection[int],
+        seen: Mapping[int, Seen],
+        clock: Callable[[], float],
+        wire_s: Callable[[int], float],
+        offsets: Mapping[int, int] | None = None,
+        blocked: str = "",
+    ) -> None:
+        self.servos = {servo: Out(servo, blocked=blocked) for servo in servos}
+        self.open = False
+        """Whether servos can be told anything now."""
+        self._seen = seen
+        self._clock = clock
+        self._wire_s = wire_s
+        self._offsets = offsets or {}
+        self._halts = 0
+        self._followed = False
+        self._first_lease: str | None = None
+        self._free_at = self._played_at = -inf
+
+    @property
+    def turning(self) -> bool:
+        """Whether any servo has torque by this driver, or may have had it by the one before."""
+        return any(out.on or out.carried for out in self._all())
+
+    @property
+    def due(self) -> bool:
+        """Whether there is something to write, and the line has room for it."""
+        return self.open and self._clock() >= self._free_at and any(out.want != out.said for out in self._all())
+
+    def apply(self, mover: Mover, strength: float) -> None:
+        """Do what follows from the mover's state and from where the servos are."""
+        now = self._clock()
+        self._unblock(mover)
+        self._let_go(mover, strength)
+        if mover.halts != self._halts or (self._followed and not mover.follows):
+            self.freeze()
+        self._halts, self._followed = mover.halts, mover.follows
+        for out in self._all():
+            self._settle(out, now)
+        if mover.follows:
+            self._follow(mover, now)
+        if strength < 1.0:
+            self._fade(strength)
+        self._repeat(now)
+
+    def freeze(self) -> None:
+        """Have servos hold: their last goal, a step away from where they are, and when they rest, what they rest at."""
+        now = self._clock()
+        for out in self._all():
+            if not out.on:
+                continue
+            here = self.place(out.id)
+            if out.count is None:
+                out.adrift = True
+            elif now < out.weak_until and here is None:
+                self._off(out, "was stopped on its way from a place that nobody knew; switch its torque off, then on")
+            else:
+                if here is not None and now < out.weak_until:
+                    out.count = here
+                out.rest_at = now + REST_S
+                out.said = None
+                self._aim(out, out.level)
+
+    def release(self, why: str) -> None:
+        """Take the torque off every servo."""
+        for out in self._all():
+            self._off(out, why)
+
+    def played(self, *, limp: bool) -> None:
+        """The main board has moved all servos: they have torque, and nobody here knows their goals; or have none."""
+        self._played_at = self._clock()
+        for out in self._all():
+            out.known, out.on, out.carried, out.adrift = True, not limp, False, False
+            out.count = out.want = out.said = None
+            out.level, out.rest_at, out.weak_until = 0, inf, -inf
+            out.blocked = LIMP if limp else ""
+
+    def loose(self) -> None:
+        """Hold every servo that has torque where it is, as soon as that is known."""
+        for out in self._all():
+            if out.on:
+                out.count, out.want, out.said, out.adrift = None, None, None, True
+
+    def brake(self, bus: Bus) -> None:
+        """Short all motors; in the line's thread."""
+        bus.say(packets.BREAK_ALL)
+
+    def braked(self) -> None:
+        """Take in that they are to be."""
+        for out in self._all():
+            out.known, out.on, out.carried, out.adrift = True, False, False, False
+            out.count = out.want = out.said = None
+            out.blocked = BRAKED
+
+    def flush(self, bus: Bus) -> None:
+        """Write what is wanted and was not said yet, all at once; in the line's thread."""
+        if not self.open:
+            return
+        said = [(out, out.want) for out in self._all() if out.want is not None and out.want != out.said]
+        if not said:
+            return
+        for out, want in said:
+            out.said = want
+        answers = bus.write([(out.id, want) for out, want in said])
+        now = self._clock()
+        for out, _ in said:
+            out.told_at = now
+            out.times += 1
+        if len(said) > FEW:
+            self._free_at = now + (self._wire_s(PACKET_BYTES * len(said)) if answers is None else bus.check_s)
+
+    def place(self, servo: int) -> int | None:
+        """Return where a servo is believed to be."""
+        seen = self._seen[servo]
+        return seen.position if seen.trusted and self._clock() - seen.at < PLACE_S else None
+
+    def moving(self, servo: int) -> bool:
+        """Say whether a servo may be under way, for whoever judges its position; from any thread."""
+        out = self.servos[servo]
+        return not out.on or out.count is None or self._clock() - out.told_at < MOVING_S
+
+    def watch_rest(self) -> None:
+        """Look from now on whether servos stand still."""
+        for out in self._all():
+            out.still = None
+
+    def unrested(self, since: float) -> list[int]:
+        """Return the servos that were not read to stand still since then; those known to be limp before do not count."""
+        return [out.id for out in self._all() if not self._rests(out, since)]
+
+    def goal_rad(self, out: Out) -> float | None:
+        """Return the goal of a servo, radians."""
+        if out.count is None or not out.on:
+            return None
+        return round(packets.position_rad(out.count - self._offsets.get(out.id, 0)), 5)
+
+    def position_rad(self, servo: int, count: int) -> float:
+        """Return the angle of a count that was read."""
+        return round(packets.position_rad(count - self._offsets.get(servo, 0)), 5)
+
+    def _all(self) -> Iterable[Out]:
+        return self.servos.values()
+
+    def _rests(self, out: Out, since: float) -> bool:
+        seen = self._seen[out.id]
+        if not seen.trusted or seen.at <= since or seen.position is None:
+            return False
+        if out.still is None or abs(out.still[0] - seen.position) > STILL:
+            out.still = (seen.position, seen.at)
+        return seen.at - out.still[1] >= STILL_S
+
+    def _unblock(self, mover: Mover) -> None:
+        if mover.seen:
+            for out in self._all():
+                if out.id not in mover.wanted:
+                    out.blocked, out.carried = "", False
+
+    def _let_go(self, mover: Mover, strength: float) -> None:
+        for out in self._all():
+            if (out.on or out.carried) and not strength > 0.0:
+                self._off(out, LET_GO)
+            elif out.on and mover.seen and out.id not in mover.wanted:
+                self._off(out, "")
+
+    def _off(self, out: Out, why: str) -> None:
+        out.known, out.on, out.carried, out.adrift = True, False, False, False
+        out.count, out.rest_at = None, inf
+        out.blocked = out.blocked or why
+        out.want, out.said, out.times = packets.passive(out.id), None, 0
+
+    def _aim(self, out: Out, level: int) -> None:
+        assert out.count is not None
+        weak = self._clock() < out.weak_until
+        out.want = packets.move(out.id, WEAKEST if weak else level, out.count)
+
+    def _settle(self, out: Out, now: float) -> None:
+        """Hold a servo where it is, that nobody knew before, or that rests away from its goal after a stop."""
+        here = self.place(out.id)
+        if here is None or not out.on:
+            return
+        if out.adrift:
+            out.adrift, out.count = False, _legal(here)
+            self._aim(out, out.level)
+        elif now >= out.rest_at and out.count is not None:
+            out.rest_at = inf
+            if abs(here - out.count) > SAG:
+                out.count = _legal(here)
+                self._aim(out, out.level)
+
+    def _follow(self, mover: Mover, now: float) -> None:
+        first = self._first_lease is None
+        if first:
+            self._first_lease = mover.lease
+        for servo, goal in mover.goals.items():
+            out = self.servos.get(servo)
+            if out is None or not goal.torque > 0.0 or out.blocked:
+                continue
+            if first and not out.known:
+                out.carried = True
+            if out.carried and mover.lease not in ("", self._first_lease):
+                out.carried = False
+            self._follow_one(out, goal, now)
+
+    def _follow_one(self, out: Out, goal: ServoGoal, now: float) -> None:
+        here = self.place(out.id)
+        if out.carried or goal.position_rad is None:
+            count = out.count if out.on and not out.adrift else None
+            count = here if count is None else count
+            if count is None:
+                out.trouble = "" if out.on else "cannot be held where it is: nobody knows where; give it a position"
+                return
+        else:
+            count = packets.position_count(goal.position_rad) + self._offsets.get(out.id, 0)
+        count = _legal(count)
+        if out.on and out.count is None and here is None and now - self._played_at < PLAYED_S:
+            return
+        if not out.on:
+            out.weak_until = -inf if here is not None and abs(here - count) <= NEAR else now + WEAK_S
+        if out.count != count:
+            out.rest_at = inf
+        out.known, out.on, out.adrift, out.trouble = True, True, False, ""
+        out.count, out.level = count, packets.torque_level(goal.torque)
+        self._aim(out, out.level)
+
+    def _fade(self, strength: float) -> None:
+        for out in self._all():
+            if out.on and out.count is not None:
+                self._aim(out, min(WEAKEST, out.level + round((1.0 - strength) * (WEAKEST + 1 - out.level))))
+
+    def _repeat(self, now: float) -> None:
+        """Say again what may not have been heard: a goal that a servo is away from, or that it is to let go."""
+        for out in self._all():
+            if out.want is None or out.want != out.said:
+                continue
+            if not out.on:
+                if out.times < OFF_TIMES and now - out.told_at >= OFF_AGAIN_S:
+                    out.said = None
+            elif out.count is not None and now - out.told_at >= AGAIN_S:
+                here = self.place(out.id)
+                if here is not None and abs(here - out.count) > SAG:
+                    out.said = None
+
+
+def _legal(count: int) -> int:
+    return max(packets.LOWEST, min(packets.HIGHEST, count))

@@ -1,0 +1,93 @@
+"""The main board's own motions: each is played once when asked for, and never again. Pure, without time of its own."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Literal
+
+from lbr.messages.servos import StoredPlay, StoredState
+
+Phase = Literal["none", "waiting", "playing", "ending", "over", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class Plays:
+    """`asked` is the newest play, `spent` the highest count that is over, refused, or from before the line was opened.
+
+    waiting ─its packet is written─► playing ─its time is over─► ending ─control is regained─► over
+    """
+
+    asked: StoredPlay | None = None
+    phase: Phase = "none"
+    reason: str = ""
+    until: float = inf
+    spent: int = 0
+    begun: bool = False
+
+    @property
+    def busy(self) -> bool:
+        """Whether the main board moves, so that nobody else may."""
+        return self.phase == "playing"
+
+    @property
+    def wanted(self) -> bool:
+        """Whether a motion is to be started."""
+        return self.phase == "waiting"
+
+    def state(self) -> StoredState | None:
+        """Return what others see of it."""
+        if self.asked is None or self.phase == "none":
+            return None
+        phase = "playing" if self.phase == "ending" else self.phase
+        return StoredState(slot=self.asked.slot, count=self.asked.count, phase=phase, reason=self.reason)
+
+
+def reopened(state: Plays, reason: str) -> Plays:
+    """The line was opened: what was asked for before is not played."""
+    return replace(interrupted(state, reason), begun=False)
+
+
+def seen(state: Plays, play: StoredPlay | None, slots: Collection[int], *, follows: bool) -> Plays:
+    """Take in what the newest setpoint says; `follows`: it is believed."""
+    if play is None or play.count <= state.spent:
+        return state if state.begun else replace(state, begun=True)
+    if not state.begun:
+        return _refused(replace(state, begun=True), play, "it was asked for before the line was opened")
+    if not follows:
+        return replace(state, spent=play.count)
+    if play.slot not in slots:
+        known = ", ".join(map(str, sorted(slots)))
+        return _refused(state, play, f"motion {play.slot} of the main board may not be started; only {known} may")
+    if state.phase in {"playing", "ending"}:
+        return _refused(state, play, "another motion of the main board plays")
+    return replace(state, asked=play, phase="waiting", reason="", spent=play.count)
+
+
+def started(state: Plays, now: float) -> Plays:
+    """Its packet is on the wire."""
+    assert state.asked is not None
+    return replace(state, phase="playing", until=now + state.asked.duration_s)
+
+
+def ended(state: Plays, now: float) -> Plays:
+    """Let time pass."""
+    return replace(state, phase="ending") if state.phase == "playing" and now >= state.until else state
+
+
+def regained(state: Plays) -> Plays:
+    """Servos can be told again."""
+    return replace(state, phase="over") if state.phase == "ending" else state
+
+
+def interrupted(state: Plays, reason: str) -> Plays:
+    """End what waits or plays."""
+    if state.phase not in {"waiting", "playing", "ending"}:
+        return state
+    return replace(state, phase="failed", reason=reason)
+
+
+def _refused(state: Plays, play: StoredPlay, reason: str) -> Plays:
+    """One that is refused beside another that plays is not told of: that one is the state."""
+    if state.phase in {"playing", "ending"}:
+        return replace(state, spent=play.count)
+    return replace(state, asked=play, phase="failed", reason=reason, spent=play.count)
