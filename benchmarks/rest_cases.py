@@ -145,7 +145,7 @@ def _url(robot: Robot) -> str:
 
 def _armed(client: httpx.Client) -> bool:
     joints = client.get("/state").json()["joints"]
-    return bool(joints) and not joints["reason"]
+    return joints is not None and joints["joints"]["neck_yaw"]["position_rad"] is not None
 
 
 if __name__ == "__main__":
