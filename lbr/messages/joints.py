@@ -85,6 +85,8 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     `join` has `positions` begin beside what moves: joints that it does not name go on as they were, and each that it
     names goes as fast as it may. `torque` is how strong the named joints are from now on, a fraction of their most;
     those that have none get it first. `stored` is played by the robot's own controller; nothing else moves meanwhile.
+
+    With `stay` the lease lives on when all have arrived, for as long as it is renewed: somebody has more to say.
     """
 
     positions: dict[str, JointRad] = {}
@@ -95,6 +97,7 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     mirror: bool = False
     append: bool = False
     join: bool = False
+    stay: bool = False
     torque: Annotated[float, Meta(gt=0.0, le=1.0)] | None = None
     stored: StoredMotion | None = None
     asked_s: float | None = None

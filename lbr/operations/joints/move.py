@@ -36,7 +36,7 @@ class Move(Struct, frozen=True, kw_only=True):
 
     `passed` key frames lay behind when the trajectory began. `arrived` is when its end was commanded (NaN: not yet).
     `beside` are the ways of joints that joined. `followed`: the driver said that the servos follow; it has been `told` so
-    since then, under this lease.
+    since then, under this lease. With `stay` it is not over when all have arrived.
     """
 
     goal: str
@@ -49,6 +49,7 @@ class Move(Struct, frozen=True, kw_only=True):
     beside: Mapping[str, Way] = {}
     stored: Stored | None = None
     followed: bool = False
+    stay: bool = False
 
     @property
     def joints(self) -> tuple[str, ...]:

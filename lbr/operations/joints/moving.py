@@ -48,7 +48,7 @@ def ending(state: State, trouble: str, now: float) -> tuple[Ending, str] | None:
     why = trouble or next((why for name in move.joints if (why := _fault(state, name, now))), "")
     if why or (why := _not_followed(state, move, now)):
         return "fault", why
-    return _arrival(state, move, now) if move.over else None
+    return _arrival(state, move, now) if move.over and not move.stay else None
 
 
 def followed(state: State) -> State:

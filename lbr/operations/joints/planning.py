@@ -21,7 +21,7 @@ SMOOTHEST = 1.5
 
 def begin(state: State, command: JointsCommand, goal: str, now: float, idle_s: float = 0.0) -> Move:
     """Return the motion that a command asks for, from where its joints were told to be last."""
-    move = Move(goal=goal, begun=now, told=now)
+    move = Move(goal=goal, begun=now, told=now, stay=command.stay)
     if command.join:
         return joined(state, move, command, now, idle_s)
     rest_s = max((_rest_s(state, name, now) for name in named(command, state.body)), default=0.0)
@@ -59,7 +59,7 @@ def joined(state: State, move: Move, command: JointsCommand, now: float, idle_s:
         ways[name] = Way(trajectory=way, elapsed_s=-rest_s if rest_s > 0.0 else 0.0 if name in moved else idle_s)
     left = {name: way for name, way in move.beside.items() if not _rests(state, name, way, now)}
     base = None if move.trajectory is None else trajectory.without(move.trajectory, ways)
-    return replace(move, trajectory=base, beside={**left, **ways})
+    return replace(move, trajectory=base, beside={**left, **ways}, stay=command.stay)
 
 
 def frames_ahead(move: Move) -> int:

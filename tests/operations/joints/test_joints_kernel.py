@@ -605,3 +605,32 @@ def test_a_sweep_of_nothing_is_one_too(bench):
     bench.command(SLOW)
     bench.run(0.05)
     assert last(bench) == ("fault", "left_knee: the servo driver does not know servo 14")
+
+
+def test_a_lease_that_stays_outlives_arrival_until_it_lapses_or_somebody_stops(bench):
+    lease = bench.command({"left_knee": -0.3}, join=True, stay=True).lease
+    bench.run(3.0, lease)
+    assert bench.measured("left_knee") == pytest.approx(-0.3, abs=0.05)
+    assert bench.results == []
+    assert bench.command({"right_knee": -0.3}, source="web").reason == "held by console"
+    assert bench.command({"left_knee": -0.1}, join=True, stay=True, lease=lease).accepted
+    bench.run(3.0, lease)
+    assert bench.measured("left_knee") == pytest.approx(-0.1, abs=0.05)
+    bench.stop()
+    assert [result.result for result in bench.results] == ["stopped"]
+    assert not bench.command({"left_knee": -0.3}, join=True, stay=True, lease=lease).accepted
+
+
+def test_a_lease_that_stays_lapses_as_any_other(bench):
+    lease = bench.command({"left_knee": -0.3}, join=True, stay=True).lease
+    bench.run(2.0, lease)
+    bench.run(0.5)
+    assert [result.result for result in bench.results] == ["lapsed"]
+
+
+def test_a_stay_is_over_when_a_later_command_does_not_stay(bench):
+    lease = bench.command({"left_knee": -0.3}, join=True, stay=True).lease
+    bench.run(2.0, lease)
+    bench.command({"left_knee": -0.2}, join=True, lease=lease)
+    bench.run(2.0, lease)
+    assert [result.result for result in bench.results] == ["reached"]
