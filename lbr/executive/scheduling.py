@@ -24,7 +24,7 @@ def niceness(unit: Unit) -> int:
     """
     if unit.moves or unit.family in {"driver", "simulation"} or unit.config.lan is not None:  # stops come by that door
         return MOTION
-    return BACKGROUND if unit.family in {"app", "program"} else USUAL
+    return BACKGROUND if unit.family in {"app", "program"} and not unit.serves else USUAL
 
 
 class Rank:

@@ -44,6 +44,7 @@ class Unit(Struct, frozen=True, kw_only=True):
     kind: str
     family: str
     moves: bool
+    serves: bool = False
     restart: str
     needs: tuple[str, ...]
     config: ProcessConfig
@@ -109,6 +110,7 @@ def unit(
         kind=row.kind,
         family=kind.family,
         moves=kind.moves,
+        serves=kind.serves,
         restart=row.restart,
         needs=tuple(need for need in row.needs if need in running),
         config=config,

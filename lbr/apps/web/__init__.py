@@ -57,6 +57,7 @@ KIND = Kind(
     name="web",
     summary="serves the robot over HTTP: an API, a page, and a stream of states",
     family="app",
+    serves=True,
     entry="lbr.apps.web.start:Web",
     settings=WebSettings,
     inputs={

@@ -54,7 +54,7 @@ class Place:
         """Return the address with its QR code, for a terminal."""
         if not (self.open and self.urls):
             return self.words()
-        return f"{qr.characters(self.url)}\n{self.words()}\n(too dark to scan on a light terminal: see {self.url}qr)"
+        return f"{qr.characters(self.url)}\n{self.words()}\nOn a light terminal cameras may not read it; the same code is at {self.url}qr"
 
     @property
     def opening(self) -> str:
