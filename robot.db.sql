@@ -978,7 +978,6 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'camera_head.frame', 'tracking.frame', 1),
     ('uxa90', 'camera_head.state', 'tracking.camera', 1),
     ('uxa90', 'joints.state', 'tracking.joints', 1),
-    ('uxa90', 'joints.result', 'tracking.ended', 16),
     ('uxa90', 'tracking.move', 'joints.command', 1),
     ('uxa90', 'tracking.halt', 'joints.stop', 1),
     ('uxa90', 'joints.state', 'web.joints', 1),

@@ -6,7 +6,6 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
-from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
@@ -51,7 +50,7 @@ KIND = Kind(
     family="app",
     entry="lbr.apps.tracking.capability:Tracking",
     settings=TrackingSettings,
-    inputs={"frame": JpegFrame, "camera": CameraState, "joints": JointsState, "ended": GoalResult},
+    inputs={"frame": JpegFrame, "camera": CameraState, "joints": JointsState},
     outputs={"state": TrackingState},
     commands={"track": TrackCommand, "stop": StopCommand, "look": LookCommand},
     requests={"move": JointsCommand, "halt": StopCommand},

@@ -163,9 +163,8 @@ class Tracking(Capability[TrackingSettings]):
         for look in following.eye.looks():
             self._see(following, look, now)
         self._look_around(following, now)
-        following.mover.aim(following.aim)
-        following.mover.step()
-        if following.call is not None and following.mover.began:
+        following.mover.look(following.aim)
+        if following.call is not None and following.mover.holds:
             self._answer(following, following.call)
         if why := following.mover.ended or self._given_up(following, now):
             self._end(why)
@@ -191,7 +190,7 @@ class Tracking(Capability[TrackingSettings]):
         following.aim = clamped(pose.angles if pose is not None else AHEAD, self._tuning())
         settings = self.ctx.settings
         neck = Neck(settings.yaw_joint, settings.pitch_joint, settings.speed_rps, settings.torque)
-        following.mover = Mover(self.ctx, neck)
+        following.mover = Mover(self.ctx, neck, following.aim)
         following.began = following.turned_s = self.ctx.clock()
 
     def _see(self, following: _Following, look: Look, now: float) -> None:
@@ -222,7 +221,7 @@ class Tracking(Capability[TrackingSettings]):
         """Return why the head stays where it is, or nothing."""
         if now - max(following.picture_s, following.began) > NO_PICTURE_S:
             return self._blind() or f"{NO_PICTURES}; the head stays"
-        return following.mover.waiting if following.mover is not None else ""
+        return ""
 
     def _complain(self, why: str) -> None:
         if why != self._warned:
