@@ -68,8 +68,9 @@ class Announcer:
                 for kind in KINDS
             ]
             told = [zeroconf.async_register_service(info, allow_name_change=True) for info in infos]
-            await asyncio.gather(*await asyncio.gather(*told))
+            broadcasts = await asyncio.gather(*told)
             self.said, self.trouble = infos[0].name, ""
+            await asyncio.gather(*broadcasts)
             await self._until_moved(there)
         except (OSError, Error, TimeoutError) as err:
             self.trouble = f"the network takes no announcement ({err or type(err).__name__})"
