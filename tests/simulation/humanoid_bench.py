@@ -19,19 +19,19 @@ STEP_RAD = radians(300.0 / 1023.0)
 
 
 @cache
-def rows(robot="bioloid"):
+def rows():
     """The joints and the motions by name."""
     database = sqlite3.connect(":memory:")
     database.executescript(SCHEMA.read_text())
     fields = ("name", "device_id", "side", "sign", "zero_rad", "lower_rad", "upper_rad", "speed_rps")
-    found = database.execute(f"SELECT {', '.join(fields)} FROM joint WHERE robot = ? ORDER BY device_id", (robot,))
+    found = database.execute(f"SELECT {', '.join(fields)} FROM joint WHERE robot = 'bioloid' ORDER BY device_id")
     joints = tuple(Joint(**dict(zip(fields, row, strict=True))) for row in found)
     steps = database.execute(
-        "SELECT motion, duration_s, positions FROM motion_step WHERE robot = ? ORDER BY motion, step", (robot,)
+        "SELECT motion, duration_s, positions FROM motion_step WHERE robot = 'bioloid' ORDER BY motion, step"
     ).fetchall()
     motions = {}
     for name, lead_in, lead_out in database.execute(
-        "SELECT name, lead_in, lead_out FROM motion WHERE robot = ?", (robot,)
+        "SELECT name, lead_in, lead_out FROM motion WHERE robot = 'bioloid'"
     ):
         frames = (KeyFrame(positions=json.loads(to), duration_s=took) for motion, took, to in steps if motion == name)
         motions[name] = Motion(name=name, frames=tuple(frames), lead_in=lead_in, lead_out=lead_out)

@@ -1,14 +1,12 @@
 """The UXA-90's body as a bystander sees it: how it rests, what moves where, and the motions that its main board plays."""
 
-import sqlite3
 from itertools import pairwise
 from math import radians
 
 import numpy as np
 import pytest
-from humanoid_bench import SCHEMA, rows
-from uxa90_bench import Robot, humanoid
 
+from benchmarks.uxa90.robot import Robot, humanoid, joints, rows
 from lbr.errors import InputError
 from lbr.simulation.humanoid.settings import Motor, Motors
 from lbr.simulation.measured import ServoDrive
@@ -23,7 +21,7 @@ def driven(pose, **more):
         joint.device_id: ServoDrive(
             goal_rad=joint.zero_rad + joint.sign * pose.get(joint.name, 0.0), torque=1.0, **more
         )
-        for joint in rows("uxa90")[0]
+        for joint in joints()
     }
 
 
@@ -105,7 +103,7 @@ def test_limp_it_sits_on_its_feet_for_as_long_as_one_likes_and_nobody_holds_it()
     assert rested.on_floor == FEET
     assert rested.z_m == pytest.approx(begun.z_m, abs=0.01)
     assert abs(rested.x_m) < 0.01
-    for joint in rows("uxa90")[0]:
+    for joint in joints():
         assert joint.lower_rad < rested.joints[joint.name] < joint.upper_rad
 
 
@@ -136,10 +134,8 @@ def test_motions_end_in_the_walking_stance_and_last_as_long_as_their_rows_say():
     programmes = shipped()
     basic = programmes[BASIC].ends_at()
     assert [slot for slot, programme in programmes.items() if programme.ends_at() != basic] == [STAND, SIT]
-    database = sqlite3.connect(":memory:")
-    database.executescript(SCHEMA.read_text())
     query = "SELECT slot, slot_s FROM motion WHERE robot = 'uxa90' AND slot IS NOT NULL AND builtin = 1"
-    lasts = dict(database.execute(query).fetchall())
+    lasts = dict(rows().execute(query).fetchall())
     assert {slot: pytest.approx(programme.duration_s) for slot, programme in programmes.items()} == lasts
 
 
@@ -170,7 +166,7 @@ def test_a_shorted_motor_lets_its_limb_sink_slowly_and_a_limp_one_lets_it_fall()
         engine = humanoid(rests={}, stand=True)
         engine.step(driven({"left_shoulder_roll": 1.5}), 1.5)
         begun = engine.pose().joints["left_shoulder_roll"]
-        engine.step({joint.device_id: ServoDrive(brake=brake) for joint in rows("uxa90")[0]}, 0.25)
+        engine.step({joint.device_id: ServoDrive(brake=brake) for joint in joints()}, 0.25)
         sunk[brake] = begun - engine.pose().joints["left_shoulder_roll"]
     assert sunk[False] > 0.3
     assert sunk[True] < 0.5 * sunk[False]

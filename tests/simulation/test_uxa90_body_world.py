@@ -8,13 +8,17 @@ import numpy as np
 import pytest
 import serial
 from camera_bench import Film, picture
-from humanoid_bench import rows
 from PIL import Image
-from uxa90_bench import settings
 from world_bench import FakeCall, FakeContext
 
+from benchmarks.uxa90.robot import humanoid, joints, settings
 from lbr.capability.context import Device
+from lbr.simulation.cameras.studio import Studio
+from lbr.simulation.cameras.view import SharedView
+from lbr.simulation.faults import CameraFaults
 from lbr.simulation.humanoid.capability import HumanoidWorld
+from lbr.simulation.humanoid.settings import Ball
+from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
 from lbr.simulation.uxa90.firmware import shipped
 
@@ -38,7 +42,7 @@ class Stage:
             Device("head_camera", "camera", f"unix:{self.eye}", {}),
         )
         self.ctx = FakeContext(settings(), devices)
-        self.ctx.robot, self.ctx.home, self.ctx.joints = "uxa90", str(folder), rows("uxa90")[0]
+        self.ctx.robot, self.ctx.home, self.ctx.joints = "uxa90", str(folder), joints()
         self.world = HumanoidWorld(self.ctx)
         self.over = threading.Event()
         self.thread = threading.Thread(target=self._step)
@@ -83,36 +87,51 @@ def orange(jpeg):
     return across - 0.5, down - 0.5, seen.mean()
 
 
-def shown(film, condition):
-    """The first of the next pictures that shows the ball as wanted, or the last one looked at."""
-    for _ in range(60):
-        found = orange(film.frame()[0])
-        if condition(found):
-            break
-    return found
+def looked(engine, studio, view):
+    """What its head sees a moment later."""
+    engine.step({}, 0.04)
+    view.write(engine.view(), round(engine.time_s * 1e9))
+    studio.newest_ns()
+    return orange(studio.picture("head_camera", "head", (160, 120), CameraFaults()))
 
 
-def test_its_head_sees_the_ball_where_it_is_put(stage):
+@pytest.mark.parametrize("use_gl", [True, False])
+def test_its_head_sees_the_ball_where_it_is_put(use_gl):
+    engine = humanoid()
+    view = SharedView(len(engine.view()))
+    studio = Studio(unpacked(engine.packed()), view, use_gl=use_gl)
+    seen = {}
+    for name, where in (("left", (1.0, 0.2)), ("right", (1.0, -0.2)), ("far", (2.0, 0.0))):
+        engine.balls.put(BallRequest(x_m=where[0], y_m=where[1], z_m=0.6))
+        seen[name] = looked(engine, studio, view)
+    engine.balls.put(BallRequest(gone=True))
+    assert looked(engine, studio, view) is None
+    engine.balls.put(BallRequest())
+    assert looked(engine, studio, view) is not None
+    assert seen["left"][0] < -0.1
+    assert seen["right"][0] == pytest.approx(-seen["left"][0], abs=0.03)
+    assert abs(seen["far"][0]) < 0.03
+    assert seen["far"][2] < 0.5 * seen["left"][2]
+    studio.close()
+    view.close()
+
+
+@pytest.mark.parametrize(("path", "reach"), [("rest", (0.0, 0.0)), ("to_and_fro", (0.4, 0.0)), ("circle", (0.4, 0.4))])
+def test_a_ball_keeps_to_its_path(path, reach):
+    engine = humanoid(balls={"ball": Ball(path=path, reach_m=0.4, period_s=2.0)})
+    body, seen = engine._data.body("ball ball"), []
+    for _ in range(50):
+        engine.step({}, 0.04)
+        seen.append(engine._data.mocap_pos[engine._model.body_mocapid[body.id]] - (1.0, 0.0, 0.9))
+    assert np.abs(seen).max(axis=0) == pytest.approx((0.0, *reach), abs=0.01)
+
+
+def test_the_cameras_socket_shows_what_its_head_sees(stage):
+    assert "ball" in stage.ask("ball", BallRequest(name="moon")).refusal
+    assert stage.ask("ball", BallRequest(x_m=1.0, y_m=0.0, z_m=0.6)).answer.accepted
     with Film(stage.eye, width=160, height=120, fps=30) as film:
-        assert stage.ask("ball", BallRequest(x_m=1.0, y_m=0.2, z_m=0.6)).answer.accepted
-        left = shown(film, lambda seen: seen is not None and seen[0] < -0.1)
-        stage.ask("ball", BallRequest(x_m=1.0, y_m=-0.2, z_m=0.6))
-        right = shown(film, lambda seen: seen is not None and seen[0] > 0.1)
-        stage.ask("ball", BallRequest(x_m=2.0, y_m=0.0, z_m=0.6))
-        far = shown(film, lambda seen: seen is not None and abs(seen[0]) < 0.05)
-        stage.ask("ball", BallRequest(gone=True))
-        gone = shown(film, lambda seen: seen is None)
-        stage.ask("ball", BallRequest())
-        back = shown(film, lambda seen: seen is not None)
-    assert left[0] == pytest.approx(-right[0], abs=0.03)
-    assert left[0] < -0.1
-    assert far[2] < 0.5 * left[2]
-    assert gone is None
-    assert back is not None
-    assert (
-        "there is no ball 'moon'; the world's setting `balls` has: ball"
-        in stage.ask("ball", BallRequest(name="moon")).refusal
-    )
+        while orange(film.frame()[0]) is None:
+            pass
 
 
 def test_a_button_of_the_remote_control_stands_it_up_and_a_picture_shows_it(stage, tmp_path):
