@@ -1,6 +1,6 @@
 """What a command has the joints do: ways through key frames, what is appended to them, and what joins beside them."""
 
-from math import inf, nan
+from math import copysign, inf, nan
 
 from msgspec.structs import replace
 
@@ -124,8 +124,16 @@ def _way(state: State, command: JointsCommand, name: str, target: float, speed_r
     step = KeyFrame(
         positions={name: target}, duration_s=max(least_s, _asked_s(command, abs(target - start)), trajectory.SHORTEST_S)
     )
-    begun_rps = min(max(speed_rps, -limit_rps), limit_rps)
+    begun_rps = _begun_rps(target - start, step.duration_s, speed_rps, limit_rps)
     return trajectory.plan({name: start}, (step,), {name: limit_rps}, command.interpolation, {name: begun_rps})
+
+
+def _begun_rps(way_rad: float, takes_s: float, speed_rps: float, limit_rps: float) -> float:
+    """Return how fast it goes at first: at once as fast as it may, so that it only slows down; but it turns back smoothly."""
+    if speed_rps * way_rad < 0.0:
+        return 0.0
+    fastest_rps = max(abs(speed_rps), SMOOTHEST * abs(way_rad) / takes_s)
+    return copysign(min(fastest_rps, limit_rps), way_rad)
 
 
 def _asked_s(command: JointsCommand, way_rad: float) -> float:

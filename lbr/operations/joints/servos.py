@@ -60,7 +60,8 @@ def _adopted(state: State, now: float) -> State:
     """
     if state.adopted or not _known(state, now):
         return state
-    unread = any(servo.torque is None and not servo.reason for servo in state.seen.values())
+    tells = state.servos is not None and state.servos.tells_torque
+    unread = tells and any(servo.torque is None and not servo.reason for servo in state.seen.values())
     if unread and now - state.heard < UNREAD_S:
         return state
     on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))

@@ -27,6 +27,7 @@ def begin(state: State, motion: StoredMotion, goal: str, now: float) -> tuple[St
     told = Stored(motion=motion, count=count, told=now, before=state.on)
     fit = frozenset(name for name, servo in state.seen.items() if not servo.latched)
     state = replace(state, count=count, on=fit, goals=dict.fromkeys(fit), strength={}, switched=now)
+    state = replace(state, unread=state.unread - fit)
     return state, Move(goal=goal, begun=now, told=now, stored=told)
 
 

@@ -33,7 +33,8 @@ def _on(state: State, event: Torque, names: tuple[str, ...], now: float) -> Deci
     new = fit - state.on
     goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}
     strength = {name: one for name, one in state.strength.items() if name not in fit}
-    state = replace(state, on=state.on | fit, goals=goals, strength=strength, switched=now)
+    unread = state.unread - fit
+    state = replace(state, on=state.on | fit, goals=goals, strength=strength, unread=unread, switched=now)
     outputs = (*setpoint(state), *_told(state, event.source, new, on=True), _reply(told + more))
     return state, outputs
 
@@ -57,7 +58,8 @@ def strengthen(state: State, source: str, names: Iterable[str], strength: float,
     if not new:
         return replace(state, strength=strengths), ()
     goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}
-    state = replace(state, on=state.on | new, goals=goals, strength=strengths, switched=now)
+    unread = state.unread - new
+    state = replace(state, on=state.on | new, goals=goals, strength=strengths, unread=unread, switched=now)
     return state, _told(state, source, new, on=True)
 
 

@@ -62,12 +62,14 @@ class Servos:
         self.sweep = 0
         self.stores, self.stored, self.mode = False, None, ""
         self.doubted = set()
+        self.tells_torque, self.told = True, set()
 
     def obey(self, setpoint):
         self._play(setpoint)
         if setpoint.lost:
             self.phase = "holding" if any(self.torque.values()) else "released"
             return
+        self.told |= {goal.id for goal in setpoint.goals if goal.torque > 0.0}
         for goal in setpoint.goals:
             self.torque[goal.id] = 0.0 if goal.id in self.latched else goal.torque
             moves = self.torque[goal.id] > 0.0 and goal.position_rad is not None and goal.id not in self.stuck
@@ -103,6 +105,7 @@ class Servos:
             stores=self.stores,
             stored=self.stored,
             mode=self.mode,
+            tells_torque=self.tells_torque,
         )
 
     def _servo(self, servo):
@@ -114,12 +117,17 @@ class Servos:
             id=servo,
             position_rad=None if servo in self.doubted else self.at[servo],
             trusted=False if servo in self.doubted else None,
-            torque=0.0 if servo in self.powerless else self.torque[servo],
+            torque=self._torque(servo),
             goal_rad=self.held_at.get(servo),
             latched=self.latched.get(servo, ()),
             age_s=self.ages_s.get(servo, 0.0),
             reason=self.powerless.get(servo, ""),
         )
+
+    def _torque(self, servo):
+        if not (self.tells_torque or servo in self.told):
+            return None
+        return 0.0 if servo in self.powerless else self.torque[servo]
 
 
 class Bench:

@@ -172,6 +172,17 @@ def test_a_joint_that_cannot_be_held_is_refused_by_name_and_none_of_them_moves(b
     assert strengths(bench) == {}
 
 
+def test_servos_that_cannot_say_whether_they_have_torque_are_not_waited_for():
+    bench = Bench()
+    bench.servos.tells_torque = False
+    bench.run(0.02)
+    reply = bench.command(SLOW, torque=0.4, join=True)
+    assert reply.accepted
+    assert strengths(bench) == {"left_knee": 0.4}
+    bench.run(0.8, reply.lease)
+    assert (bench.goals, bench.results[-1].result) == ({"left_knee": -1.0}, "reached")
+
+
 @pytest.mark.parametrize("torque", [0.0, -1.0, 2.0, float("nan")])
 def test_a_strength_that_is_none_is_refused(bench, torque):
     assert "torque" in bench.command(SLOW, torque=torque).reason

@@ -51,7 +51,7 @@ class Motion(RuleBasedStateMachine):
         after = bench.setpoint
         if after is None or after is self.told:
             return
-        elapsed_s = min(bench.now - self.told_at, 0.05)
+        elapsed_s = min(bench.now - self.told_at, 0.055)  # what is refused lets time pass too
         before = {} if self.told is None else {goal.id: goal for goal in self.told.goals}
         halted = self.told is None or after.halt != self.told.halt
         for goal in after.goals:
@@ -159,9 +159,10 @@ class Motion(RuleBasedStateMachine):
         lease = self.leases.get(source, "") if holds else ""
         playing = self.bench.state.move is not None and self.bench.state.move.stored is not None
         motion = StoredMotion(slot=4, duration_s=0.5, pose=pose, limp=limp)
-        told = self.bench.servos.stored
+        told, halt = self.bench.servos.stored, self.bench.state.halt
         self._ask(source, {"stored": motion, "lease": lease})
-        assert not playing or self.bench.servos.stored == told, "it was told another while it played"
+        broken_off = self.bench.state.halt > halt
+        assert not playing or broken_off or self.bench.servos.stored == told, "it was told another while it played"
 
     @precondition(lambda self: self.bench.servos.stored is not None)
     @rule(phase=st.sampled_from(["over", "failed"]))
