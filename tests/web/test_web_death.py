@@ -1,0 +1,59 @@
+"""What becomes of a move when the server that wanted it dies, and of the server's clients."""
+
+import http.client
+import os
+import signal
+
+import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+from tests.robot import only, prepare, running, until
+
+pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(30)]
+EDITS = (
+    only("uxa90", "servos", "joints", "web", "world"),
+    "UPDATE joint SET speed_rps = 0.15 WHERE robot = 'uxa90' AND name = 'neck_yaw'",
+    "UPDATE capability SET settings = json_set(settings, '$.settle_s', 0.05) WHERE robot = 'uxa90' AND name = 'servos'",
+)
+
+
+def ask(base: str, method: str, path: str) -> tuple[int, bytes]:
+    connection = http.client.HTTPConnection(base.removeprefix("http://"), timeout=5)
+    try:
+        connection.request(method, path)
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+    finally:
+        connection.close()
+
+
+def has_ended(states) -> bool:
+    """Read a stream until it breaks."""
+    try:
+        while True:
+            states.recv(timeout=5)
+    except ConnectionClosed:
+        return True
+
+
+def test_a_server_that_is_killed_in_the_middle_of_a_move_leaves_the_joint_where_it_is(tmp_path):
+    with running(prepare(tmp_path / "home", edits=EDITS), profile="uxa90-sim") as robot:
+        until(lambda: robot.capability("web")["phase"] == "ready", limit_s=10.0)
+        until(lambda: ask(robot.web, "GET", "/motor?id=23&pos=220")[0] == 200, limit_s=10.0)
+
+        def goal() -> float:
+            return robot.ask("joints/state")["joints"]["neck_yaw"]["goal_rad"] or 0.0
+
+        until(lambda: abs(goal()) > 0.02, what="a neck that turns")
+        with connect(robot.web.replace("http", "ws") + "/ws") as states:
+            states.recv(timeout=5)
+            os.kill(robot.capability("web")["pid"], signal.SIGKILL)
+            until(lambda: not robot.ask("joints/state")["moving"], what="a neck that holds")
+            assert has_ended(states)
+        state = robot.ask("joints/state")
+        assert state["holder"] is None
+        assert abs(goal()) < 1.5, "it went all the way"
+        until(lambda: robot.capability("web")["restarts"] == 1 and robot.capability("web")["phase"] == "ready")
+        assert until(lambda: ask(robot.web, "GET", "/")) == (200, b"OK")
+        assert abs(goal()) < 1.5, "it went on by itself"
