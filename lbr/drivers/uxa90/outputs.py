@@ -148,10 +148,12 @@ class Outputs:
             out.blocked = LIMP if limp else ""
 
     def loose(self) -> None:
-        """Hold every servo that has torque where it is, as soon as that is known."""
+        """Hold every servo that has torque where it is, as soon as that is read anew."""
+        self._played_at = self._clock()
         for out in self._all():
             if out.on:
-                out.count, out.want, out.said, out.adrift = None, None, None, True
+                out.count, out.want, out.said = None, None, None
+                out.adrift = True
 
     def brake(self, bus: Bus) -> None:
         """Short all motors; in the line's thread."""
@@ -171,20 +173,18 @@ class Outputs:
         said = [(out, out.want) for out in self._all() if out.want is not None and out.want != out.said]
         if not said:
             return
-        for out, want in said:
-            out.said = want
-        answers = bus.write([(out.id, want) for out, want in said])
         now = self._clock()
-        for out, _ in said:
-            out.told_at = now
-            out.times += 1
+        for out, want in said:
+            out.said, out.told_at, out.times = want, now, out.times + 1
+        answers = bus.write([(out.id, want) for out, want in said])
         if len(said) > FEW:
-            self._free_at = now + (self._wire_s(PACKET_BYTES * len(said)) if answers is None else bus.check_s)
+            self._free_at = self._clock() + (self._wire_s(PACKET_BYTES * len(said)) if answers is None else bus.check_s)
 
     def place(self, servo: int) -> int | None:
         """Return where a servo is believed to be."""
         seen = self._seen[servo]
-        return seen.position if seen.trusted and self._clock() - seen.at < PLACE_S else None
+        fresh = seen.at > self._played_at and self._clock() - seen.at < PLACE_S
+        return seen.position if seen.trusted and fresh else None
 
     def moving(self, servo: int) -> bool:
         """Say whether a servo may be under way, for whoever judges its position; from any thread."""

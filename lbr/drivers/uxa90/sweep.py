@@ -72,15 +72,17 @@ class Sweeper:
 
     @property
     def told_apart(self) -> bool:
-        """Whether every servo that answers is believed by now, or is known not to answer."""
-        return all(seen.trusted or seen.reason for seen in self.seen.values())
+        """Whether every servo that answers is believed by now, or never is, or is known not to answer."""
+        heard = self._policy == "never"
+        return all(seen.trusted or seen.reason or (heard and seen.raw is not None) for seen in self.seen.values())
 
     def afresh(self) -> None:
-        """Begin anew, quickly: the line was not read for a while."""
+        """Begin anew, quickly: the line was not read for a while, and servos may have gone anywhere."""
         self._groups.clear()
         self._under_way, self._quick, self._due = False, FIRST_SWEEPS, -inf
-        for servo in self._servos.values():
+        for number, servo in self._servos.items():
             servo.misses, servo.again = 0, -inf
+            self.seen[number] = silent(self.seen[number], "")
 
     def turn(self, bus: Bus) -> float:
         """Ask the next; return the seconds until there is more to do."""

@@ -44,7 +44,11 @@ def judged(seen: Seen, answer: Answer, at: float, policy: Policy, *, moving: boo
     """Take an answer in. `moving`: the servo was told to go elsewhere, or has no torque."""
     if not answer.possible:
         return _doubted(seen, policy)
-    fits = seen.raw is not None and abs(answer.position - seen.raw) <= FITTING + FITTING_CPS * (at - seen.raw_at)
+    fits = (
+        at - seen.raw_at < OLD_S
+        and seen.raw is not None
+        and abs(answer.position - seen.raw) <= FITTING + FITTING_CPS * (at - seen.raw_at)
+    )
     streak = seen.streak + 1 if fits else 1
     raw = replace(seen, raw=answer.position, raw_at=at, streak=streak, reason="")
     if policy != "plausible":
