@@ -143,20 +143,28 @@ def _deref(document: Schema, schema: Schema) -> Schema:
 @st.composite
 def _case(draw: st.DrawFn, document: Schema, method: str, path: str, operation: Schema) -> Case:
     keys, query = {}, []
+    odd = draw(st.integers(0, 2)) == 0
     for parameter in operation.get("parameters", ()):
-        value = _typed(document, parameter["schema"]) | st.sampled_from(NASTY) | st.integers(-2, 30).map(str)
+        value = _typed(document, parameter["schema"])
+        if odd:
+            value = value | st.sampled_from(NASTY) | st.integers(-2, 30).map(str)
         if parameter["in"] == "path":
-            keys[parameter["name"]] = draw(st.sampled_from(KNOWN) | value.filter(bool))
+            keys[parameter["name"]] = draw(
+                st.sampled_from(KNOWN) | value.filter(bool) if odd else st.sampled_from(KNOWN)
+            )
         elif draw(st.integers(0, 99)) < (60 if parameter["name"] == "id" else 35):
-            query += [(parameter["name"], one) for one in draw(st.lists(value, min_size=1, max_size=draw(_RARELY_TWO)))]
+            query += [
+                (parameter["name"], one)
+                for one in draw(st.lists(value, min_size=1, max_size=draw(_RARELY_TWO) if odd else 1))
+            ]
     url = re.sub(r"\{([a-z_]+)\}", lambda found: quote(keys[found[1]], safe=""), path)
     url += f"?{urlencode(query)}" if query else ""
     body, media = b"", ""
     if "requestBody" in operation:
         schema = operation["requestBody"]["content"]["application/json"]["schema"]
-        sensible = _value(document, schema).map(msgspec.json.encode)
-        body = draw(sensible | sensible | sensible | st.sampled_from(OTHER_BODIES))
-        media = draw(st.just("application/json") | st.just("application/json") | st.sampled_from(OTHER_TYPES))
+        sensible = _value(document, schema, odd=odd).map(msgspec.json.encode)
+        body = draw(sensible | sensible | st.sampled_from(OTHER_BODIES) if odd else sensible)
+        media = draw(st.sampled_from(("application/json",) * 4 + OTHER_TYPES) if odd else st.just("application/json"))
     return Case(method, path, url, body, media)
 
 
@@ -171,44 +179,46 @@ def _typed(document: Schema, schema: Schema) -> st.SearchStrategy[str]:
     )
 
 
-def _value(document: Schema, schema: Schema, depth: int = 0) -> st.SearchStrategy[Any]:
+def _value(document: Schema, schema: Schema, *, odd: bool = False, top: bool = True) -> st.SearchStrategy[Any]:
     """Return values that a schema allows, mostly."""
     if "$ref" in schema:
-        return _value(document, _deref(document, schema), depth + 1)
+        return _value(document, _deref(document, schema), odd=odd, top=top)
     if "anyOf" in schema:
-        return st.one_of([_value(document, each, depth + 1) for each in schema["anyOf"]])
+        return st.one_of([_value(document, each, odd=odd, top=top) for each in schema["anyOf"]])
     if "enum" in schema or "const" in schema:
         return st.sampled_from(schema.get("enum", [schema.get("const")]))
-    found = _BY_KIND.get(schema.get("type", ""), _anything)(document, schema, depth)
-    return found if depth == 0 else found | found | found | found | found | _ODD
+    found = _BY_KIND.get(schema.get("type", ""), _anything)(document, schema, odd)
+    return found | found | found | _ODD if odd and not top else found
 
 
-def _number(document: Schema, schema: Schema, depth: int) -> st.SearchStrategy[Any]:
-    del document, depth
+def _number(document: Schema, schema: Schema, odd: bool) -> st.SearchStrategy[Any]:
+    del document, odd
     low, high = schema.get("minimum", -10), schema.get("maximum", 300)
+    if high - low <= 20.0 and low < 0.0:
+        return st.sampled_from([-0.2, 0.0, 0.1]) | st.floats(low, high)
     if schema["type"] == "integer":
         return st.integers(int(low), int(high)) | st.sampled_from([23, 24, 0, 20, 22])
     return st.floats(low, high, allow_nan=False, width=32) | st.integers(int(low), int(high))
 
 
-def _string(document: Schema, schema: Schema, depth: int) -> st.SearchStrategy[Any]:
-    del document, depth
+def _string(document: Schema, schema: Schema, odd: bool) -> st.SearchStrategy[Any]:
+    del document, odd
     if "pattern" in schema:
         return st.from_regex(schema["pattern"], fullmatch=True).filter(lambda text: len(text) < 60)
     return st.text(max_size=min(20, schema.get("maxLength", 20)), min_size=schema.get("minLength", 0))
 
 
-def _array(document: Schema, schema: Schema, depth: int) -> st.SearchStrategy[Any]:
+def _array(document: Schema, schema: Schema, odd: bool) -> st.SearchStrategy[Any]:
     return st.lists(
-        _value(document, schema.get("items", {}), depth + 1), min_size=schema.get("minItems", 0), max_size=6
+        _value(document, schema.get("items", {}), odd=odd, top=False), min_size=schema.get("minItems", 0), max_size=6
     )
 
 
-def _object(document: Schema, schema: Schema, depth: int) -> st.SearchStrategy[Any]:
-    known = {name: _value(document, part, depth + 1) for name, part in schema.get("properties", {}).items()}
+def _object(document: Schema, schema: Schema, odd: bool) -> st.SearchStrategy[Any]:
+    known = {name: _value(document, part, odd=odd, top=False) for name, part in schema.get("properties", {}).items()}
     if not known:
         values = schema.get("additionalProperties")
-        part = _value(document, values, depth + 1) if isinstance(values, dict) else st.integers()
+        part = _value(document, values, odd=odd, top=False) if isinstance(values, dict) else st.integers()
         return st.dictionaries(st.sampled_from(["23", "24", "neck_yaw", "head_pitch", "x"]), part, max_size=3)
     required = set(schema.get("required", ()))
     return st.fixed_dictionaries(
@@ -217,8 +227,8 @@ def _object(document: Schema, schema: Schema, depth: int) -> st.SearchStrategy[A
     )
 
 
-def _anything(document: Schema, schema: Schema, depth: int) -> st.SearchStrategy[Any]:
-    del document, schema, depth
+def _anything(document: Schema, schema: Schema, odd: bool) -> st.SearchStrategy[Any]:
+    del document, schema, odd
     return _ODD
 
 

@@ -18,9 +18,8 @@ AFTERMATH_S = 0.3
 
 def plain_client_killed(under_test: Bench) -> None:
     """Kill a client that imports nothing but zenoh and json."""
-    popen = plain_client(under_test)
-    _gone(under_test, "S8", lambda: under_test.kill(popen.pid))
-    popen.communicate()
+    with plain_client(under_test) as popen:
+        _gone(under_test, "S8", lambda: under_test.kill(popen.pid))
 
 
 def plain_client_leaves(under_test: Bench) -> None:

@@ -24,6 +24,7 @@ from lbr.messages.joints import Joint, KeyFrame, Motion
 
 FIRST_OWN_ID = 100
 LAST_ID = 9999
+REVISION_S = 2.0
 CHANGED = "has changed since"
 BUILT_IN = "is built in"
 KEPT = "is in a slot"
@@ -37,6 +38,7 @@ class Editor:
         self._robot = robot
         self._motors = motors
         self._buttons = buttons
+        self._heard = 0
 
     async def show_motor(self, key: str) -> MotorRowAnswer:
         """Return a motor's row; 404 if there is none."""
@@ -120,13 +122,21 @@ class Editor:
             by=str(ask.client)[:80],
         )
         reply = await self._robot.edit(command)
+        self._heard = max(self._heard, reply.revision)
         if not reply.accepted:
             _refuse(reply.reason)
         return reply
 
     async def _revision(self) -> int:
-        """Return the newest revision of the rows: an edit without rows is refused with it."""
-        reply: EditReply = await self._robot.ask("edit", EditCommand(), timeout_s=5.0)
+        """Return the newest revision of the rows: an edit without rows is refused with it.
+
+        If nobody answers, it is one that was heard before: whoever quotes that may be refused, but overwrites nothing.
+        """
+        try:
+            reply: EditReply = await self._robot.ask("edit", EditCommand(), timeout_s=REVISION_S)
+        except Refused:
+            return self._heard
+        self._heard = reply.revision
         return reply.revision
 
     def _motor(self, key: str) -> Motor:
