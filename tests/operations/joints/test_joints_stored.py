@@ -3,6 +3,8 @@
 import pytest
 from joints_bench import NAMES, Bench
 
+from lbr.drivers.mover import first, receive, tick
+from lbr.drivers.uxa90 import plays
 from lbr.messages.joints import StoredMotion
 from lbr.operations.joints.view import joints_state
 
@@ -123,6 +125,50 @@ def test_a_process_that_is_killed_meanwhile_says_nothing_of_it_afterwards(bench)
     assert bench.setpoint.lost
     assert bench.setpoint.stored is None
     assert not bench.command(lease=reply.lease).accepted
+
+
+class Line:
+    """What the driver makes of setpoints: whether it follows, and what its controller plays."""
+
+    def __init__(self, now):
+        self.mover, self.plays, self.started = first(now), plays.Plays(begun=True), []
+
+    def hear(self, setpoint, now):
+        self.mover = receive(self.mover, setpoint, now, now, 0.1)
+        self.plays = plays.seen(self.plays, setpoint.stored, (4, 21), follows=self.mover.follows)
+        if self.plays.wanted:
+            self.started.append(setpoint.stored.count)
+            self.plays = plays.started(self.plays, now)
+
+    def silence(self, now):
+        self.mover = tick(self.mover, now, 0.1)
+        if not self.mover.follows:
+            self.plays = plays.interrupted(self.plays, self.mover.reason)
+
+
+def test_for_the_driver_a_killed_process_is_silence_and_the_next_one_starts_nothing_by_itself(bench):
+    line = Line(bench.now)
+    reply = bench.command(stored=WALK)
+    for _ in range(30):
+        line.hear(bench.setpoint, bench.now)
+        bench.run(0.01, reply.lease)
+    assert len(line.started) == 1
+    bench.now += 0.2
+    line.silence(bench.now)
+    assert (line.plays.phase, line.plays.reason) == ("failed", "no setpoint within 0.1 s")
+    bench.servos.phase = "holding"
+    bench.restart()
+    for _ in range(30):
+        bench.run(0.01)
+        if bench.setpoint is not None:
+            line.hear(bench.setpoint, bench.now)
+    assert not line.mover.follows
+    assert len(line.started) == 1
+    anew = bench.command(stored=SIT)
+    assert anew.accepted
+    line.hear(bench.setpoint, bench.now)
+    assert len(line.started) == 2
+    assert line.started == sorted(line.started)
 
 
 def test_who_takes_over_breaks_it_off(bench):
