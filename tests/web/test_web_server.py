@@ -8,11 +8,15 @@ from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from msgspec.structs import replace
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from lbr.apps.web import WebSettings, qr
+from lbr.apps.http import listening
+from lbr.apps.web import WebSettings, application, qr
+from lbr.apps.web import serving as serving_module
 from lbr.apps.web.addresses import url
 from lbr.apps.web.announce import Announcer
 from lbr.apps.web.face import Ask, Face, Reply, Route, json, text
@@ -436,3 +440,49 @@ def test_without_a_network_nothing_is_announced():
         return announcer.trouble
 
     assert asyncio.run(announced()) == "this machine is in no network"
+
+
+def test_a_connection_that_never_asks_is_closed(monkeypatch):
+    monkeypatch.setattr(listening, "IDLE_S", 0.05)
+    with serving() as served:
+        for part in (b"", b"GET / HTTP/1.1\r\nHost:"):
+            assert served.raw(part) == b""
+
+
+def test_a_body_that_does_not_come_is_given_up(monkeypatch):
+    monkeypatch.setattr(application, "BODY_S", 0.05)
+    with serving() as served:
+        head = b"POST /estop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{"
+        assert served.raw(head).startswith(b"HTTP/1.1 408")
+        assert not served.stage.engaged
+
+
+def test_one_address_has_only_so_many_connections(served, monkeypatch):
+    monkeypatch.setattr(serving_module, "MOST_OF_ONE", 5)
+    with ExitStack() as stack:
+        held = [stack.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=5)) for _ in range(8)]
+        assert held[-1].recv(1) == b""
+    assert until(lambda: answered(served))
+
+
+def answered(served: Served) -> bool:
+    try:
+        return served.ask("GET", "/").status == 200
+    except (OSError, http.client.HTTPException):
+        return False
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.one_of(
+        st.binary(max_size=200), st.binary(max_size=80).map(lambda b: b"GET /" + b + b" HTTP/1.1\r\nHost: a\r\n\r\n")
+    )
+)
+def test_bytes_by_chance_end_nothing(served, sent):
+    with socket.create_connection(("127.0.0.1", served.port), timeout=8) as client:
+        client.sendall(sent)
+        client.shutdown(socket.SHUT_WR)
+        with suppress(ConnectionError):
+            answer = client.recv(65536)
+            assert not answer or answer.startswith(b"HTTP/1.1 4")
+    assert served.web._serving._thread.is_alive()
