@@ -24,7 +24,7 @@ _STAND_M = 0.05
 """How far above the floor a stand has its feet."""
 
 _HAND_EVERY, _HAND_MPS = 5, 0.3
-_STANDS = 0.75
+_STANDS = 0.85
 """How high its trunk is when it stands, as a share of how high it is with every joint at zero."""
 
 _WELL_ABOVE = 0.4
