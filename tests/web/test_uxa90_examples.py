@@ -139,8 +139,8 @@ def test_the_documented_requests_are_answered_as_documented(api, number, method,
         assert found == reply
         assert json.dumps(found) == json.dumps({key: reply[key] for key in found})  # its keys, inner ones too, in order
     if wire is None:
-        api.idle()
-        assert api.moves(before) == []
+        api.idle()  # a servo that gives way under its load is told its place again; head and neck have none
+        assert [move for move in api.moves(before) if int(move[3:5], 16) & 31 in {23, 24}] == []
     elif wire.startswith("FF"):
         for packet in (wire[at : at + 11] for at in range(0, len(wire), 12)):
             until(lambda one=packet: _last(api.moves(before), one) == one, limit_s=4.0, what=packet)
@@ -194,13 +194,26 @@ def test_24_several_motors_leave_in_one_write(api):
     assert {23, 24} in servos
 
 
+def test_all_motors_at_once_leave_in_one_write(api):
+    api.idle()
+    places = dict.fromkeys((*range(20), 22, 23, 24), 127) | {4: 90, 5: 160, 14: 140, 15: 110}
+    before = len(api.read())
+    motors = [{"id": number, "pos": count, "torq": 3} for number, count in places.items()]
+    assert api.ask("POST", "/multimotor", json.dumps({"motors": motors})).status_code == 200
+    api.idle()
+    written = [
+        {packet.servo for packet in packets(chunk.data)[0] if packet.kind == "move"} for chunk in api.read()[before:]
+    ]
+    assert set(places) in written  # all of them change, by their torque already
+
+
 def test_26_a_delay_is_a_job(api):
     api.idle()
     before = len(api.read())
     answer = api.ask("GET", "/multimotor", '{"motors":[{"id":23,"pos":220,"torq":9,"delay":400}]}').json()
     assert answer["multiMsg"] == {"positions": [{"id": 23, "pos": 220, "torq": 4, "delay": 400}]}
     assert api.ask("GET", f"/jobs/{answer['job']}").json()["data"]["state"] == "waiting"
-    assert api.moves(before) == []
+    assert _last(api.moves(before), "FF 97 DC 4B") is None
     until(lambda: _last(api.moves(before), "FF 97 DC 4B") == "FF 97 DC 4B", limit_s=4.0)
     assert api.ask("GET", f"/jobs/{answer['job']}").json()["data"]["state"] == "done"
 
@@ -218,7 +231,7 @@ def test_a_head_request_moves_nothing(api):
     assert api.ask("HEAD", "/motor?id=23&pos=30").status_code == 405
     assert api.ask("HEAD", "/motion/4").status_code == 405
     assert api.ask("HEAD", "/motor?id=23").status_code == 200
-    assert api.moves(before) == []
+    assert _last(api.moves(before), "FF 17") is None
 
 
 def test_while_a_motion_plays_motors_and_motions_are_refused(api):
