@@ -14,6 +14,7 @@ JointRad = Annotated[float, Meta(ge=-10.0, le=10.0, description="radians from th
 JointDeg = Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees from the joint's zero")]
 JointRps = Annotated[float, Meta(gt=0.0, le=100.0, description="radians a second")]
 DurationS = Annotated[float, Meta(gt=0.0, le=60.0, description="seconds")]
+Strength = Annotated[float, Meta(gt=0.0, le=1.0, description="fraction of a servo's most")]
 Interpolation = Literal["smooth", "linear"]
 MAX_FRAMES = 1000
 
@@ -83,8 +84,8 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     for before a stop does not begin after it.
 
     `join` has `positions` begin beside what moves: joints that it does not name go on as they were, and each that it
-    names goes as fast as it may from the first moment, and slows down to its end; the goal stays the same until all arrived. `torque` is how strong the named joints are from now on, a fraction of their most;
-    those that have none get it first. `stored` is played by the robot's own controller; nothing else moves meanwhile.
+    names goes as fast as it may from the first moment, and slows down to its end; the goal stays the same until all arrived. `torque` is how strong the named joints are from now on, a fraction of their most,
+    and `torques` where they differ; those that have none get it first. `stored` is played by the robot's own controller; nothing else moves meanwhile.
 
     With `stay` the lease lives on when all have arrived, for as long as it is renewed: somebody has more to say.
     """
@@ -98,7 +99,8 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     append: bool = False
     join: bool = False
     stay: bool = False
-    torque: Annotated[float, Meta(gt=0.0, le=1.0)] | None = None
+    torque: Strength | None = None
+    torques: dict[str, Strength] = {}
     stored: StoredMotion | None = None
     asked_s: float | None = None
     lease: LeaseId = ""

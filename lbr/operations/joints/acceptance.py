@@ -1,6 +1,6 @@
 """The chain a motion command passes before it moves a joint; the first link that objects refuses it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from itertools import islice
 from math import isfinite
 
@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from lbr.messages.joints import MAX_FRAMES, JointsCommand, StoredMotion
 from lbr.operations.joints import planning, stored, torque
-from lbr.operations.joints.asked import Asked, asked, empty, named
+from lbr.operations.joints.asked import Asked, asked, empty, named, strengths
 from lbr.operations.joints.state import Command, State, joint_trouble, servos_trouble
 from lbr.operations.leasing import acceptance
 from lbr.operations.leasing.state import Ask, quoted
@@ -108,7 +108,7 @@ def _rest(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
 def _able(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
     """Every joint of it has torque, is measured, and is well."""
     del ask
-    if command.stored is not None or command.torque is not None:
+    if command.stored is not None or command.torque is not None or command.torques:
         return _at_once(state, command, now)
     return _several(_unable(state, command, now))
 
@@ -122,12 +122,16 @@ def _combination(command: JointsCommand) -> str:
         return "give positions or frames, not both"
     if command.append and not command.frames:
         return "only frames can be appended"
-    return "only positions can join" if command.join and not command.positions else ""
+    if command.join and not command.positions:
+        return "only positions can join"
+    moved = command.positions.keys() | {name for frame in command.frames for name in frame.positions}
+    idle = ", ".join(name for name in command.torques if name not in moved)
+    return f"torques names what does not move: {idle}" if idle else ""
 
 
 def _stored_form(state: State, command: JointsCommand, motion: StoredMotion) -> str:
     other = command.positions or command.frames or command.append or command.join
-    if other or command.mirror or command.torque is not None:
+    if other or command.mirror or command.torque is not None or command.torques:
         return f"the controller plays slot {motion.slot} as it is, and nothing beside it"
     if not 0.0 < motion.duration_s <= LONGEST_STORED_S:
         return f"duration_s {motion.duration_s:g} is outside 0 to {LONGEST_STORED_S:g}"
@@ -141,8 +145,9 @@ def _at_once(state: State, command: JointsCommand, now: float) -> str:
     if command.stored is not None:
         stores = state.servos is not None and state.servos.stores
         return "" if stores else "the servos' controller keeps no motions of its own"
-    names = named(command, state.body)
-    return _several(why for name in names if (why := torque.not_to_be_held(state, name, now)))
+    strong = strengths(command, state.body)
+    held = (why for name in strong if (why := torque.not_to_be_held(state, name, now)))
+    return _several(held) or _several(_unable(state, command, now, strong))
 
 
 def _numbers(command: JointsCommand) -> str:
@@ -152,9 +157,9 @@ def _numbers(command: JointsCommand) -> str:
     for time_s in times_s:
         if not 0.0 < time_s <= LONGEST_S:  # this way round, NaN is none
             return f"duration_s {time_s:g} is outside 0 to {LONGEST_S:g}"
-    strength = command.torque
-    if strength is not None and not 0.0 < strength <= 1.0:
-        return f"torque {strength:g} is outside 0 to 1; to switch it off is another command (/torque/off)"
+    for strength in (*([] if command.torque is None else [command.torque]), *command.torques.values()):
+        if not 0.0 < strength <= 1.0:
+            return f"torque {strength:g} is outside 0 to 1; to switch it off is another command (/torque/off)"
     speed_rps = command.speed_rps
     if speed_rps is not None and not (isfinite(speed_rps) and speed_rps > 0.0):
         return f"speed_rps {speed_rps:g} is no speed; leave it out or give radians a second"
@@ -181,8 +186,8 @@ def _not_mirrored(state: State, name: str, angle_rad: float) -> str:
     return state.body.refusal(partner, mirrored_rad)
 
 
-def _unable(state: State, command: JointsCommand, now: float) -> Iterator[str]:
-    joints = named(command, state.body)
+def _unable(state: State, command: JointsCommand, now: float, strong: Collection[str] = ()) -> Iterator[str]:
+    joints = [name for name in named(command, state.body) if name not in strong]
     without = [name for name in joints if name not in state.on]
     troubles = {name: joint_trouble(state, name, now) for name in joints}
     yield from (why for why in troubles.values() if why)

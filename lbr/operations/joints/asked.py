@@ -45,6 +45,13 @@ def named(command: JointsCommand, body: Body) -> tuple[str, ...]:
     return tuple(name for name in body.joints if name in joints)
 
 
+def strengths(command: JointsCommand, body: Body) -> dict[str, float]:
+    """Return how strong it wants joints to be; those of which it says nothing stay as they are."""
+    partner = body.partner if command.mirror else str
+    own = {partner(name): strength for name, strength in command.torques.items()}
+    return own if command.torque is None else dict.fromkeys(named(command, body), command.torque) | own
+
+
 def frames(command: JointsCommand, body: Body, positions_s: float) -> tuple[KeyFrame, ...]:
     """Return the key frames that it asks for, in a mirror if it says so; its positions are one, which takes `positions_s`."""
     asked_for = command.frames or (KeyFrame(positions=command.positions, duration_s=positions_s),)

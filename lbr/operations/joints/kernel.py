@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from lbr.operations.joints import moving, planning, servos, stored, torque
 from lbr.operations.joints.acceptance import asks, command_of, refusal
-from lbr.operations.joints.asked import named
+from lbr.operations.joints.asked import strengths
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint, still, take
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import (
@@ -117,10 +117,8 @@ def _move(state: State, ask: Ask, goal: str, idle_s: float, now: float) -> tuple
 
 
 def _strengthened(state: State, event: Command, ask: Ask, now: float) -> Decision:
-    command = command_of(ask)
-    if command.torque is None:
-        return state, ()
-    return torque.strengthen(state, event.source, named(command, state.body), command.torque, now)
+    strong = strengths(command_of(ask), state.body)
+    return torque.strengthen(state, event.source, strong, now) if strong else (state, ())
 
 
 def _underway(state: State, ask: Ask) -> State:

@@ -1,6 +1,6 @@
 """Switching the torque of joints: on where they are, off only as somebody means it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from msgspec.structs import replace
 
@@ -50,11 +50,10 @@ def _off(state: State, event: Torque, names: tuple[str, ...], now: float) -> Dec
     return state, (*setpoint(state), *ended, *_told(state, event.source, gone, on=False), _reply())
 
 
-def strengthen(state: State, source: str, names: Iterable[str], strength: float, now: float) -> Decision:
-    """Return the state in which the named joints have so much torque from now on; those without get it where they are."""
-    names = tuple(names)
-    new = frozenset(names) - state.on
-    strengths = {**state.strength, **dict.fromkeys(names, strength)}
+def strengthen(state: State, source: str, strengths: Mapping[str, float], now: float) -> Decision:
+    """Return the state in which joints have so much torque from now on; those without get it where they are."""
+    new = frozenset(strengths) - state.on
+    strengths = {**state.strength, **strengths}
     if not new:
         return replace(state, strength=strengths), ()
     goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}

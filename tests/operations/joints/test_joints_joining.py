@@ -141,6 +141,21 @@ def test_a_command_with_torque_gives_its_joints_torque_where_they_are_and_moves_
     assert bench.goals["left_knee"] == -1.0
 
 
+def test_each_joint_may_have_a_strength_of_its_own_and_all_of_them_begin_or_none(bench):
+    bench.torque(on=False, confirmed=True)
+    bench.run(0.3)
+    both = {"left_knee": -1.0, "head_yaw": 0.5}
+    assert bench.command(both, torques={"left_knee": 0.2}, join=True).reason.startswith("head_yaw has no torque")
+    assert bench.command(both, torques={"left_kne": 0.2}).reason == "torques names what does not move: left_kne"
+    assert strengths(bench) == {}
+    bench.command(both, torques={"left_knee": 0.2, "head_yaw": 0.8}, join=True)
+    assert strengths(bench) == {"left_knee": 0.2, "head_yaw": 0.8}
+    bench.stop()
+    bench.run(DT)
+    bench.command({"left_knee": -1.0}, torque=1.0, torques={"left_knee": 0.6}, mirror=True)
+    assert strengths(bench) == {"left_knee": 0.2, "right_knee": 0.6, "head_yaw": 0.8}
+
+
 def test_strength_stays_until_it_is_said_again_or_switched_on_anew(bench):
     reply = bench.command(SLOW, torque=0.2)
     bench.run(DT, reply.lease)
