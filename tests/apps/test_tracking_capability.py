@@ -112,9 +112,11 @@ class World:
             if self.holder is not None:
                 return CommandReply(accepted=False, reason=f"held by {self.holder}")
             assert command.torque
+            if self.stopped_s is not None and command.asked_s <= self.stopped_s:
+                return CommandReply(accepted=False, reason="a stop came after this command")
             self.leases += 1
             self.holder, self.lease = self.name, f"lease-{self.leases}"
-        self.expires = self.clock() + 0.3
+        self.expires = self.clock() + command.ttl_s
         if command.positions:
             assert command.join
             assert command.stay
@@ -123,7 +125,7 @@ class World:
             self.goal = f"goal-{len(self.asked)}"
             self.target = Angles(command.positions["neck_yaw"], command.positions["head_pitch"])
             self.head.aim(self.target)
-        return CommandReply(accepted=True, lease=self.lease, ttl_s=0.3, goal=self.goal)
+        return CommandReply(accepted=True, lease=self.lease, ttl_s=command.ttl_s, goal=self.goal)
 
     def _halt(self, message):
         self.stop("tracking")
@@ -202,18 +204,20 @@ class World:
 @pytest.fixture
 def world(monkeypatch):
     monkeypatch.setattr(module, "Eye", PromptEye)
+    monkeypatch.setattr(module, "check", lambda settings, target: None)
     monkeypatch.setattr(module, "finder", lambda settings, target: None)
     return World()
 
 
-def begin(world):
+def begin(world, **more):
     world.tracking = KIND.load()(world)
     world.tracking.open()
-    return track(world)
+    return track(world, **more)
 
 
-def track(world, target="colour"):
+def track(world, target="colour", asked_s=None):
     call = FakeCall(TrackCommand(target=target))
+    call.arrived = world.clock() if asked_s is None else asked_s
     world.tracking.command(call)
     return call
 
@@ -395,6 +399,37 @@ def test_a_look_saves_the_marked_picture_and_says_what_is_in_it(world, monkeypat
     assert Path(call.answer.path).read_bytes() == b"null"
 
 
+@pytest.mark.parametrize("later", [False, True])
+def test_a_stop_while_the_eye_is_not_ready_yet_ends_it_also_if_it_came_before_the_question(world, monkeypatch, later):
+    monkeypatch.setattr(PromptEye, "ready", property(lambda self: not slow, lambda *_: None), raising=False)
+    slow = [True]
+    world.ball = Angles(0.4, 0.2)
+    if later:
+        world.run(0.1)
+        world.stop("console")
+        call = begin(world, asked_s=world.clock() - 0.05)
+    else:
+        call = begin(world)
+        world.run(0.1)
+        world.stop("console")
+    slow.clear()
+    world.run(2.0)
+    assert call.answer.reason == ("a stop came after this command" if later else "stopped by console")
+    assert world.moves[1:] == []
+    assert not world.state.following
+
+
+def test_an_eye_that_fails_refuses_and_lets_the_joints_go(world, monkeypatch):
+    def fail(settings, target):
+        raise InputError("no model of a YuNet face detector")
+
+    monkeypatch.setattr(module, "finder", fail)
+    call = begin(world)
+    world.run(0.5)
+    assert call.answer.reason == "no model of a YuNet face detector"
+    assert world.asked[-1][0] == "halt"
+
+
 def test_one_at_a_time(world):
     begin(world)
     world.run(0.2)
@@ -416,7 +451,7 @@ def test_a_sender_that_is_killed_in_mid_move_leaves_the_head_to_the_lease(world)
         world.run(Head.TICK_S)
     world.tracking = None
     asked = len(world.asked)
-    world.run(0.4)
+    world.run(1.1)
     assert world.holder is None
     held = world.head.angles
     world.run(2.0)

@@ -1,3 +1,4 @@
+import importlib.util
 import re
 import sys
 
@@ -143,6 +144,9 @@ def test_without_opencv_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(InputError, match=r"lbr\[vision\]"):
         vision.finder(KIND.settings(), "colour")
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"lbr\[vision\]"):
+        vision.check(KIND.settings(), "colour")
 
 
 def test_a_sketch_tells_what_is_seen_and_the_colour_of_the_middle(tmp_path):

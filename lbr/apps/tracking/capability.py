@@ -12,10 +12,10 @@ from lbr.apps.tracking.eye import Eye, Look
 from lbr.apps.tracking.gaze import Gaze
 from lbr.apps.tracking.mover import Mover, Neck
 from lbr.apps.tracking.sketch import Sketch, sketch
-from lbr.apps.tracking.vision import finder
+from lbr.apps.tracking.vision import check, finder
 from lbr.capability import snapshot
 from lbr.capability.base import Capability
-from lbr.capability.context import Call, Context
+from lbr.capability.context import Call, Context, Received
 from lbr.errors import InputError
 from lbr.messages.camera import CameraState, SnapshotReply
 from lbr.messages.joints import JointsState
@@ -33,19 +33,19 @@ ROUND_S = 0.5
 
 @dataclass(slots=True)
 class _Following:
-    """What is under way; `call` waits for the answer until the head is ours."""
+    """What is under way; `call` waits for the answer until the head is ours and the eye sees."""
 
     command: TrackCommand
+    mover: Mover
     eye: Eye
+    gaze: Gaze
     call: Call | None
+    aim: Angles
     began: float
-    gaze: Gaze = field(default_factory=Gaze)
-    mover: Mover | None = None
-    aim: Angles = AHEAD
+    turned_s: float
     last: Look | None = None
     seen_s: float = -inf
     picture_s: float = -inf
-    turned_s: float = -inf
     looked: deque[float] = field(default_factory=lambda: deque(maxlen=100))
 
 
@@ -107,9 +107,15 @@ class Tracking(Capability[TrackingSettings]):
             )
         if why := self._blind():
             raise InputError(why)
-        self._joints()
+        check(settings, command.target)
+        gaze, now = Gaze(), self.ctx.clock()
+        self._hear(gaze, self._joints())
+        pose = gaze.at(now)
+        aim = clamped(pose.angles if pose is not None else AHEAD, self._tuning())
+        neck = Neck(settings.yaw_joint, settings.pitch_joint, settings.speed_rps, settings.torque)
+        mover = Mover(self.ctx, neck, aim, call.arrived)
         eye = Eye(partial(finder, settings, command.target), self.ctx.wake)
-        self._following = _Following(command, eye, call, self.ctx.clock())
+        self._following = _Following(command, mover, eye, gaze, call, aim, began=now, turned_s=now)
 
     def _look(self, call: Call, command: LookCommand) -> None:
         """Look at the newest picture on a thread, for that may take a while."""
@@ -133,13 +139,12 @@ class Tracking(Capability[TrackingSettings]):
         else:
             call.reply(SnapshotReply(accepted=True, reason=f"{found.text}; saved as {path}", path=str(path)))
 
-    def _joints(self) -> JointsState:
+    def _joints(self) -> Received:
         """Return what the joints told last; raise InputError if that is too long ago."""
         received = self.ctx.latest("joints")
         if received is None or not received.age_s(self.ctx.clock()) <= JOINTS_CURRENT_S:
             raise InputError("joints operation has not told for a while where the joints are; see /report/joints")
-        state: JointsState = received.message
-        return state
+        return received
 
     def _blind(self) -> str:
         """Return why there are no pictures, if the camera knows, or nothing."""
@@ -153,45 +158,32 @@ class Tracking(Capability[TrackingSettings]):
 
     def _go_on(self, following: _Following) -> None:
         now = self.ctx.clock()
-        self._hear(following, now)
-        if following.eye.trouble:
-            self._end(following.eye.trouble)
-            return
-        if following.mover is None:
-            self._borrow(following)
-            return
+        self._take_in(following, now)
         for look in following.eye.looks():
             self._see(following, look, now)
         self._look_around(following, now)
         following.mover.look(following.aim)
-        if following.call is not None and following.mover.holds:
+        if following.call is not None and following.mover.holds and following.eye.ready:
             self._answer(following, following.call)
-        if why := following.mover.ended or self._given_up(following, now):
+        if why := following.eye.trouble or following.mover.ended or self._given_up(following, now):
             self._end(why)
         else:
             self._complain(self._trouble(following, now))
 
-    def _hear(self, following: _Following, now: float) -> None:
+    def _take_in(self, following: _Following, now: float) -> None:
         """Take in where the head is, and the newest picture if it is one of now."""
-        settings = self.ctx.settings
         for received in self.ctx.take("joints"):
-            joints = received.message.joints
-            following.gaze.hear(joints.get(settings.yaw_joint), joints.get(settings.pitch_joint), received.arrived)
+            self._hear(following.gaze, received)
         for received in self.ctx.take("frame")[-1:]:
-            if 0.0 <= received.age_s(now) <= settings.max_age_s:
+            if 0.0 <= received.age_s(now) <= self.ctx.settings.max_age_s:
                 following.picture_s = received.arrived
                 following.eye.look(received.message.data, received.arrived)
 
-    def _borrow(self, following: _Following) -> None:
-        """Take the head as it stands, once it is known how, and the eye sees."""
-        if not following.eye.ready:
-            return
-        pose = following.gaze.at(self.ctx.clock())
-        following.aim = clamped(pose.angles if pose is not None else AHEAD, self._tuning())
-        settings = self.ctx.settings
-        neck = Neck(settings.yaw_joint, settings.pitch_joint, settings.speed_rps, settings.torque)
-        following.mover = Mover(self.ctx, neck, following.aim)
-        following.began = following.turned_s = self.ctx.clock()
+    def _hear(self, gaze: Gaze, received: Received) -> None:
+        settings, state = self.ctx.settings, received.message
+        assert isinstance(state, JointsState)
+        yaw, pitch = (state.joints.get(name) for name in (settings.yaw_joint, settings.pitch_joint))
+        gaze.hear(yaw, pitch, received.arrived)
 
     def _see(self, following: _Following, look: Look, now: float) -> None:
         following.last = look
@@ -243,8 +235,7 @@ class Tracking(Capability[TrackingSettings]):
         if following is None:
             return
         following.eye.close()
-        if following.mover is not None:
-            following.mover.release(why)
+        following.mover.release(why)
         if following.call is not None:
             following.call.refuse(why)
         else:

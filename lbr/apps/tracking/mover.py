@@ -2,12 +2,16 @@
 
 from typing import NamedTuple
 
+from msgspec.structs import replace
+
 from lbr.apps.tracking.control import Angles
 from lbr.capability.loan import Asking, Lender, Loan
 from lbr.messages.joints import JointsCommand
 
 JOINTS = Lender("move", "halt", "joints operation", "joints operation does not answer; the head holds by itself")
-RENEWAL = JointsCommand()
+TTL_S = 1.0
+"""Longer than others need: looking at pictures comes last on a busy machine, and a head does not go beyond its goal."""
+RENEWAL = JointsCommand(ttl_s=TTL_S)
 EVERY_S = 1.0 / 15.0
 
 
@@ -21,13 +25,13 @@ class Neck(NamedTuple):
 
 
 class Mover:
-    """Holds the joints for one following; it begins with looking at `first`, which gives them their strength."""
+    """Holds the joints for one following, which was asked for at `asked_s`; looking at `first` gives them their strength."""
 
-    def __init__(self, ctx: Asking, neck: Neck, first: Angles) -> None:
+    def __init__(self, ctx: Asking, neck: Neck, first: Angles, asked_s: float) -> None:
         self._ctx = ctx
         self._neck = neck
         self._sent, self._sent_at = first, ctx.clock()
-        self._loan = Loan(ctx, JOINTS, self._command(first, neck.torque))
+        self._loan = Loan(ctx, JOINTS, replace(self._command(first), torque=neck.torque, asked_s=asked_s))
 
     @property
     def ended(self) -> str:
@@ -55,11 +59,11 @@ class Mover:
         """Have the joints hold, if they are still ours or may become so."""
         self._loan.release(why)
 
-    def _command(self, wanted: Angles, torque: float | None = None) -> JointsCommand:
+    def _command(self, wanted: Angles) -> JointsCommand:
         return JointsCommand(
             positions={self._neck.yaw: wanted.yaw_rad, self._neck.pitch: wanted.pitch_rad},
             join=True,
             stay=True,
             speed_rps=self._neck.speed_rps,
-            torque=torque,
+            ttl_s=TTL_S,
         )

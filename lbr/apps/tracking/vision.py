@@ -3,6 +3,7 @@
 Positions and sizes are shares of the picture's width, so that it does not matter how small it was decoded.
 """
 
+import importlib.util
 from collections.abc import Callable
 from math import pi
 from pathlib import Path
@@ -53,8 +54,23 @@ class Detector(Protocol):
         """Return a row for each face: its left, top, width and height in pixels, ten marks, and the score."""
 
 
+def check(settings: TrackingSettings, target: Target) -> None:
+    """Raise InputError if something is missing for finding the target, as far as that is known at once."""
+    if importlib.util.find_spec("cv2") is None:
+        raise InputError("tracking needs OpenCV: pip install 'lbr[vision]'")
+    if target == "colour":
+        return
+    if not settings.face_model:
+        raise InputError(f"a face needs a model, which does not come with lbr: {MODEL_HINT}")
+    if not Path(settings.face_model).is_file():
+        raise InputError(
+            f"the setting `face_model` names {settings.face_model}, and there is no such file; {MODEL_HINT}"
+        )
+
+
 def finder(settings: TrackingSettings, target: Target) -> Finder:
     """Return what finds the target; InputError says what is missing for it. Takes up to a second."""
+    check(settings, target)
     cv2 = _opencv()
     cv2.setNumThreads(1)
     if target == "face":
@@ -153,11 +169,7 @@ def _in(data: bytes, look: "Callable[[Image], Seen | None]") -> Seen | None:
 
 
 def _face_detector(model: str) -> Detector:
-    """Return the detector; raise InputError if there is no model, or none that OpenCV reads."""
-    if not model:
-        raise InputError(f"a face needs a model, which does not come with lbr: {MODEL_HINT}")
-    if not Path(model).is_file():
-        raise InputError(f"the setting `face_model` names {model}, and there is no such file; {MODEL_HINT}")
+    """Return the detector; raise InputError if OpenCV does not read the model."""
     cv2 = _opencv()
     try:
         made: Detector = cv2.FaceDetectorYN.create(model, "", (REDUCED_TO_PX, REDUCED_TO_PX), FACE_SCORE)
@@ -170,5 +182,5 @@ def _opencv() -> Any:
     try:
         import cv2  # noqa: PLC0415
     except ImportError as err:
-        raise InputError(f"tracking needs OpenCV ({err}): pip install 'lbr[vision]'") from err
+        raise InputError(f"OpenCV cannot be used ({err}); install it anew: pip install 'lbr[vision]'") from err
     return cv2
