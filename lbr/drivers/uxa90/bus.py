@@ -10,6 +10,8 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf
+from random import uniform
 from typing import NamedTuple
 
 from lbr.drivers.uxa90 import frames, packets
@@ -19,8 +21,11 @@ from lbr.drivers.wire import Wire
 
 SLICE_S = 0.002
 """A stop waits no longer than this while the line is listened to."""
-LATE_S = 0.12
-"""After an answer was lost, or bytes came unasked, the line must be quiet for so long."""
+LATE_S, LATEST_S = 0.12, 1.0
+"""After an answer was lost, or bytes came unasked, the line must be quiet for so long; longer where that was too short."""
+UNEVEN = 0.3
+"""That time varies so much, lest what comes late always come when somebody else is asked."""
+CALMER = 0.98
 STEPPING_ASIDE_S = 0.006
 """What waits to be written lets an answer be missed that has not come by then; servos take a few ms."""
 CHECK_S = 0.002
@@ -60,7 +65,8 @@ class _Owed:
 class Bus:
     """The line. Lost answers are None; a line that is gone is a DeviceError.
 
-    `heard` are answers that count, for others to take; `told` are frames that came. `stop_waits`, `write_waits` are
+    `heard` are answers that count, for others to take; `told` are frames that came; `unasked` counts how often bytes came
+    although nobody was asked. `stop_waits`, `write_waits` are
     asked while listening: a stop ends that at once, a write after a moment.
     """
 
@@ -78,6 +84,7 @@ class Bus:
         self.told: deque[Frame] = deque(maxlen=16)
         self.moves_answer = True
         self.cut_short = False
+        self.unasked = 0
         self._line = line
         self._reply_s = reply_s
         self._clock = clock
@@ -90,6 +97,8 @@ class Bus:
         self._frames: list[Frame] = []
         self._slowest_s = 0.0
         self._muted = 0
+        self._late_s = LATE_S
+        self._lost_at = -inf
 
     def read(self, servos: Sequence[int]) -> list[Answer] | None:
         """Ask servos in one write; None: not all of them answered, or the line is not quiet. See `heard`."""
@@ -169,6 +178,7 @@ class Bus:
             self._disturbed()
         if self._doubtful and self._clock() - self._came_at >= self.check_s:
             self.heard += self._doubtful
+            self._late_s = max(LATE_S, self._late_s * CALMER)
             self.counts.replies += len(self._doubtful)
             self._doubtful.clear()
             self._slowest_s = 0.0
@@ -221,6 +231,7 @@ class Bus:
             self._owed.append(_Owed(until, count - len(came)))
             return None
         if len(came) < count:
+            self._lost_at = self._clock()
             self.counts.missing += (count - len(came) + ANSWER_BYTES - 1) // ANSWER_BYTES
         self.counts.strays += len(came)
         self._disturbed()
@@ -251,12 +262,15 @@ class Bus:
                 self._owed.popleft()
         if left:
             self.counts.strays += left
+            self.unasked += 1
+            if self._clock() - self._lost_at < LATEST_S:
+                self._late_s = min(LATEST_S, 2.0 * self._late_s)
             self._disturbed()
 
     def _disturbed(self) -> None:
         self._doubt()
         self._owed.clear()
-        self._quiet_at = max(self._quiet_at, self._clock() + LATE_S)
+        self._quiet_at = max(self._quiet_at, self._clock() + self._late_s * uniform(1.0, 1.0 + UNEVEN))
 
     def _doubt(self) -> None:
         self.counts.doubted += len(self._doubtful)

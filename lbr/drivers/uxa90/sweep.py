@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 
 from lbr.drivers.uxa90.bus import Bus
-from lbr.drivers.uxa90.trust import Policy, Seen, judged, silent
+from lbr.drivers.uxa90.trust import Policy, Seen, doubted, judged, silent
 
 MISSES = 2
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.5, 8.0
@@ -63,7 +63,7 @@ class Sweeper:
         self._apart_well = 0
         self._began = self._due = -inf
         self._counted = (-inf, 0, 0)
-        self._states = 0
+        self._states = self._unasked = 0
 
     @property
     def all_silent(self) -> bool:
@@ -102,7 +102,11 @@ class Sweeper:
         return self._next()
 
     def take(self, bus: Bus) -> None:
-        """Judge the answers that count by now."""
+        """Judge the answers that count by now; after bytes that nobody asked for belief is not gained by those before."""
+        if bus.unasked != self._unasked:
+            self._unasked = bus.unasked
+            for servo, seen in self.seen.items():
+                self.seen[servo] = seen if seen.trusted else doubted(seen)
         while bus.heard:
             servo, answer, at = bus.heard.popleft()
             if servo in self.seen:
