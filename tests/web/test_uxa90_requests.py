@@ -202,12 +202,11 @@ def test_several_motors_of_one_strength_are_one_command(bench):
     assert len(command.positions) == 11
 
 
-def test_several_strengths_are_a_command_each_under_one_lease(bench):
+def test_several_strengths_are_one_command_too_so_that_all_begin_or_none(bench):
     bench.several({"id": 23, "pos": 20, "torq": 0}, {"id": 24, "pos": 120, "torq": 3}, {"id": 0, "pos": 130, "torq": 3})
-    assert [(command.torque, sorted(command.positions), command.lease) for command in bench.sent()] == [
-        (1.0, ["neck_yaw"], ""),
-        (0.4, ["head_pitch", "left_ankle_roll"], "lease-1"),
-    ]
+    (command,) = bench.sent()
+    assert command.torques == {"neck_yaw": 1.0, "head_pitch": 0.4, "left_ankle_roll": 0.4}
+    assert command.positions.keys() == command.torques.keys()
 
 
 def test_what_is_sent_is_echoed_clamped_in_its_place(bench):

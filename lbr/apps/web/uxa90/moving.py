@@ -28,7 +28,7 @@ PLANNED = ("reached", "superseded")
 
 @dataclass(slots=True, eq=False)
 class _Wish:
-    """What one request wants: its commands, one for each level of torque, and who waits for all of them."""
+    """What one request wants: its commands, and who waits for all of them."""
 
     commands: deque[JointsCommand]
     promise: Promise[None]
@@ -192,13 +192,14 @@ class Mover:
 
 
 def _commands(turns: Iterable[Turn], joint: Callable[[Turn], Joint]) -> deque[JointsCommand]:
-    """Return a command for each level of torque; of several turns of one motor, the last counts."""
+    """Return one command, so that all begin or none does; of several turns of one motor, the last counts."""
     newest = {turn.motor.id: turn for turn in turns}
-    levels: dict[int, dict[str, float]] = {}
-    for turn in newest.values():
-        row = joint(turn)
-        levels.setdefault(turn.level, {})[row.name] = joint_rad(row, turn.count)
-    return deque(
-        JointsCommand(positions=positions, join=True, torque=strength(level), ttl_s=TTL_S)
-        for level, positions in sorted(levels.items())
-    )
+    rows = {joint(turn).name: (joint(turn), turn) for turn in newest.values()}
+    if not rows:
+        return deque()
+    positions = {name: joint_rad(row, turn.count) for name, (row, turn) in rows.items()}
+    strengths = {name: strength(turn.level) for name, (_, turn) in rows.items()}
+    one = next(iter(strengths.values()))
+    if set(strengths.values()) == {one}:
+        return deque([JointsCommand(positions=positions, join=True, torque=one, ttl_s=TTL_S)])
+    return deque([JointsCommand(positions=positions, join=True, torques=strengths, ttl_s=TTL_S)])
