@@ -412,10 +412,13 @@ def test_a_stop_while_the_eye_is_not_ready_yet_ends_it_also_if_it_came_before_th
         call = begin(world)
         world.run(0.1)
         world.stop("console")
+    moved = len(world.moves)
+    world.run(0.5)
     slow.clear()
     world.run(2.0)
     assert call.answer.reason == ("a stop came after this command" if later else "stopped by console")
-    assert world.moves[1:] == []
+    assert all(move.lease for move in world.moves[moved:]), "no new lease is asked for"
+    assert world.holder is None
     assert not world.state.following
 
 
