@@ -19,7 +19,8 @@ from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
 RENEW_S = 0.1
 TTL_S = 0.5
 ANSWER_S = 1.0
-MOST_TRIES = 3
+MOST_TRIES = 20
+"""Where several clients move motors a little, each lease is over as soon as it is there."""
 MOST_RENEWALS = 4
 MOST_ENDED = 64
 NO_REASON = "it was refused without a reason"
