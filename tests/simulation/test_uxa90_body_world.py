@@ -20,10 +20,9 @@ from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.humanoid.settings import Ball
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
-from lbr.simulation.uxa90.firmware import shipped
 
 BUTTON = bytes.fromhex("ff ff aa 55 aa 55 37 ba 14 00 00 00 00 01")
-STAND = 7
+NOD = 14
 
 
 class Stage:
@@ -31,14 +30,9 @@ class Stage:
 
     def __init__(self, folder):
         self.line, self.eye = folder / "main_board", folder / "head_camera"
-        fast = [msgspec.structs.replace(frame, duration_s=2.0) for frame in shipped()[STAND].frames[:1]]
-        board = {
-            "programmes": {
-                str(STAND): msgspec.to_builtins(msgspec.structs.replace(shipped()[STAND], frames=tuple(fast)))
-            }
-        }
+        nod = {"frames": [{"duration_s": 0.2, "counts": {"24": 150}}]}
         devices = (
-            Device("main_board", "uxa90", str(self.line), board),
+            Device("main_board", "uxa90", str(self.line), {"programmes": {str(NOD): nod}}),
             Device("head_camera", "camera", f"unix:{self.eye}", {}),
         )
         self.ctx = FakeContext(settings(), devices)
@@ -61,9 +55,6 @@ class Stage:
         while not condition() and time.monotonic() < end:
             pause.wait(0.01)
         return condition()
-
-    def told(self, kind):
-        return [text for told, text in self.ctx.events if told == kind]
 
 
 @pytest.fixture(scope="module")
@@ -134,20 +125,31 @@ def test_the_cameras_socket_shows_what_its_head_sees(stage):
             pass
 
 
-def test_a_button_of_the_remote_control_stands_it_up_and_a_picture_shows_it(stage, tmp_path):
+def test_a_button_of_the_remote_control_moves_it_and_a_picture_shows_it(stage, tmp_path):
     assert stage.ctx.warnings == []
     assert stage.until(lambda: stage.ctx.published["pose"])
     assert not stage.ctx.published["pose"][-1].stands
     with serial.Serial(str(stage.line), 115_200, timeout=5, exclusive=True) as tty:
-        tty.write(BUTTON + bytes((STAND, STAND)))
+        tty.write(BUTTON + bytes((NOD, NOD)))
         assert tty.read(8) == BUTTON[:8], "it answers when the motion is over"
-    assert stage.until(lambda: stage.told("stands"))
+    assert stage.until(lambda: stage.ctx.published["pose"][-1].joints["head_pitch"] == pytest.approx(0.43, abs=0.06))
     assert stage.ctx.published["pose"][-1].supply_v == pytest.approx(18.5, abs=1.0)
     path = tmp_path / "it.png"
     call = stage.ask("picture", PictureRequest(path=str(path), width_px=600, height_px=400))
     assert stage.until(lambda: call.answer is not None)
     with Image.open(path) as drawn:
-        white = np.asarray(drawn.convert("RGB"))[60:350] != (250, 250, 247)
-        assert 0.02 < white.any(axis=2).mean() < 0.5
+        robot = (np.asarray(drawn.convert("RGB"))[60:350] != (250, 250, 247)).any(axis=2)
+        assert 0.02 < robot.mean() < 0.5
     assert "in a helper's hand if it has torque" in stage.ask("pick_up", PickUpRequest()).answer.reason
-    assert stage.until(lambda: stage.told("let_go"))
+    assert stage.until(lambda: stage.ctx.published["pose"][-1].held), "its head has torque"
+
+
+def test_who_stands_up_sits_down_or_falls_is_told_of(tmp_path):
+    world = Stage(tmp_path).world
+    sitting = humanoid().pose()
+    standing = msgspec.structs.replace(sitting, stands=True)
+    lying = msgspec.structs.replace(sitting, upright=False, pitch_rad=1.5)
+    for pose in (sitting, standing, standing, sitting, standing, lying):
+        world._tell(pose)
+    assert [kind for kind, _ in world.ctx.events] == ["stands", "sits", "stands", "fallen"]
+    assert "pitched 86 degrees; pick_up puts it as it began" in world.ctx.events[-1][1]
