@@ -5,6 +5,7 @@ the main board read, the last is the one that is documented.
 """
 
 import json
+import re
 import tempfile
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 
 from benchmarks.rest_cases import ask_all, on_the_wire, served
 from benchmarks.uxa90_wire import chunks, packets
+from tests.docs.pages import ROOT
 from tests.robot import until
 
 SLOTS = (
@@ -252,20 +254,36 @@ def test_while_a_motion_plays_motors_and_motions_are_refused(api):
 def test_a_motion_of_key_frames_can_be_made_and_played(api):
     api.idle()
     frames = [{"duration_s": 0.3, "counts": {"24": 120}}, {"duration_s": 0.3, "positions": {"head_pitch": 0}}]
-    made = api.ask("POST", "/motions", json.dumps({"name": "nod", "frames": frames}))
+    made = api.ask("POST", "/motions", json.dumps({"id": 200, "name": "bow", "frames": frames}))
     assert made.status_code == 201
     number, version = made.json()["data"]["id"], made.headers["etag"]
     changed = api.ask(
-        "PUT", f"/motions/{number}", json.dumps({"name": "nod", "frames": frames[:1]}), **{"If-Match": version}
+        "PUT", f"/motions/{number}", json.dumps({"name": "bow", "frames": frames[:1]}), **{"If-Match": version}
     )
     assert changed.status_code == 200
-    late = api.ask("PUT", f"/motions/{number}", json.dumps({"name": "nod", "frames": frames}), **{"If-Match": version})
+    late = api.ask("PUT", f"/motions/{number}", json.dumps({"name": "bow", "frames": frames}), **{"If-Match": version})
     assert late.status_code == 412
     assert api.ask("PUT", "/motions/4", json.dumps({"name": "walk_forward_short", "frames": frames})).status_code == 403
     api.ask("POST", "/multimotor", '{"motors": [{"id": 24, "pos": 127}]}')
     before = len(api.read())
     until(lambda: api.ask("POST", f"/motion/{number}").status_code == 200, limit_s=5.0, what="the new motion")
     until(lambda: _last(api.moves(before), "FF 18 78 60") == "FF 18 78 60", limit_s=4.0)
+
+
+def test_the_page_says_what_is_answered(api):
+    page = (ROOT / "docs" / "rest_api.md").read_text()
+    told = re.findall(r"^```http\n(\w+) (\S+)\n(.*?)\n?\n(\d{3}) (.*?)\n```$", page, flags=re.MULTILINE | re.DOTALL)
+    assert len(told) == page.count("```http")
+    api.idle()
+    assert api.ask("POST", "/multimotor", '{"motors":[{"id":23,"pos":127},{"id":24,"pos":127}]}').status_code == 200
+    job = ""
+    for method, url, body, status, reply in told:
+        answer = api.ask(method, url.replace("/jobs/1", f"/jobs/{job}"), body.strip() or None)
+        assert answer.status_code == int(status), (url, answer.text)
+        job = answer.json().get("job", job)
+        said = answer.text.replace(f'"job":"{job}"', '"job":"1"').replace(f'{{"id":"{job}"', '{"id":"1"')
+        pattern = re.escape(reply).replace('"…"', "[^,}]+").replace("…", ".*")
+        assert re.fullmatch(pattern, said), (url, said)
 
 
 def test_generated_requests_find_nothing_wrong(api):

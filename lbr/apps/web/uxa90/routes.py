@@ -52,7 +52,15 @@ def _motor_routes(handlers: Handlers) -> Sequence[Route]:
         "role": "operate",
     }
     return (
-        Route(method="GET", path="/", handle=ok, summary="Say that it is there", replies={200: web.TEXT}, role=None),
+        Route(
+            method="GET",
+            path="/",
+            handle=ok,
+            summary="Say that it is there",
+            replies={200: web.TEXT},
+            role=None,
+            page=True,
+        ),
         Route(method="GET", path="/motor", **motor),
         Route(method="GET", path="/multimotor", **several),
         Route(method="POST", path="/multimotor", **several),
