@@ -36,6 +36,8 @@ from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
 from lbr.operations.statistics import Beat, LoopMeter
 
 STATE_PERIOD_S = 0.1
+MOVING_PERIOD_S = 0.045
+"""While joints move, their state is told more than 20 times a second, also of servos that are read less often."""
 RECOVER_S = 2.0
 MOST_WAITING = 16
 NOT_HELD = "the servo driver has not said yet that it holds"
@@ -189,8 +191,9 @@ class Joints(Capability[JointsSettings]):
         """Tell how the joints are: at each sweep, as fast as the loop goes; and whenever something else changed."""
         now = self.ctx.clock()
         state, last = self._state, self._reported
+        period_s = STATE_PERIOD_S if state.holding.hold is None else MOVING_PERIOD_S
         swept = state.servos is not None and (last is None or state.servos.sweep != last.sequence)
-        if (swept and self._sweeps.due(now)) or now - self._reported_at >= STATE_PERIOD_S or self._news():
+        if (swept and self._sweeps.due(now)) or now - self._reported_at >= period_s or self._news():
             self._reported, self._reported_at = joints_state(state, now, self._loop), now
             self.ctx.publish("state", self._reported)
 

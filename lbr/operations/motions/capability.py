@@ -133,7 +133,10 @@ class Motions(Capability[MotionsSettings]):
         if newest is None or not newest.age_s(self.ctx.clock()) <= OLDEST_S:
             raise InputError("joints operation has not told for a while where the joints are; see /report/joints")
         state: JointsState = newest.message
-        known = next((motion.frames for motion in self.ctx.motions if motion.name == command.motion), ())
+        motion = next((motion for motion in self.ctx.motions if motion.name == command.motion), None)
+        if motion is not None and (motion.builtin or motion.slot is not None):
+            raise InputError(f"motion '{command.motion}' stays as it is; capture under another name")
+        known = motion.frames if motion is not None else ()
         if len(known) >= MAX_FRAMES:
             raise InputError(f"motion '{command.motion}' has {MAX_FRAMES} key frames, the most there can be")
         frame = key_frame(self.ctx.joints, state, command.duration_s)

@@ -64,6 +64,16 @@ def test_the_state_is_one_sweep_in_the_joints_own_radians(robot):
     )
 
 
+def test_while_joints_move_their_state_is_told_often_also_of_servos_that_are_read_seldom(robot):
+    reply = robot.command({"left_knee": -1.9}, duration_s=5.0)
+    robot.ctx.published.clear()
+    for step in range(100):
+        if step % 10 == 0:
+            robot.command(lease=reply.lease)
+        robot.run(0.01, hear=step % 7 == 0)
+    assert len(robot.ctx.said("state")) >= 20
+
+
 def test_a_motion_is_shown_while_it_goes_on_and_its_result_published(robot):
     reply = robot.move("left_knee", -30.0, speed_dps=60.0)
     assert reply.accepted

@@ -134,6 +134,7 @@ class World:
         self.body = FakeJoints()
         self.pose = {"right_elbow": -0.1, "left_elbow": -0.1, "neck": 0.0}
         self.unmeasured: dict[str, str] = {}
+        self.doubted: set[str] = set()
         self.now = 50.0
         self.living = {"joints"}
         self.wired = ("joints",)
@@ -165,12 +166,13 @@ class World:
             one.name: JointState(id=one.device_id, position_rad=self.pose[one.name], age_s=0.01) for one in self.joints
         }
         missing = {name: JointState(id=0, reason=why) for name, why in self.unmeasured.items()}
+        doubted = {name: JointState(id=19, trusted=False, raw=200) for name in self.doubted}
         state = JointsState(
             sequence=1,
             measured_s=self.now,
             moving=bool(self.body.holder),
             phase="following",
-            joints=joints | missing,
+            joints=joints | missing | doubted,
             goal=self.body.goal or None,
             passed=self.body.passed(self.now),
             stopped_s=self.body.stopped_s,

@@ -46,6 +46,19 @@ def test_joints_that_were_not_measured_are_named(stage, world):
     assert world.kept == []
 
 
+def test_joints_that_report_what_is_not_believed_are_named(stage, world):
+    world.doubted = {"neck"}
+    assert stage.capture().answer.reason == (
+        "not all joints were measured: neck (servo 19): what it reports is not believed"
+    )
+    assert world.kept == []
+
+
+def test_a_motion_that_the_controller_keeps_is_not_added_to(stage, world):
+    assert stage.capture("stand").answer.reason == "motion 'stand' stays as it is; capture under another name"
+    assert world.kept == []
+
+
 def test_without_news_of_the_joints_nothing_is_captured(stage, world):
     world.told = False
     assert "joints operation has not told" in stage.capture().answer.reason
