@@ -29,7 +29,7 @@ class Kind:
     `outputs` are streams it publishes, `commands` what it answers, `requests` what it asks of others' commands.
     `roles` are the commands that need another role than `operate`; anybody may stop.
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
-    `serves` marks a way by which people move and stop the robot: it outranks what merely uses the robot.
+    `serves` marks a way by which people move and stop the robot: it ranks with what moves.
     `device` is the type of the device row that the setting `device` must name; empty if it owns none.
     `device_settings` is what rows of a type of device may set for it.
     `emulated` is what stands in for its device in a simulation: a tty, a socket (`unix:PATH`) or a folder.

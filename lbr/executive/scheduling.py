@@ -20,11 +20,11 @@ BACKGROUND = 10
 def niceness(unit: Unit) -> int:
     """Return the niceness that a capability should have.
 
-    Emulated devices rank with the drivers: real ones answer however busy the machine is.
+    Emulated devices rank with the drivers: real ones answer however busy the machine is. Stops come by what serves.
     """
-    if unit.moves or unit.family in {"driver", "simulation"} or unit.config.lan is not None:  # stops come by that door
+    if unit.moves or unit.serves or unit.family in {"driver", "simulation"}:
         return MOTION
-    return BACKGROUND if unit.family in {"app", "program"} and not unit.serves else USUAL
+    return BACKGROUND if unit.family in {"app", "program"} else USUAL
 
 
 class Rank:

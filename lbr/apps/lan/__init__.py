@@ -41,6 +41,7 @@ KIND = Kind(
     name="lan",
     summary="the door to other machines: whoever has a token comes in, with the rights of its role",
     family="app",
+    serves=True,
     entry="lbr.apps.lan.capability:Lan",
     settings=LanSettings,
 )
