@@ -84,8 +84,10 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     for before a stop does not begin after it.
 
     `join` has `positions` begin beside what moves: joints that it does not name go on as they were, and each that it
-    names goes as fast as it may from the first moment, and slows down to its end; the goal stays the same until all arrived. `torque` is how strong the named joints are from now on, a fraction of their most,
-    and `torques` where they differ; those that have none get it first. `stored` is played by the robot's own controller; nothing else moves meanwhile.
+    names goes as fast as it may from the first moment, and slows down to its end; the goal is reached when all have
+    arrived. `torque` is how strong the named joints are from now on, a fraction of their most, and `torques` where they
+    differ; those that have none get it first. `stored` is played by the robot's own controller; nothing else moves
+    meanwhile.
 
     With `stay` the lease lives on when all have arrived, for as long as it is renewed: somebody has more to say.
     """

@@ -21,7 +21,7 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
     return JointsState(
         sequence=servos.sweep if servos else 0,
         measured_s=servos.measured_s if servos else 0.0,
-        moving=move is not None,
+        moving=move is not None and not (move.stay and move.over),
         phase=servos.phase if servos else "released",
         joints={name: _joint(state, joint, targets.get(name), now) for name, joint in state.body.joints.items()},
         holder=hold.source if hold else None,

@@ -59,6 +59,14 @@ def test_all_who_join_have_one_goal_which_is_reached_when_the_last_of_them_is(be
     assert bench.goals["head_yaw"] == 0.8
 
 
+def test_a_lease_that_stays_moves_nothing_once_all_have_arrived(bench):
+    reply = bench.command({"left_knee": -0.1}, join=True, stay=True)
+    assert joints_state(bench.state, bench.now).moving
+    bench.run(0.6, reply.lease)
+    state = joints_state(bench.state, bench.now)
+    assert (state.moving, state.holder, bench.results) == (False, "console", [])
+
+
 def test_each_is_as_fast_as_its_own_row_allows_whoever_else_is_slow(bench):
     reply = bench.command({"left_knee": -1.0, "head_yaw": 0.8}, join=True, interpolation="linear")
     bench.run(0.25, reply.lease)
