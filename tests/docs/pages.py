@@ -49,6 +49,14 @@ def blocks(page: Path) -> list[Block]:
     return found
 
 
+def said(page: Path) -> set[str]:
+    """Return what a robot's page types in its blocks, and what its table of words says."""
+    typed = {line for block in blocks(page) for line in re.findall(r"^Robot> (.+)$", block.text, flags=re.MULTILINE)}
+    table = page.read_text().split("## What you can say")[1].split("\n## ")[0]
+    cells = [line.split(" | ")[0] for line in table.splitlines() if line.startswith("| `")]
+    return typed | {word for cell in cells for word in re.findall(r"`([^`]+)`", cell)}
+
+
 def links(page: Path) -> list[str]:
     """Return the targets of a page's links, without those in fenced blocks."""
     text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)

@@ -9,7 +9,7 @@ import pytest
 
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database.store import Database, create
-from tests.docs.pages import ROOT, blocks
+from tests.docs.pages import ROOT, said
 
 PAGE = ROOT / "docs" / "robots" / "bioloid.md"
 
@@ -22,17 +22,9 @@ def rows(tmp_path_factory):
         return database.load("bioloid")
 
 
-def said() -> set[str]:
-    """What the page types in its blocks, and what its table of words says."""
-    typed = {line for block in blocks(PAGE) for line in re.findall(r"^Robot> (.+)$", block.text, flags=re.MULTILINE)}
-    table = PAGE.read_text().split("## What you can say")[1].split("\n## ")[0]
-    cells = [line.split(" | ")[0] for line in table.splitlines() if line.startswith("| `")]
-    return typed | {word for cell in cells for word in re.findall(r"`([^`]+)`", cell)}
-
-
 def test_every_word_of_the_bioloid_is_on_its_page_and_no_other(rows):
     words = Vocabulary(rows.verbs, rows.external_commands)
-    calls = [words.parse(line) for line in said()]
+    calls = [words.parse(line) for line in said(PAGE)]
     assert {row.pattern for row in rows.verbs} - {
         call.verb.pattern for call in calls if isinstance(call, VerbCall)
     } == set()

@@ -1,0 +1,36 @@
+"""The page of the UXA-90 says every word of its console, every motion of its main board, and none that there is not."""
+
+import re
+
+import pytest
+
+from lbr.console.verbs import VerbCall, Vocabulary
+from lbr.database.store import Database, create
+from tests.docs.pages import ROOT, said
+
+PAGE = ROOT / "docs" / "robots" / "uxa90.md"
+OWN = {"nod", "bow"}
+"""Motions that the page has somebody make."""
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    path = tmp_path_factory.mktemp("uxa90") / "robot.db"
+    create(path)
+    with Database.open(path) as database:
+        return database.load("uxa90")
+
+
+def test_every_word_of_the_uxa90_is_on_its_page_and_no_other(rows):
+    words = Vocabulary(rows.verbs, rows.external_commands)
+    calls = [words.parse(line) for line in said(PAGE)]
+    found = {call.verb.pattern for call in calls if isinstance(call, VerbCall)}
+    assert {row.pattern for row in rows.verbs} - found == set()
+
+
+def test_every_motion_that_is_played_there_is_a_row_or_made_there(rows):
+    text = PAGE.read_text()
+    played = set(re.findall(r"/(?:play|mirror|capture)/([a-z_0-9]+)", text))
+    assert played <= {row.name for row in rows.motions} | OWN
+    told = set(re.findall(r"`([a-z_0-9]+)`", text.split("| motion | number | takes |")[1].split("\n\n")[0]))
+    assert {row.name for row in rows.motions} == told
