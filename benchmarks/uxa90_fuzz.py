@@ -25,6 +25,7 @@ class Fuzzer:
     share: float = 0.05
     seed: int = 1
     reply_s: float = 0.001
+    blob_bytes: int = 400
     spoilt_bytes: int = 0
     spoilt: int = 0
     truth: Mapping[int, int] = field(default_factory=dict)
@@ -74,7 +75,7 @@ class Fuzzer:
             case "broken frame":
                 return CONTROL[: self._random.randint(1, 15)]
             case "blob":
-                return self._random.randbytes(self._random.randint(20, 400))
+                return self._random.randbytes(self._random.randint(20, self.blob_bytes))
         return b""
 
     def _instead(self, kind: str, answer: bytes) -> bytes:

@@ -27,10 +27,12 @@ UNEVEN = 0.3
 """That time varies so much, lest what comes late always come when somebody else is asked."""
 CALMER = 0.98
 STEPPING_ASIDE_S = 0.006
-"""What waits to be written lets an answer be missed that has not come by then; servos take a few ms."""
-CHECK_S = 0.002
+"""What waits to be written lets an answer be missed that has not come by then."""
+SERVO_S = 0.0025
+"""Several that are asked in one write answer one after another, each so long after the one before at most."""
+CHECK_S = 0.003
 CHECK_SHARE = 1.5
-"""Nothing surplus within this, or this many times what the slowest answer took: the answers before are believed."""
+"""Nothing surplus within this, or this many times what a servo takes: the answers before are believed."""
 MUTE_MOVES = 5
 """So many moves without any answer in a row, while questions get theirs: moves are not answered here."""
 FRAME_S = 0.25
@@ -85,6 +87,7 @@ class Bus:
         self.moves_answer = True
         self.cut_short = False
         self.unasked = 0
+        self.written_at = -inf
         self._line = line
         self._reply_s = reply_s
         self._clock = clock
@@ -109,7 +112,7 @@ class Bus:
 
     def write(self, said: Sequence[tuple[int, bytes]]) -> list[Answer] | None:
         """Write a packet for each servo at once, whatever the line does; their answers count as those to questions."""
-        data = b"".join(packet for _, packet in said)
+        data, self.written_at = b"".join(packet for _, packet in said), self._clock()
         if not self.quiet() or not self.moves_answer:
             self.say(data, len(said))
             return None
@@ -130,7 +133,7 @@ class Bus:
         if not self.moves_answer:
             self._quiet_at = max(self._quiet_at, now + wire_s + CHECK_S)
         elif answers:
-            self._owed.append(_Owed(now + wire_s + self._reply_s, ANSWER_BYTES * answers))
+            self._owed.append(_Owed(now + wire_s + SERVO_S * answers + self._reply_s, ANSWER_BYTES * answers))
         else:
             self._quiet_at = max(self._quiet_at, now + wire_s + LATE_S)
 
@@ -204,20 +207,21 @@ class Bus:
 
     def _answers(self, data: bytes, servos: Sequence[int]) -> list[Answer] | None:
         wire_s = self._line.wire_s(len(data) + ANSWER_BYTES * len(servos))
-        came = self._exactly(data, ANSWER_BYTES * len(servos), wire_s + self._reply_s)
+        more_s = wire_s + SERVO_S * (len(servos) - 1)
+        came = self._exactly(data, ANSWER_BYTES * len(servos), more_s + self._reply_s, more_s + STEPPING_ASIDE_S)
         if came is None:
             return None
         answers = [Answer(came[first], came[first + 1]) for first in range(0, len(came), ANSWER_BYTES)]
-        self._slowest_s = max(self._slowest_s, self._came_at - self._asked_at - wire_s)
+        self._slowest_s = max(self._slowest_s, (self._came_at - self._asked_at - wire_s) / len(servos))
         self._doubtful += [Heard(servo, answer, self._came_at) for servo, answer in zip(servos, answers, strict=True)]
         return answers
 
-    def _exactly(self, data: bytes, count: int, within_s: float) -> bytes | None:
+    def _exactly(self, data: bytes, count: int, within_s: float, aside_s: float = inf) -> bytes | None:
         """Write, and return what comes if it is so many bytes and no more."""
         self.cut_short = False
         self._asked_at = self._clock()
         self._line.send(data)
-        until, aside = self._asked_at + within_s, self._asked_at + max(STEPPING_ASIDE_S, within_s - self._reply_s)
+        until, aside = self._asked_at + within_s, self._asked_at + aside_s
         came = b""
         while len(came) < count and (left_s := until - self._clock()) > 0.0:
             came += self._take(min(left_s, SLICE_S))

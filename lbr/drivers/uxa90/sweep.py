@@ -14,6 +14,8 @@ IDLE_S = 0.02
 FIRST_SWEEPS = 8
 """So many follow one another at once, so that positions are believed soon."""
 BETTER_ALONE = 3
+BUSY_S = 0.1
+"""So long after a write more may follow: what was answered is made sure of before the next is asked."""
 STATISTICS_S = 1.0
 SILENT = "does not answer"
 
@@ -94,11 +96,12 @@ class Sweeper:
             return IDLE_S
         if not bus.quiet():
             return min(IDLE_S, bus.wait_s)
+        busy = self._clock() - bus.written_at < BUSY_S
+        if bus.doubtful and (busy if self._groups else not self._all_since(self._began)):
+            return bus.check_s
         if self._groups:
             self._ask(bus, self._groups.popleft())
             return 0.0
-        if bus.doubtful:
-            return bus.check_s
         return self._next()
 
     def take(self, bus: Bus) -> None:
@@ -114,6 +117,9 @@ class Sweeper:
                 self._servos[servo].misses, self._servos[servo].pause_s = 0, AGAIN_FIRST_S
                 self._states += 1
                 self.heard = at
+
+    def _all_since(self, when: float) -> bool:
+        return all(seen.raw_at >= when or self._servos[servo].misses >= MISSES for servo, seen in self.seen.items())
 
     def _next(self) -> float:
         """End a sweep, and begin the next when it is due."""
@@ -131,10 +137,13 @@ class Sweeper:
         ids = list(self._servos)
         turned = ids[self.sweep % len(ids) :] + ids[: self.sweep % len(ids)]
         present = [servo for servo in turned if self._servos[servo].misses < MISSES]
+        known = now - self._period_s / 2.0 if not self._quick else inf
+        present = [servo for servo in present if self.seen[servo].raw_at < known]
         self._groups.extend(present[at : at + self._together] for at in range(0, len(present), self._together))
-        overdue = [servo for servo in turned if servo not in present and self._servos[servo].again <= now]
+        quiet_ones = [servo for servo in turned if self._servos[servo].misses >= MISSES]
+        overdue = [servo for servo in quiet_ones if self._servos[servo].again <= now]
         self._groups.extend([servo] for servo in overdue[:1])
-        return 0.0 if self._groups else IDLE_S
+        return 0.0 if self._groups else self._period_s
 
     def _ask(self, bus: Bus, group: list[int]) -> None:
         answers = bus.read(group)

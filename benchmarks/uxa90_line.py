@@ -1,0 +1,293 @@
+"""How fast the UXA-90's servos are read and told, and whether anything is ever believed of the wrong one.
+
+`python -m benchmarks.uxa90_line [--bytes N] [--json FILE]`. The driver in this process; at the other end of a pty, in a
+process of its own, the emulated main board with 25 servos at 115200 baud (a servo answers after 1 to 1.3 ms), or servos
+at the end of a bad line that knows the truth. Exit code 1 if anything was believed that is not so, or crashed.
+"""
+
+import argparse
+import heapq
+import os
+import pty
+import random
+import select
+import subprocess
+import sys
+import tempfile
+import time
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from itertools import count
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import msgspec
+
+from benchmarks.figures import machine, percentile
+from benchmarks.uxa90_fuzz import KINDS, Fuzzer, wrong
+from benchmarks.uxa90_wire import chunks, packets
+from lbr.capability.context import Device, Received
+from lbr.drivers.uxa90 import KIND
+from lbr.drivers.uxa90.capability import Uxa90
+from lbr.drivers.uxa90.packets import position_rad
+from lbr.drivers.uxa90.trust import TOLERANCE
+from lbr.messages.joints import Joint
+from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
+
+SERVOS = range(25)
+API_MOTORS = [servo for servo in SERVOS if servo not in (20, 21)]
+TICK_S = 0.01
+FUZZ_SHARE = 0.02
+FUZZ_KINDS = KINDS + ("blob",) * 5
+
+
+class Driver:
+    """The driver in this process, told a setpoint in every step."""
+
+    def __init__(self, path: Path, **settings: Any) -> None:
+        row = msgspec.json.encode({"device": "board", "guard": False} | settings).decode()
+        self.state = ServosState(sweep=0, measured_s=0.0, armed=False, phase="released", servos=())
+        self.goals: dict[int, int] = {}
+        self._inbox: list[Received] = []
+        joints = tuple(
+            Joint(name=f"joint_{servo}", device_id=servo, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0)
+            for servo in SERVOS
+        )
+        self.ctx: Any = SimpleNamespace(
+            name="servos", settings=KIND.parse(row), device=Device("board", "uxa90", str(path), {}), joints=joints,
+            clock=time.monotonic, estop=SimpleNamespace(engaged=False, reason="", acknowledge=lambda **_: None),
+            sources=lambda _port: ("joints",), alive=lambda _name: True, take=self._take, publish=self._publish,
+            event=lambda *_args, **_kw: None, warn=lambda _why: None, ready=lambda: None,
+        )  # fmt: skip
+        self.driver = Uxa90(self.ctx)
+        self.driver.open()
+
+    def tell(self, torque: float = 1.0) -> None:
+        """Give the goals and step, as when a setpoint wakes the driver."""
+        goals = tuple(
+            ServoGoal(id=servo, position_rad=position_rad(self.goals[servo]), torque=torque)
+            if servo in self.goals
+            else ServoGoal(id=servo, torque=0.0)
+            for servo in SERVOS
+        )
+        self._inbox.append(
+            Received(ServoSetpoint(goals=goals, lease="a" if self.goals else ""), None, time.monotonic(), "joints")
+        )
+        self.driver.step()
+
+    def run(self, seconds: float, each: Callable[[], object] = lambda: None) -> None:
+        """Go on for a while at the joints' rate."""
+        until = time.monotonic() + seconds
+        while (now := time.monotonic()) < until:
+            each()
+            self.tell()
+            time.sleep(max(0.0, now + TICK_S - time.monotonic()))
+
+    def _take(self, _port: str) -> list[Received]:
+        taken, self._inbox = self._inbox, []
+        return taken
+
+    def _publish(self, _output: str, message: msgspec.Struct) -> None:
+        if isinstance(message, ServosState):
+            self.state = message
+
+
+def main() -> int:
+    """Measure, print, judge."""
+    if sys.argv[1:2] == ["--board"]:
+        return board(sys.argv[2])
+    if sys.argv[1:2] == ["--bad"]:
+        return bad(sys.argv[2], int(sys.argv[3]))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bytes", type=int, default=100_000, help="how many spoilt bytes the driver is to meet")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", type=Path, help="write the figures into this file")
+    options = parser.parse_args()
+    found: dict[str, Any] = {"machine": machine()}
+    for together in (5, 1):
+        found[f"read, {together} in a write"] = reading(together)
+    found["told"] = telling()
+    found["all moving"] = streaming()
+    found["fuzz"] = fuzzing(options.bytes, options.seed)
+    print(msgspec.json.format(msgspec.json.encode(found)).decode())
+    if options.json:
+        options.json.write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
+    return 1 if found["fuzz"]["wrong"] or found["fuzz"]["crashes"] else 0
+
+
+def reading(together: int) -> dict[str, float]:
+    """Return how often all servos are read while nothing else happens."""
+    with _peer("--board") as path:
+        driver = Driver(path, together=together, sweep_hz=50.0)
+        driver.run(4.0)
+        driver.driver.close()
+    bus = driver.state.bus
+    return {"sweeps_hz": bus.sweeps_hz, "sweep_ms": bus.sweep_ms, "states_hz": bus.states_hz}
+
+
+def telling(times: int = 150) -> dict[str, float]:
+    """Return how long a goal takes from the driver's step to the main board, and in how many writes 23 motors leave."""
+    waits_ms, whole, rng = [], 0, random.Random(1)
+    with _peer("--board") as path:
+        trace = path.with_name(path.name + ".trace")
+        driver = Driver(path)
+        driver.run(1.5)
+        places = {state.id: state.raw or 127 for state in driver.state.servos}
+        driver.goals = dict(places)
+        driver.run(1.0)
+        for turn in range(times):
+            motors = API_MOTORS if turn % 10 == 9 else [23]
+            for servo in motors:
+                driver.goals[servo] = places[servo] + 1 + turn % 3
+            at = time.monotonic()
+            driver.tell()
+            driver.run(0.05 + 0.02 * rng.random())
+            moves = [(chunk.at, _moved(chunk.data)) for chunk in chunks(trace) if chunk.at >= at]
+            told = [(when, servos) for when, servos in moves if servos]
+            if len(motors) > 1:
+                whole += any(servos == motors for _, servos in told)
+            elif told:
+                waits_ms.append((told[0][0] - at) * 1000.0)
+        driver.driver.close()
+    return {
+        "p50_ms": round(percentile(waits_ms, "p50"), 2),
+        "p99_ms": round(percentile(waits_ms, "p99"), 2),
+        "max_ms": round(max(waits_ms), 2),
+        "moves": len(waits_ms),
+        "multi_moves": times // 10,
+        "multi_moves_in_one_write": whole,
+    }
+
+
+def streaming(seconds: float = 5.0) -> dict[str, float]:
+    """Return how fresh positions are while every servo gets a new goal in each cycle."""
+    ages: list[float] = []
+    with _peer("--board") as path:
+        driver = Driver(path)
+        driver.run(1.5)
+        places = {state.id: state.raw or 127 for state in driver.state.servos}
+        driver.goals = dict(places)
+        driver.run(1.0)
+        turns = count()
+
+        def sway() -> None:
+            turn = next(turns)
+            driver.goals = {servo: place + abs(turn % 20 - 10) for servo, place in places.items()}
+            ages.extend(state.age_s for state in driver.state.servos if state.age_s is not None)
+
+        driver.run(seconds, sway)
+        bus, mode = driver.state.bus, driver.state.mode
+        driver.driver.close()
+    assert mode == "pc"
+    return {
+        "sweeps_hz": bus.sweeps_hz,
+        "states_hz": bus.states_hz,
+        "age_p50_ms": round(percentile(ages, "p50") * 1000.0, 1),
+        "age_p99_ms": round(percentile(ages, "p99") * 1000.0, 1),
+        "strays": bus.strays,
+        "timeouts": bus.timeouts,
+    }
+
+
+def fuzzing(enough: int, seed: int) -> dict[str, Any]:
+    """Return what was believed on a line that is spoilt until so many bytes were, and what is once it is good again."""
+    truth = Fuzzer(seed=seed).truth
+    lies: set[tuple[int, int, int]] = set()
+    crashes, looks, began = 0, 0, time.monotonic()
+    with _peer("--bad", str(seed)) as path:
+        spoilt = path.with_name("spoilt")
+        driver = Driver(path, reply_s=0.01)
+        while _number(spoilt) < enough:
+            try:
+                driver.run(0.1)
+            except Exception as err:  # noqa: BLE001  that is what is counted
+                print(f"crash: {err!r}", file=sys.stderr)
+                crashes += 1
+                driver.driver.close()
+                driver.driver.open()
+            believed = {state.id: state.raw for state in driver.state.servos if state.trusted}
+            looks += len(believed)
+            lies |= set(wrong(believed, truth, TOLERANCE))
+        path.with_name("good").touch()
+        driver.run(15.0)
+        after = {state.id: state.raw for state in driver.state.servos if state.trusted}
+        driver.driver.close()
+        found = _number(spoilt)
+    return {
+        "spoilt_bytes": found,
+        "seconds": round(time.monotonic() - began, 1),
+        "crashes": crashes,
+        "believed": looks,
+        "wrong": sorted(lies),
+        "believed_when_good_again": sum(after.get(servo) == place for servo, place in truth.items()),
+    }
+
+
+def board(path: str) -> int:
+    """Be the emulated main board, until the parent is gone."""
+    from lbr.simulation.twins.base import Surroundings
+    from lbr.simulation.twins.uxa90 import Uxa90Twin
+
+    device = Device("board", "uxa90", path, {"trace": True})
+    twin = Uxa90Twin(device, Surroundings(seed=1, now=time.monotonic()))
+    while os.getppid() != 1:
+        due, fd = twin.next_due(), twin.watched()
+        wait_s = 0.05 if due is None else max(0.0, min(0.05, due - time.monotonic()))
+        select.select([] if fd is None else [fd], [], [], wait_s)
+        twin.service(time.monotonic())
+    return 0
+
+
+def bad(path: str, seed: int) -> int:
+    """Be servos at the end of a bad line, until the parent is gone."""
+    fuzzer = Fuzzer(seed=seed, share=FUZZ_SHARE, kinds=FUZZ_KINDS, blob_bytes=3000)
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    Path(path).symlink_to(os.ttyname(slave))
+    place, good = Path(path).with_name("spoilt"), Path(path).with_name("good")
+    due: list[tuple[float, int, bytes]] = []
+    order, told = count(), 0
+    while os.getppid() != 1:
+        wait_s = max(0.0, min(0.05, due[0][0] - time.monotonic())) if due else 0.05
+        if select.select([master], [], [], wait_s)[0]:
+            for delay_s, piece in fuzzer.feed(os.read(master, 4096)):
+                heapq.heappush(due, (time.monotonic() + delay_s, next(order), piece))
+        while due and due[0][0] <= time.monotonic():
+            os.write(master, heapq.heappop(due)[2])
+        if fuzzer.spoilt_bytes != told:
+            told = fuzzer.spoilt_bytes
+            place.write_text(str(told))
+            fuzzer.share = 0.0 if good.exists() else fuzzer.share
+    return 0
+
+
+@contextmanager
+def _peer(*words: str) -> Iterator[Path]:
+    """Start this module as the other end of a line, and yield the line's path."""
+    with tempfile.TemporaryDirectory(prefix="lbr-") as folder:
+        path = Path(folder) / "tty"
+        argv = [sys.executable, "-m", "benchmarks.uxa90_line", words[0], str(path), *words[1:]]
+        process = subprocess.Popen(argv)
+        try:
+            while not path.exists():
+                time.sleep(0.01)
+            yield path
+        finally:
+            process.kill()
+            process.wait()
+
+
+def _moved(data: bytes) -> list[int]:
+    return [packet.servo for packet in packets(data)[0] if packet.kind == "move"]
+
+
+def _number(path: Path) -> int:
+    with suppress(OSError, ValueError):
+        return int(path.read_text())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
