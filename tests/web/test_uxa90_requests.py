@@ -57,12 +57,42 @@ def test_a_lease_that_died_just_then_is_asked_for_anew(bench):
     bench.motor("id=23&pos=100")
     bench.automatic = False
     promise = bench.work.motor(bench.query("id=24&pos=110"), lambda role: None, measured=False)
-    bench.ctx.asked[-1].answer(accepted=False, reason="lease is dead: it has arrived")
+    bench.ctx.asked[-1].answer(accepted=False, reason="lease is dead: reached in 0.30 s")
     bench.answered = len(bench.ctx.asked)
     bench.automatic = True
     bench.run()
     assert promise.result(0).newPosition == 110
     assert [command.lease for command in bench.sent()] == ["", "lease-1", ""]
+
+
+def test_what_was_asked_for_before_a_stop_is_not_asked_for_anew_after_it(bench):
+    bench.motor("id=23&pos=100")
+    bench.automatic = False
+    promise = bench.work.motor(bench.query("id=24&pos=110"), lambda role: None, measured=False)
+    bench.ctx.asked[-1].answer(accepted=False, reason="lease is dead: stopped by console")
+    bench.answered = len(bench.ctx.asked)
+    bench.automatic = True
+    bench.run()
+    with pytest.raises(Refused, match="stopped by console"):
+        promise.result(0)
+    assert len(bench.sent()) == 2
+    bench.motor("id=24&pos=110")
+    assert bench.sent()[-1].lease == ""
+
+
+def test_what_was_asked_for_before_a_motion_is_not_asked_for_anew_during_it(bench):
+    bench.motor("id=23&pos=100")
+    bench.automatic = False
+    promise = bench.work.motor(bench.query("id=24&pos=110"), lambda role: None, measured=False)
+    late = bench.ctx.asked[-1]
+    bench.answered = len(bench.ctx.asked)
+    bench.automatic = True
+    bench.play("4")
+    late.answer(accepted=False, reason="lease is dead: reached in 0.30 s")
+    bench.run()
+    with pytest.raises(Refused):
+        promise.result(0)
+    assert len(bench.sent()) == 2
 
 
 def test_a_refused_move_says_why_and_is_not_remembered(bench):

@@ -2,6 +2,7 @@
 
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,17 +24,19 @@ MOST_TRIES = 20
 """Where several clients move motors a little, each lease is over as soon as it is there."""
 MOST_RENEWALS = 4
 MOST_ENDED = 64
+ARRIVED = ("reached in", "over after")
+"""How joints operation says that a lease is over because all have arrived."""
 NO_REASON = "it was refused without a reason"
 PLANNED = ("reached", "superseded")
 
 
 @dataclass(slots=True, eq=False)
 class _Wish:
-    """What one request wants: its commands, and who waits for all of them."""
+    """What one request wants, who waits for it, after how many releases, and how often it was sent in vain."""
 
-    commands: deque[JointsCommand]
+    command: JointsCommand
     promise: Promise[None]
-    open: int = 0
+    releases: int
     tries: int = 0
 
 
@@ -61,6 +64,7 @@ class Mover:
         self._taking: _Wish | None = None
         self._wishes: deque[_Wish] = deque()
         self._ended: OrderedDict[str, GoalResult] = OrderedDict()
+        self._releases = 0
 
     @property
     def holds(self) -> bool:
@@ -70,12 +74,12 @@ class Mover:
     def turn(self, turns: Iterable[Turn], joint: Callable[[Turn], Joint]) -> Promise[None]:
         """Move motors; the promise is kept once the joints have accepted all of it, else Refused with their reason."""
         promise: Promise[None] = Promise()
-        commands = _commands(turns, joint)
-        if commands:
-            self._wishes.append(_Wish(commands, promise))
-            self._go()
-        else:
+        command = _command(turns, joint)
+        if command is None:
             promise.keep(None)
+        else:
+            self._wishes.append(_Wish(command, promise, self._releases))
+            self._go()
         return promise
 
     def step(self, now: float) -> None:
@@ -96,6 +100,7 @@ class Mover:
     def release(self, why: str) -> Promise[Any] | None:
         """Give the joints back, where they are; the promise is kept when they have said so. None: nothing is held."""
         self.drop(why)
+        self._releases += 1
         if not self.holds:
             return None
         self._hold = None
@@ -109,24 +114,19 @@ class Mover:
     def _go(self) -> None:
         """Send what waits: by the lease, or the first of it to get one."""
         while self._wishes and self._taking is None:
-            wish = self._wishes[0]
-            if not wish.commands:
-                self._wishes.popleft()
-                continue
+            wish = self._wishes.popleft()
             if self._hold is None:
                 self._taking = wish
-            self._send(wish, wish.commands.popleft(), self._hold)
+            self._send(wish, self._hold)
 
-    def _send(self, wish: _Wish, command: JointsCommand, hold: _Hold | None) -> None:
-        wish.open += 1
+    def _send(self, wish: _Wish, hold: _Hold | None) -> None:
         if hold is not None:
             hold.sent = self._robot.now()
-        said = replace(command, lease=hold.lease if hold is not None else "")
+        said = replace(wish.command, lease=hold.lease if hold is not None else "")
         promise = self._robot.follow("move", said, ANSWER_S)
-        promise.add_done_callback(lambda done: self._answered(wish, command, hold, done))
+        promise.add_done_callback(lambda done: self._answered(wish, hold, done))
 
-    def _answered(self, wish: _Wish, command: JointsCommand, hold: _Hold | None, done: Any) -> None:
-        wish.open -= 1
+    def _answered(self, wish: _Wish, hold: _Hold | None, done: "Future[Any]") -> None:
         if hold is None:
             self._taking = None
         try:
@@ -135,23 +135,22 @@ class Mover:
             reply = CommandReply(accepted=False, reason=err.message)
         if reply.accepted:
             self._accepted(hold, reply)
-            if not wish.commands and not wish.open:
-                wish.promise.keep(None)
-        elif hold is not None and reply.reason.startswith(DEAD_LEASE) and wish.tries < MOST_TRIES:
-            self._again(wish, command, hold)
+            wish.promise.keep(None)
         else:
-            wish.commands.clear()
-            wish.promise.refuse(Refused(409, reply.reason.removeprefix(DEAD_LEASE) or NO_REASON))
+            self._refused(wish, hold, reply.reason)
         self._go()
 
-    def _again(self, wish: _Wish, command: JointsCommand, hold: _Hold) -> None:
-        """The motors arrived just then: ask for a lease of its own."""
-        if self._hold is hold:
+    def _refused(self, wish: _Wish, hold: _Hold | None, reason: str) -> None:
+        """Ask anew, if the motors arrived just then; whatever else ended the lease ends what was asked by it."""
+        why = reason.removeprefix(DEAD_LEASE)
+        dead = hold is not None and why != reason
+        if dead and self._hold is hold:
             self._hold = None
-        wish.tries += 1
-        wish.commands.appendleft(command)
-        if wish not in self._wishes:
+        if dead and why.startswith(ARRIVED) and wish.releases == self._releases and wish.tries < MOST_TRIES:
+            wish.tries += 1
             self._wishes.appendleft(wish)
+        else:
+            wish.promise.refuse(Refused(409, why or NO_REASON))
 
     def _accepted(self, hold: _Hold | None, reply: CommandReply) -> None:
         now = self._robot.now()
@@ -162,7 +161,7 @@ class Mover:
         if self._hold is hold and (ended := self._ended.get(hold.goal)) is not None:
             self._finish(ended)
 
-    def _renewed(self, hold: _Hold, done: Any) -> None:
+    def _renewed(self, hold: _Hold, done: "Future[Any]") -> None:
         hold.renewals -= 1
         if self._hold is not hold:
             return
@@ -192,15 +191,15 @@ class Mover:
         self._lost(why)
 
 
-def _commands(turns: Iterable[Turn], joint: Callable[[Turn], Joint]) -> deque[JointsCommand]:
+def _command(turns: Iterable[Turn], joint: Callable[[Turn], Joint]) -> JointsCommand | None:
     """Return one command, so that all begin or none does; of several turns of one motor, the last counts."""
     newest = {turn.motor.id: turn for turn in turns}
     rows = {joint(turn).name: (joint(turn), turn) for turn in newest.values()}
     if not rows:
-        return deque()
+        return None
     positions = {name: joint_rad(row, turn.count) for name, (row, turn) in rows.items()}
     strengths = {name: strength(turn.level) for name, (_, turn) in rows.items()}
     one = next(iter(strengths.values()))
     if set(strengths.values()) == {one}:
-        return deque([JointsCommand(positions=positions, join=True, torque=one, ttl_s=TTL_S)])
-    return deque([JointsCommand(positions=positions, join=True, torques=strengths, ttl_s=TTL_S)])
+        return JointsCommand(positions=positions, join=True, torque=one, ttl_s=TTL_S)
+    return JointsCommand(positions=positions, join=True, torques=strengths, ttl_s=TTL_S)
