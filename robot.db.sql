@@ -959,7 +959,7 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
                   {"joints": ["*_shoulder_pitch", "*_shoulder_roll"], "stall_nm": 9.8, "no_load_rps": 7.0,
                    "rated_v": 18.5, "friction_nm": 0.4, "armature_kgm2": 0.015, "stall_a": 5.0}],
        "battery": {"open_circuit_v": 18.5, "internal_ohm": 0.02, "capacity_ah": 1000.0, "idle_a": 0.8, "charged_v": 18.6},
-       "balls": {"ball": {"x_m": 1.5, "z_m": 0.75, "radius_m": 0.07, "path": "to_and_fro", "period_s": 10.0}}}', '[]',
+       "balls": {"ball": {"x_m": 1.5, "z_m": 0.65, "radius_m": 0.07, "path": "to_and_fro", "period_s": 10.0}}}', '[]',
      'The simulated body and floor; runs only under a simulating launch profile');
 
 -- Off: nothing on the robot can be reached from other machines, as for lbr.

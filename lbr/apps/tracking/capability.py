@@ -228,6 +228,7 @@ class Tracking(Capability[TrackingSettings]):
         following.call = None
         text = f"the head follows a {following.command.target}"
         self.ctx.event("tracking_began", f"{call.source}: {text}")
+        self._tell()
         call.reply(CommandReply(accepted=True, reason=text))
 
     def _end(self, why: str) -> None:
