@@ -96,8 +96,8 @@ class Outputs:
 
     @property
     def due(self) -> bool:
-        """Whether there is something to write, and the line has room for it."""
-        return self.open and self._clock() >= self._free_at and any(out.want != out.said for out in self._all())
+        """Whether there is something to write."""
+        return self.open and any(out.want != out.said for out in self._all())
 
     def apply(self, mover: Mover, strength: float) -> None:
         """Do what follows from the mover's state and from where the servos are."""
@@ -167,6 +167,11 @@ class Outputs:
             out.blocked = BRAKED
 
     def flush(self, bus: Bus) -> None:
+        """Write what is due, if there is room by now; in the line's thread."""
+        if self._clock() >= self._free_at:
+            self.flush_now(bus)
+
+    def flush_now(self, bus: Bus) -> None:
         """Write what is wanted and was not said yet, all at once; in the line's thread."""
         if not self.open:
             return

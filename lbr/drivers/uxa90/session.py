@@ -69,8 +69,10 @@ class Session:
         if passes and not self.sweeper.reading:
             self.owner.submit(lambda _bus: self.sweeper.afresh(), WRITE)
         self.outputs.open = self.sweeper.reading = passes
-        if self.outputs.due:
-            self.owner.submit(self.outputs.flush, STOP if urgent else WRITE, "flush")
+        if self.outputs.due and urgent:
+            self.owner.submit(self.outputs.flush_now, STOP, "flush")
+        elif self.outputs.due:
+            self.owner.submit(self.outputs.flush, WRITE, "flush")
 
     def brake(self) -> None:
         """Short all motors, now and, if the main board has to be asked to pass that on first, once it does."""
@@ -113,7 +115,7 @@ class Session:
         if alive and release and turning:
             self.outputs.release("the driver ended")
             self.outputs.open = True
-            self.owner.submit(self.outputs.flush, STOP)
+            self.owner.submit(self.outputs.flush_now, STOP)
         self.owner.join(CLOSING_S)
         if self.guard is not None and turning and alive and not release:
             self.guard.leave()
