@@ -2,12 +2,8 @@
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
-
-if TYPE_CHECKING:
-    from lbr.database.store import Database
 
 from lbr.commands.options import json_option, print_json
 
@@ -70,15 +66,17 @@ def add(robot: str, database: Path | None, as_json: bool) -> int:
 def check(database: Path | None, robot: str | None, as_json: bool) -> int:
     """Check the rows of every robot, as a start would, and the audit trail. Exit code 2 if anything is bad."""
     from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.commands.rows import opened, problems_of  # noqa: PLC0415
     from lbr.database.reader import shown  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
+    from lbr.executive.watch import loaded  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
         names = rows.robots()
         if robot is not None and robot not in names:
             raise InputError(f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}")
-        problems = {name: _problems(rows, name) for name in names if robot in {None, name}}
+        all_rows = loaded(rows, [name for name in names if robot in {None, name}])
+        problems = {name: problems_of(of_robot) for name, of_robot in all_rows.items()}
         if not problems:
             raise InputError(f"{rows.path} has no robot row")
         if fault := rows.audit_fault():
@@ -185,10 +183,3 @@ def _valid_tokens(path: Path) -> list[str]:
 
 def _local(wall_ns: int) -> str:
     return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(wall_ns / 1e9))
-
-
-def _problems(database: "Database", robot: str) -> list[str]:
-    from lbr.commands.rows import problems_of  # noqa: PLC0415
-    from lbr.executive.watch import loaded  # noqa: PLC0415
-
-    return problems_of(loaded(database, robot))

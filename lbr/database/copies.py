@@ -42,13 +42,11 @@ def keep(path: Path, digest: str) -> Path | None:
 
 def kept(path: Path) -> tuple[Copy, ...]:
     """Return the copies of a database, newest first."""
-    return tuple(
-        look(_name(path, number), number) for number in range(1, GENERATIONS + 1) if _name(path, number).exists()
-    )
+    return _kept(path, digested=True)
 
 
-def look(path: Path, number: int = 0) -> Copy:
-    """Return what a copy holds, and whether it is good."""
+def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
+    """Return what a copy holds, and whether it is good; without its digest, unless that is wanted."""
     at = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(path.stat().st_mtime))
     copy = Copy(number=number, path=str(path), kept_at=at)
     try:
@@ -57,14 +55,9 @@ def look(path: Path, number: int = 0) -> Copy:
                 raise RowError((f"{path} is no robot's database",))
             if fault := damage(connection):
                 raise RowError((f"{path} is damaged ({fault[:100]})",))
-            tables, _ = read_tables(connection)
-            return Copy(
-                number=number,
-                path=str(path),
-                kept_at=at,
-                revision=adopted.revision(connection),
-                digest=adopted.digest(tables),
-            )
+            revision = adopted.revision(connection)
+            digest = adopted.digest(read_tables(connection)[0]) if digested else ""
+            return Copy(number=number, path=str(path), kept_at=at, revision=revision, digest=digest)
     except LbrError as err:
         return Copy(number=copy.number, path=copy.path, kept_at=copy.kept_at, fault=str(err))
 
@@ -78,7 +71,7 @@ def refuse_if_lost(path: Path) -> None:
 
 def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
     """Return the problem with a database that is older than its newest copy: edits are missing that have run."""
-    newest = max((copy.revision for copy in kept(path) if not copy.fault), default=0)
+    newest = max((copy.revision for copy in _kept(path, digested=False) if not copy.fault), default=0)
     if newest <= revision:
         return ()
     text = (
@@ -86,6 +79,11 @@ def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
         " or robot.db-wal was taken away; `lbr db restore` puts the last good copy in its place"
     )
     return (Problem("revision", str(revision), "", text),)
+
+
+def _kept(path: Path, *, digested: bool) -> tuple[Copy, ...]:
+    names = {number: _name(path, number) for number in range(1, GENERATIONS + 1)}
+    return tuple(look(name, number, digested=digested) for number, name in names.items() if name.exists())
 
 
 def copy_whole(source: Path, target: Path) -> None:

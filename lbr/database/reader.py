@@ -11,6 +11,7 @@ from lbr.database.rows import Problem
 NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 END = re.compile(r"[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}")
 MAX_TEXT = 100_000
+_HALF = re.compile("[\ud800-\udfff]")
 
 _NOTED = object()  # instead of a value whose fault has been noted
 
@@ -22,15 +23,16 @@ class RowReader:
 
     def __init__(self, table: str, key: tuple[str, ...], values: Mapping[str, Any], problems: list[Problem]) -> None:
         self.table = table
-        self.row = "/".join(shown(values.get(column)) for column in key)
         self.good = True
+        self._key = key
         self._values = values
         self._problems = problems
 
     def wrong(self, column: str, text: str) -> None:
         """Note a problem; the row is not good any more."""
         self.good = False
-        self._problems.append(Problem(self.table, self.row, column, text))
+        row = "/".join(shown(self._values.get(column)) for column in self._key)
+        self._problems.append(Problem(self.table, row, column, text))
 
     def text(self, column: str, *, empty: bool = True, null: bool = False) -> str:
         """Return a text; `null` lets NULL be the empty text."""
@@ -147,7 +149,7 @@ def text_fault(text: str) -> str:
         return f"is longer than {MAX_TEXT} characters"
     if "\0" in text:
         return "contains a NUL character"
-    if any("\ud800" <= c <= "\udfff" for c in text):
+    if not text.isascii() and _HALF.search(text):
         return "is not valid UTF-8"
     return ""
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sqlalchemy import Connection, Table, select, text
+from sqlalchemy import Connection, Table, text
 
 from lbr.database.models import CONFIGURATION, Model
 from lbr.database.reader import shown
@@ -18,6 +18,12 @@ WRITTEN_BY_LBR = {("robot", name) for name in ("last_start", "last_shutdown", "e
 """Columns that lbr writes while a robot runs; their changes are no edits."""
 KEYS: dict[str, tuple[str, ...]] = {table.name: tuple(column.name for column in table.primary_key) for table in TABLES}
 
+_ROWS = {
+    table.name: f"SELECT {', '.join(column.name for column in table.columns)} FROM {table.name}"  # noqa: S608 - our names
+    f" ORDER BY {', '.join(KEYS[table.name])}"
+    for table in TABLES
+}
+"""Made once: to have them made anew for each connection takes longer than the reading."""
 _COLUMNS = text("SELECT t.name, c.name FROM sqlite_schema AS t, pragma_table_info(t.name) AS c WHERE t.type = 'table'")
 
 
@@ -30,8 +36,9 @@ def read_tables(connection: Connection) -> tuple[RawTables, tuple[Problem, ...]]
     rows: dict[str, list[RawRow]] = {}
     for table in TABLES:
         if _comparable(table, columns.get(table.name, set()), problems):
-            ordered = select(table).order_by(*table.primary_key)
-            rows[table.name] = [dict(row) for row in connection.execute(ordered).mappings()]
+            names = [column.name for column in table.columns]
+            found = connection.exec_driver_sql(_ROWS[table.name]).all()
+            rows[table.name] = [dict(zip(names, row, strict=True)) for row in found]
     return rows, tuple(problems)
 
 

@@ -1,5 +1,6 @@
 """Looks at the rows: the first plan, and every later one when somebody has edited rows or a capability's file."""
 
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -51,7 +52,7 @@ class RowWatch:
     def first(self) -> Plan:
         """Return the plan to start with; raise RowError with everything that is wrong."""
         self._version = self._database.data_version()
-        rows = self._with_valid_tokens(loaded(self._database, self._profile.robot))
+        rows = self._with_valid_tokens(loaded(self._database, [self._profile.robot])[self._profile.robot])
         plan, problems = plans.make(rows, self._profile, self._site)
         if plan is None:
             raise RowError(tuple(str(problem) for problem in problems))
@@ -111,10 +112,11 @@ class RowWatch:
             raise InputError(f"database {path} was replaced by another file; restart to use it")
 
 
-def loaded(database: Database, robot: str) -> RobotRows:
-    """Return a robot's rows as a start reads them."""
-    rows = database.load(robot)
-    return replace(rows, problems=(*rows.problems, *copies.lost_edits(database.path, rows.revision)))
+def loaded(database: Database, robots: Iterable[str]) -> dict[str, RobotRows]:
+    """Return the rows of robots as a start reads them."""
+    found = database.load_all(robots)
+    lost = copies.lost_edits(database.path, next(iter(found.values())).revision) if found else ()
+    return {name: replace(rows, problems=(*rows.problems, *lost)) for name, rows in found.items()}
 
 
 def _edit(row: RevisionRow) -> str:
