@@ -1,8 +1,8 @@
 """Robots broken on purpose: what measures them must notice."""
 
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
 import pytest
@@ -14,9 +14,11 @@ from benchmarks.scenarios import clients, estop, freezes, kills, load, resets, r
 from tests.safety.limits import over_their_limit
 
 pytestmark = pytest.mark.timeout(30)
+SOON_S = 1.5
 
-LONG_LEASE = """UPDATE capability SET settings = '{"ttl_s": 1.0}' WHERE robot = 'lbr' AND name = 'drive'"""
-SUDDEN = """UPDATE capability SET settings = '{"accel_per_s": 40.0}' WHERE robot = 'lbr' AND name = 'drive'"""
+CARELESS = (
+    """UPDATE capability SET settings = '{"ttl_s": 1.0, "accel_per_s": 40.0}' WHERE robot = 'lbr' AND name = 'drive'"""
+)
 STRAY = """INSERT INTO capability (robot, name, kind, settings, help) VALUES
     ('lbr', 'stray', 'exec', '{"argv": ["/bin/sh", "-c", "setsid sleep 20 & exec sleep 20"]}', 'Leaves a process')"""
 
@@ -58,17 +60,51 @@ BROKEN = (
 )
 
 
+class FoundError(Exception):
+    """What was to be seen has been seen: there is nothing to wait for any more."""
+
+
+class Awaiting(Results):
+    """Results that end a scenario with the finding that it is meant for."""
+
+    def __init__(self, broken: Broken) -> None:
+        super().__init__(PROMISES)
+        self._broken = broken
+
+    def check(self, figure: str, problems: Iterable[str] = ()) -> None:
+        super().check(figure, problems)
+        if any(self._broken.seen in text for text in self.of(self._broken.figure).violations):
+            raise FoundError
+
+
+@contextmanager
+def doomed(results: Results, *victims: str, edits: tuple[str, ...] = ()) -> Iterator[Bench]:
+    """Run a robot that is not worth an orderly shutdown."""
+    with bench(results, *victims, edits=edits) as under_test:
+        try:
+            yield under_test
+        finally:
+            under_test.robot.popen.kill()
+
+
 @pytest.mark.parametrize("broken", BROKEN, ids=lambda broken: broken.victim)
-def test_a_robot_broken_on_purpose_is_found_out(results: Results, broken: Broken):
-    with suppress(AssertionError), bench(results, broken.victim, edits=(broken.edit,)) as under_test:
-        broken.scenario(under_test)  # which may find that it cannot go on, once it has measured
-    assert any(broken.seen in text for text in results.of(broken.figure).violations)
+def test_a_robot_broken_on_purpose_is_found_out(broken: Broken):
+    with (
+        pytest.raises(FoundError),
+        suppress(AssertionError),  # it may find that it cannot go on
+        doomed(Awaiting(broken), broken.victim, edits=(broken.edit,)) as under_test,
+    ):
+        broken.scenario(under_test)
 
 
-def test_work_in_a_callback_beside_the_emergency_stop_is_found_out(results: Results):
+def test_work_in_a_callback_beside_the_emergency_stop_is_found_out(results: Results, monkeypatch: pytest.MonkeyPatch):
+    patient = Bench.until
+    monkeypatch.setattr(
+        Bench, "until", lambda self, look, limit_s, what, **how: patient(self, look, min(limit_s, SOON_S), what, **how)
+    )
     edit = "UPDATE capability SET kind = 'laborious_motors' WHERE robot = 'lbr' AND name = 'motors'"
     with (
-        bench(results, "laborious_motors", edits=(edit,)) as under_test,
+        doomed(results, "laborious_motors", edits=(edit,)) as under_test,
         load.floods(under_test.robot),
         pytest.raises(AssertionError, match=r"not within .* the emergency stop acknowledged|does not drive"),
     ):
@@ -77,28 +113,36 @@ def test_work_in_a_callback_beside_the_emergency_stop_is_found_out(results: Resu
 
 def test_a_bus_that_is_open_to_everybody_is_found_out(results: Results, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("tests.robot.LBR", [sys.executable, str(VICTIMS / "open_bus.py")])
-    with suppress(AssertionError), bench(results) as under_test:
+    with suppress(AssertionError), doomed(results) as under_test:
         roles.forbidden_keys(under_test)
     assert any("@console/admin at the local socket" in text for text in results.of("E5").violations)
 
 
-def test_a_lease_that_lives_too_long_is_found_out(results: Results):
-    with bench(results, edits=(LONG_LEASE,)) as under_test:
-        clients.plain_client_killed(under_test)
+@pytest.fixture(scope="module")
+def careless() -> Iterator[Bench]:
+    """A robot whose rows say what no robot should have; each test begins with results of its own."""
+    with doomed(Results(PROMISES), edits=(CARELESS,)) as under_test:
+        yield under_test
+
+
+def test_a_lease_that_lives_too_long_is_found_out(careless: Bench, results: Results):
+    careless.results = results
+    clients.plain_client_killed(careless)
     assert over_their_limit(results)
     assert results.of("S8").verdict == "broken"
 
 
-def test_a_base_that_starts_too_suddenly_is_found_out(results: Results):
-    with bench(results, edits=(SUDDEN,)) as under_test:
-        under_test.drive().cease()
+def test_a_base_that_starts_too_suddenly_is_found_out(careless: Bench, results: Results):
+    careless.results = results
+    careless.drive().cease()
+    careless.check_limits()
     assert any("faster than" in text for text in results.of("F6").violations)
 
 
-def test_an_output_above_the_limit_is_found_out(results: Results):
-    with bench(results) as under_test:
-        under_test.drive().cease()
-        under_test.check_limits(max_power=0.3)
+def test_an_output_above_the_limit_is_found_out(careless: Bench, results: Results):
+    careless.results = results
+    careless.drive().cease()
+    careless.check_limits(max_power=0.3)
     assert any("above 0.3" in text for text in results.of("F6").violations)
 
 
