@@ -44,7 +44,7 @@ def take(state: State, decided: Decided, now: float) -> Decision:
         if each.held and held.hold is None:
             state = _let_be(state, each, now)
             outputs = (*outputs, *setpoint(state))
-        if each.held:
+        if each.held and not _unremarkable(each):
             outputs = (*outputs, ending.happened(each))
         outputs = (*outputs, _result(each, now))
     return replace(state, holding=held), outputs
@@ -53,6 +53,12 @@ def take(state: State, decided: Decided, now: float) -> Decision:
 def setpoint(state: State) -> Outputs:
     """Return what the servos are to do now, if anything is known of them."""
     return (moving.setpoint(state),) if state.adopted else ()
+
+
+def _unremarkable(ended: Ended[Move]) -> bool:
+    """Say whether joints that joined just arrived: whoever moves them in small steps would flood people with that."""
+    move = ended.hold.motion
+    return ended.how == "reached" and move.trajectory is None and move.stored is None and moving.BUT not in ended.why
 
 
 def _let_be(state: State, ended: Ended[Move], now: float) -> State:

@@ -23,6 +23,7 @@ LONGEST_STEP_S = 0.05
 """A loop that was held up goes on from where it was, it does not jump."""
 MARGIN_RAD = 0.1
 FRESH_S = 0.05
+BUT = ", but "
 FOLLOWING_S = 0.3
 """The driver says within this time that the servos follow."""
 
@@ -151,7 +152,8 @@ def _arrival(state: State, move: Move, now: float) -> tuple[Ending, str] | None:
         return "reached", f"reached in {now - move.begun:.2f} s"
     if now - move.over_since < state.settings.settle_s:
         return None
-    return "reached", f"over after {now - move.begun:.2f} s, but {name} is {worst_rad:.2f} rad away from its goal"
+    late = f"over after {now - move.begun:.2f} s"
+    return "reached", f"{late}{BUT}{name} is {worst_rad:.2f} rad away from its goal"
 
 
 def _here_rad(state: State, name: str, goal: float | None) -> float | None:
