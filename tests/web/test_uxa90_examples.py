@@ -49,16 +49,14 @@ class Api:
         return [packet.data.hex(" ").upper() for packet in found if packet.kind == "move"]
 
     def idle(self):
-        """Wait until nothing moves or plays."""
-        until(self._is_idle, limit_s=8.0, what="a robot that stands still")
+        """Wait until nothing moves or plays; what was asked for just now is known a sweep or two later."""
+        first = self.client.get("/state").json()["joints"]["sequence"]
+        until(lambda: self._is_idle(first + 2), limit_s=8.0, what="a robot that stands still")
 
-    def _is_idle(self):
+    def _is_idle(self, sequence):
         state = self.client.get("/state").json()
-        return (
-            not state["faces"]["uxa90"]["moving"]
-            and not state["faces"]["uxa90"]["busy"]
-            and not state["joints"]["holder"]
-        )
+        face, joints = state["faces"]["uxa90"], state["joints"]
+        return joints["sequence"] >= sequence and not (face["moving"] or face["busy"] or joints["holder"])
 
 
 def neck(position):
