@@ -21,7 +21,7 @@ class Guard(guard.Guard):
 
         def command(pipe: int, driver: int) -> list[str]:
             numbers = (line.fileno(), pipe, driver, silence_ms, fd)
-            times = (settings.hold_s, settings.release_s)
+            times = (settings.hold_s, settings.release_s, settings.settle_s)
             return ["-m", PROGRAM, *map(str, numbers), words.hex() or "-", *map(str, times), *map(str, servos)]
 
         super().__init__(command, (line.fileno(), fd), clock)

@@ -1,6 +1,7 @@
 """The guard's program: after the driver's death the servos hold, then their motors are shorted, then they are let go.
 
-`python -m lbr.drivers.uxa90.let_go TTY_FD PIPE_FD DRIVER_PIDFD SILENCE_MS WORDS_FD WORDS_HEX HOLD_S RELEASE_S ID...`
+`python -m lbr.drivers.uxa90.let_go TTY_FD PIPE_FD DRIVER_PIDFD SILENCE_MS WORDS_FD WORDS_HEX HOLD_S RELEASE_S
+SETTLE_S ID...`
 Servos hold by themselves what they were told last, which is never more than a step away. PC control is taken at once:
 a motion that the main board may play is to end, and what is said later is to be passed on. It reads nothing, and has
 the line locked only while it speaks: the moment a new driver has it, it is done. It says nothing where the driver had
@@ -20,8 +21,6 @@ from lbr.drivers.uxa90.packets import BREAK_ALL, passive
 from lbr.drivers.watch import TURNING, outlasted
 
 STEP_S = 0.1
-SETTLED_S = 1.0
-"""Until the main board passes packets on."""
 
 
 class LastWord:
@@ -31,11 +30,13 @@ class LastWord:
         self,
         tty: int,
         servos: Collection[int],
+        settle_s: float,
         sleep: Callable[[float], None] = time.sleep,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._tty = tty
         self._servos = servos
+        self._settle_s = settle_s
         self._sleep = sleep
         self._clock = clock
 
@@ -44,9 +45,9 @@ class LastWord:
         share(self._tty)
         with suppress(TakenError, OSError, termios.error):
             self._say(TAKE_CONTROL)
-            self._wait(max(hold_s, SETTLED_S))
+            self._wait(max(hold_s, self._settle_s))
             self._say(TAKE_CONTROL)
-            self._wait(SETTLED_S)
+            self._wait(self._settle_s)
             self._say(BREAK_ALL)
             self._wait(release_s, lambda: self._say(BREAK_ALL))
             for _ in range(SURE):
@@ -71,10 +72,10 @@ def main(words: list[str]) -> None:
     """Run as the docstring of this module says."""
     tty, pipe, driver, silence_ms, words_fd = (int(word) for word in words[:5])
     last = bytes.fromhex(words[5]) if words[5] != "-" else b""
-    hold_s, release_s = float(words[6]), float(words[7])
-    servos = [int(word) for word in words[8:]]
+    hold_s, release_s, settle_s = (float(word) for word in words[6:9])
+    servos = [int(word) for word in words[9:]]
     if outlasted(pipe, driver, silence_ms, words_fd, last) == TURNING:
-        LastWord(tty, servos).act(hold_s, release_s)
+        LastWord(tty, servos, settle_s).act(hold_s, release_s)
         drop_output(tty)
 
 

@@ -1,0 +1,107 @@
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from peers import until
+from uxa90_peers import Board
+
+from lbr.errors import DeviceError
+
+DRIVER = """
+import json, sys, time
+from peers import FakeContext
+from lbr.drivers.uxa90 import KIND
+from lbr.drivers.uxa90.capability import Uxa90
+from lbr.drivers.uxa90.packets import position_rad
+from lbr.messages.joints import Joint
+from lbr.messages.servos import ServoGoal, ServoSetpoint, StoredPlay
+settings = {"device": "board", "release_s": 0.3, "settle_s": 0.05, "sweep_hz": 50} | json.loads(sys.argv[2])
+ctx = FakeContext(KIND.parse(json.dumps(settings)), sys.argv[1], "uxa90")
+ctx.wired, ctx.living = ("joints",), {"joints"}
+ctx.joints = tuple(
+    Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in (0, 1, 2)
+)
+servos = Uxa90(ctx)
+servos.open()
+told = False
+while True:
+    known = ctx.published and ctx.published[-1][0] == "state" and ctx.state.armed or "known" in globals() and known
+    goals = tuple(ServoGoal(id=n, position_rad=position_rad(120), torque=1.0 if known else 0.0) for n in (0, 1, 2))
+    stored = StoredPlay(slot=4, count=9, duration_s=60.0) if known and sys.argv[3] == "play" else None
+    ctx.give(ServoSetpoint(goals=goals, lease="a" if known else "", stored=stored), source="joints")
+    servos.step()
+    if servos._session.guard is not None and not told:
+        told = print("guarded", flush=True) or True
+    time.sleep(0.01)
+"""
+
+
+def driving(board, row, play=""):
+    """A driver in a process of its own, whose servos are on their way; or it has the main board play."""
+    environment = {**os.environ, "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[2]}"}
+    process = subprocess.Popen(
+        [sys.executable, "-c", DRIVER, str(board.path), row, play], env=environment, stdout=subprocess.PIPE
+    )
+    assert process.stdout.readline() == b"guarded\n"
+    process.stdout.close()
+    if play:
+        until(lambda: board.plays == [4], 8.0)
+    else:
+        until(lambda: all(servo.level == 0 for servo in board.servos.values()), 8.0)
+    board.forget()
+    return process
+
+
+@pytest.fixture
+def board(tmp_path):
+    board = Board(tmp_path / "ttyBoard")
+    yield board
+    board.finish()
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_brakes_then_lets_them_go(board, number):
+    process = driving(board, '{"hold_s": 0.3}')
+    process.send_signal(number)
+    until(lambda: board.braked, 5.0)
+    assert [one for one in board.packets if one[1] >> 5 == 6][:1] == [bytes.fromhex("FFDF207F")]
+    assert board.frames[0][8] == 0x10
+    assert not board.moves()
+    until(lambda: board.packets[-3:] == [bytes.fromhex(one) for one in ("FFC01050", "FFC11051", "FFC21052")], 5.0)
+    assert process.wait(5.0) == -signal.SIGKILL
+
+
+def test_when_the_driver_dies_while_the_main_board_plays_its_guard_takes_control_at_once(board):
+    process = driving(board, '{"hold_s": 60.0}', "play")
+    assert board.mode == "normal"
+    process.kill()
+    until(lambda: board.mode == "pc", 5.0)
+    assert not board.packets
+    process.wait(5.0)
+
+
+def test_a_new_driver_takes_the_line_from_the_guard_and_holds(board):
+    from test_uxa90_capability import Rig
+
+    process = driving(board, '{"hold_s": 60.0}')
+    process.kill()
+    process.wait()
+    made = []
+
+    def opened():
+        with suppress(DeviceError):  # the guard may just be looking whether somebody took the line
+            made.append(Rig(board))
+        return made
+
+    until(opened, 5.0)
+    rig = made[0]
+    rig.at({0: 200, 1: 200, 2: 200})
+    rig.until(lambda: len(board.moves()) >= 3)
+    assert board.moves()[:3] == [(0, 0, 120), (1, 0, 120), (2, 0, 120)]
+    rig.sweeps()
+    assert not board.braked
+    rig.driver.close()
