@@ -39,9 +39,9 @@ def colour(**settings):
     return vision.finder(KIND.settings(**settings), "colour")
 
 
-@pytest.mark.parametrize("x", [60.0, 333.3, 580.5])
-@pytest.mark.parametrize("radius", [6.0, 25.5, 90.0])
-@pytest.mark.parametrize("light", [0.7, 1.0, 1.3])
+@pytest.mark.parametrize("x", [60.0, 580.5])
+@pytest.mark.parametrize("radius", [6.0, 90.0])
+@pytest.mark.parametrize("light", [0.7, 1.3])
 def test_a_ball_is_found_where_it_is_in_dim_and_in_bright_light(x, radius, light):
     seen = colour()(picture((x, 200.0, radius, ORANGE), light=light))
     assert seen is not None
@@ -51,7 +51,7 @@ def test_a_ball_is_found_where_it_is_in_dim_and_in_bright_light(x, radius, light
     assert seen.radius * 640 == pytest.approx(radius, rel=0.2, abs=2.0)
 
 
-@pytest.mark.parametrize("size", [(320, 240), (640, 480), (1280, 720), (1920, 1080)])
+@pytest.mark.parametrize("size", [(320, 240), (1280, 720)])
 def test_the_size_of_the_picture_does_not_matter(size):
     width, height = size
     seen = colour()(picture((0.75 * width, 0.5 * height, 0.05 * width, ORANGE), width=width, height=height))
