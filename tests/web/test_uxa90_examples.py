@@ -226,6 +226,13 @@ def test_30_what_there_is_not_is_a_page_that_says_so(api, method, url):
     assert f"Cannot {method} {url}" in answer.text
 
 
+def test_the_page_with_the_buttons_is_there(api):
+    page = api.ask("GET", "/demo/")
+    assert (page.status_code, page.headers["content-type"]) == (200, "text/html; charset=utf-8")
+    for part in re.findall(r'(?:href|src)="(/[^"]+)"', page.text):
+        assert api.ask("GET", part).status_code == 200
+
+
 def test_a_head_request_moves_nothing(api):
     before = len(api.read())
     assert api.ask("HEAD", "/motor?id=23&pos=30").status_code == 405

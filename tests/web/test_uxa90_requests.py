@@ -293,6 +293,29 @@ def test_a_body_that_is_no_list_of_motors_is_told(bench, body):
     assert caught.value.status == 400
 
 
+@pytest.mark.parametrize("number", [10**400, -(10**400), 10**30, 1e300, 23.5], ids=range(5))
+def test_numbers_of_any_size_are_read(bench, number):
+    with pytest.raises(Refused) as caught:
+        bench.several({"id": number, "pos": 1})
+    assert caught.value.status == 409
+    assert bench.several({"id": 24, "pos": abs(number), "torq": -abs(number)}).multiMsg.positions[0]["torq"] == 0
+    with pytest.raises(Refused) as caught:
+        bench.several({"id": 24, "pos": 1, "delay": -abs(number)})
+    assert caught.value.status == 400
+    for unit in ("percent", "deg"):
+        assert bench.several({"id": 24, "pos": number, "unit": unit}, unit=unit).multiMsg.positions
+
+
+def test_whoever_may_only_look_moves_nothing(bench):
+    def refuse(role):
+        raise Refused(403, f"this needs the role '{role}'")
+
+    with pytest.raises(Refused, match="operate"):
+        bench.work.motor(bench.query("id=23&pos=1"), refuse, measured=False)
+    assert bench.work.motor(bench.query("id=23"), refuse, measured=False).result(0).data.position == 127
+    assert bench.sent() == []
+
+
 def test_no_motors_move_nothing(bench):
     assert bench.several().multiMsg.positions == []
     assert bench.sent() == []

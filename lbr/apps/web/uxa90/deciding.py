@@ -8,7 +8,7 @@ from typing import Any, TypeGuard
 from lbr.apps.web.face import Refused
 from lbr.apps.web.uxa90.answers import Number
 from lbr.apps.web.uxa90.counts import STRONGEST, WEAKEST
-from lbr.apps.web.uxa90.number import clamped, nearest, number, plain, written
+from lbr.apps.web.uxa90.number import clamped, nearest, number, of_json, plain, written
 from lbr.apps.web.uxa90.table import UNITS, MotorTable
 from lbr.messages.faces import Motor
 
@@ -120,7 +120,7 @@ def _item(table: MotorTable, item: Any, at: int, unit: str) -> tuple[Turn, dict[
     wanted = item.get("id")
     if not _is_number(wanted):
         raise Refused(409, f"Motor '{_named(wanted)}' doesn't exist")
-    motor = table.find(wanted)
+    motor = table.find(of_json(wanted))
     key = next((key for key in POSITIONS if key in item), "pos")
     value = item.get(key)
     if not _is_number(value):
@@ -132,9 +132,10 @@ def _item(table: MotorTable, item: Any, at: int, unit: str) -> tuple[Turn, dict[
     delay = item.get("delay", 0)
     if not _is_number(delay):
         raise Refused(400, f"motors[{at}].delay must be a number of milliseconds (0 to {LONGEST_DELAY_MS})")
-    position, torq = table.from_unit(motor, value, unit), plain(clamped(torq, STRONGEST, WEAKEST))
-    turn = Turn(motor, position, table.target(motor, position), nearest(torq), _delay_s(delay))
-    shown = position if unit in {"", "raw"} else plain(value)
+    position = table.from_unit(motor, of_json(value), unit)
+    torq = plain(clamped(of_json(torq), STRONGEST, WEAKEST))
+    turn = Turn(motor, position, table.target(motor, position), nearest(torq), _delay_s(of_json(delay)))
+    shown = position if unit in {"", "raw"} else value
     return turn, item | {key: shown, torque_key: torq}
 
 

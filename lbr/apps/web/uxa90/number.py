@@ -27,6 +27,14 @@ def number(text: str) -> float:
     return {"Infinity": inf, "+Infinity": inf, "-Infinity": -inf}.get(text, nan)
 
 
+def of_json(value: float) -> float:
+    """Return a number of a JSON body, where whole ones may be larger than any float: those are infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return inf if value > 0 else -inf
+
+
 def begins_as_integer(text: str) -> bool:
     """Say whether `parseInt(text)` is a number: it reads only the beginning."""
     return _INTEGER.match(text.lstrip(WHITESPACE)) is not None

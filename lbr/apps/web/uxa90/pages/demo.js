@@ -9,7 +9,7 @@ let token = sessionStorage.getItem("token") || "";
 async function ask(path, options = {}) {
   try {
     const headers = { ...options.headers, ...(token ? { Authorization: `Bearer ${token}` } : {}) };
-    const answer = await fetch(path, { ...options, headers });
+    const answer = await fetch(`/${path}`, { ...options, headers });
     if (answer.status === 401) at("signin").hidden = false;
     const body = await answer.json().catch(() => ({}));
     said(answer.ok ? "" : body.message || `status ${answer.status}`);
