@@ -71,6 +71,12 @@ def test_a_motion_that_somebody_else_plays_is_respected(bench):
     assert refusal(bench.motor, "id=23&pos=1") == (409, "busy: 'wave' is played by console")
 
 
+def test_motions_that_were_not_heard_for_long_keep_nobody_from_moving(bench):
+    bench.say(motions=MotionsState(playing=True, motion="wave", holder="console"))
+    bench.ctx.now += 2.0
+    assert bench.motor("id=23&pos=1").newPosition == 1
+
+
 def test_motors_are_given_back_before_a_motion_plays(bench):
     bench.motor("id=23&pos=1")
     bench.play("4")

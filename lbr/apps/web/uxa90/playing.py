@@ -9,6 +9,8 @@ from lbr.capability.loan import Lender, Loan
 from lbr.messages.joints import PlayCommand
 
 LENDER = Lender("play", "stop_motion", "motions", "'motions' does not answer any more")
+OLDEST_S = 1.5
+"""A state of motions that is older says nothing: they tell it twice a second."""
 
 
 class Player:
@@ -27,8 +29,8 @@ class Player:
         if self._loan is not None:
             left = f" for another {max(0.0, self._until - now):.1f} s" if self._loan.holds else ""
             return f"busy: '{self._command.motion}' plays{left}"
-        state = self._robot.snapshot.motions_state
-        if state is None or not state.playing:
+        heard, state = self._robot.snapshot.motions, self._robot.snapshot.motions_state
+        if heard is None or state is None or not state.playing or heard.age_s(now) > OLDEST_S:
             return ""
         return f"busy: '{state.motion}' is played by {state.holder or 'somebody'}"
 
