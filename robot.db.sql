@@ -935,7 +935,7 @@ INSERT INTO device (robot, name, type, address, settings) VALUES
     ('uxa90', 'head_camera', 'camera', '/dev/video0', '{}');
 
 INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
-    ('uxa90', 'servos', 'uxa90', '{"device": "main_board"}', '[]',
+    ('uxa90', 'servos', 'uxa90', '{"device": "main_board", "sweep_hz": 25}', '[]',
      'The serial line: the main board with its motions, and the servos behind it'),
     ('uxa90', 'joints', 'joints', '{"open_loop": true}', '["servos"]',
      'The joints: who moves them, how far and how fast'),
