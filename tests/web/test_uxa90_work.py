@@ -176,7 +176,10 @@ def test_jobs_are_so_many_and_no_more(bench):
 
 def test_nothing_waits_while_the_emergency_stop_is_latched(bench):
     bench.say(joints_state(estop=True, reason="emergency stop: smoke"))
-    assert refusal(bench.motor, "id=23&pos=20&delay=100") == (409, "emergency stop: smoke")
+    assert refusal(bench.motor, "id=23&pos=20&delay=100") == (
+        409,
+        "emergency stop: smoke; 'reset' releases it",
+    )
 
 
 def test_joints_that_do_not_answer_end_the_lease(bench):

@@ -188,7 +188,7 @@ class Work:
     def _refuse_stopped(self) -> None:
         joints = self._robot.snapshot.joints_state
         if joints is not None and joints.estop:
-            raise Refused(409, joints.reason or "emergency stop; 'reset' releases it")
+            raise Refused(409, f"{joints.reason or 'emergency stop'}; 'reset' releases it")
 
     def _watch_stops(self) -> None:
         """Whoever stops the joints stops what waits, too."""
