@@ -55,8 +55,17 @@ class Rig:
         self.driver.step()
         time.sleep(0.001)
 
-    def until(self, condition, within_s=5.0):
-        until(lambda: self.step() or (bool(self.ctx.published) and condition()), within_s)
+    def hurried(self, condition):
+        """As `until`, but time passes faster."""
+
+        def later():
+            self.ahead_s += 0.03
+            return condition()
+
+        self.until(later)
+
+    def until(self, condition):
+        until(lambda: self.step() or (bool(self.ctx.published) and condition()), 5.0)
 
     @property
     def state(self):
@@ -163,6 +172,7 @@ def test_moves_are_answered_and_that_measures_too(board):
     rig.idle()
     rig.until(lambda: rig.state.armed)
     assert all(one.raw is None for one in rig.state.servos)
+    rig.ahead_s += 0.5  # the line is quiet again after PC control was taken
     for count in (120, 121, 120, 121, 120, 121):
         rig.at({0: count}, torque=0.2)
         rig.until(lambda count=count: board.servos[0].position == count)
@@ -178,17 +188,15 @@ def test_a_servo_whose_place_nobody_knows_goes_at_the_weakest_level_first(board,
     rig = Rig(board, trust=trust)
     rig.idle()
     rig.until(lambda: rig.state.mode == "pc")
-    rig.ahead_s += 2.0
-    rig.until(lambda: rig.state.armed)
+    rig.hurried(lambda: rig.state.armed)
     rig.at({0: 150}, torque=0.8)
     rig.until(lambda: board.moves(0) == [(0, 4, 150)])
     rig.at({0: 151}, torque=0.8)
     rig.until(lambda: board.moves(0)[-1] == (0, 4, 151))
     rig.ahead_s += 2.1
     rig.until(lambda: board.moves(0)[-1] == (0, 1, 151))
-    rig.sweeps(1)
+    rig.until(lambda: rig.servo(0).raw == (151 if trust == "never" else None))
     assert rig.servo(0).position_rad is None
-    assert rig.servo(0).raw == (150 + 1 if trust == "never" else None)
     assert rig.servo(0).trusted in {False, None}
     rig.driver.close()
 
@@ -232,7 +240,7 @@ def test_silence_holds_then_weakens_then_lets_go_and_wants_to_be_switched_on_ane
     assert board.servos[0].level is None
     assert "switch its torque off, then on" in rig.servo(0).reason
     rig.idle(lease="b")
-    rig.until(lambda: not rig.servo(0).reason)
+    rig.until(lambda: not rig.servo(0).reason and rig.servo(0).trusted)
     rig.at({0: 100}, lease="b")
     rig.until(lambda: board.servos[0].level == 0)
 
@@ -281,7 +289,7 @@ def test_the_emergency_stop_does_as_the_row_says_and_is_acknowledged_when_all_we
     assert board.braked is braked
     assert (bytes.fromhex("FFDF207F") in board.said) is braked
     assert [one.level for one in board.servos.values()] == ([0] * 3 if how == "hold" else [None] * 3)
-    rig.until(lambda: rig.state.phase == ("following" if how == "x" else "holding" if how == "hold" else "released"))
+    rig.until(lambda: rig.state.phase == ("holding" if how == "hold" else "released"))
     board.forget()
     rig.ctx.estop.engaged = False
     rig.until(lambda: rig.ctx.estop.acknowledged[-1] == (False, "released"))
@@ -324,7 +332,7 @@ def test_a_stored_motion_is_played_once_and_pc_control_is_taken_again(rig, board
     assert board.mode == "normal"
     assert rig.servo(0).torque == 1.0
     board.forget()
-    rig.until(lambda: rig.ctx.clock() and rig.state.mode == "normal")
+    rig.until(lambda: rig.state.mode == "normal")
     for _ in range(30):
         rig.step()
     assert not board.said, "neither packet nor question meanwhile"
@@ -509,7 +517,7 @@ def test_pc_control_that_was_lost_is_taken_again_and_the_motion_ended(rig, board
     board.mode = "normal"
     board.forget()
     rig.at({0: 150, 1: 150, 2: 150}, lease="a")
-    rig.until(lambda: board.mode == "pc")
+    rig.hurried(lambda: board.mode == "pc")
     board.forget()
     rig.until(lambda: "lease of this motion has died" in rig.state.reason)
     rig.sweeps()
@@ -520,7 +528,7 @@ def test_a_robot_without_power_is_degraded_and_says_what_to_look_at(rig, board):
     rig.on()
     board.silent = True
     with pytest.raises(DeviceError, match="none of its 3 servos answers any more; is the robot's power on"):
-        rig.until(lambda: False, 12.0)
+        rig.hurried(lambda: False)
 
 
 @pytest.mark.parametrize(("ending", "level"), [("hold", 0), ("release", None)])

@@ -136,7 +136,8 @@ class Uxa90(Capability[Uxa90Settings]):
             self._passed_since = inf
             return
         self._passed_since = min(self._passed_since, now)
-        self._known = self._known or sweeper.told_apart or now - self._passed_since > BLIND_S
+        waited = now - self._passed_since > BLIND_S or not self.ctx.settings.sweep_hz
+        self._known = self._known or sweeper.told_apart or waited
         silent_s = now - max(sweeper.heard, self._passed_since)
         if not sweeper.all_silent or silent_s < SILENT_S or now - self._retaken_at < RETAKE_S:
             return
