@@ -24,6 +24,9 @@ from benchmarks.uxa90_wire import chunks, packets
 from tests.robot import Robot, only, prepare, running, until
 
 ANSWER_S = 5.0
+MOVES = ("/motor", "/multimotor", "/motion/{key}")
+MOVING = 5
+"""So many times more of these than of others."""
 RUNS = ("servos", "joints", "motions", "web", "world")
 EDITS = (
     only("uxa90", *RUNS),
@@ -56,10 +59,21 @@ def served(home: Path, *edits: str) -> Iterator[tuple[Robot, httpx.Client, Path]
 
 
 def ask_all(client: httpx.Client, number: int, seed: int | None = None) -> Tally:
-    """Ask so many cases, one after the other."""
+    """Ask so many cases, one after the other: of each operation some, of those that move most."""
     document = client.get("/openapi.json").json()
     tally = Tally()
+    kinds = cases(document)
+    weights = {kind: MOVING if kind[0] in MOVES else 1 for kind in kinds}
+    for kind, some in kinds.items():
+        _ask_some(client, document, some, max(1, number * weights[kind] // sum(weights.values())), seed, tally)
+    while (left := number - sum(tally.statuses.values())) > 0 and not tally.wrong:
+        _ask_some(client, document, kinds[MOVES[0], "GET"], left, seed, tally)
+    return tally
 
+
+def _ask_some(
+    client: httpx.Client, document: dict[str, Any], some: Any, number: int, seed: int | None, tally: Tally
+) -> None:
     @hypothesis.settings(
         max_examples=number,
         database=None,
@@ -67,12 +81,11 @@ def ask_all(client: httpx.Client, number: int, seed: int | None = None) -> Tally
         phases=(Phase.generate,),
         suppress_health_check=list(HealthCheck),
     )
-    @given(cases(document))
+    @given(some)
     def one(case: Case) -> None:
         _ask(client, document, case, tally)
 
     (hypothesis.seed(seed)(one) if seed is not None else one)()
-    return tally
 
 
 def on_the_wire(trace: Path) -> tuple[Counter[str], list[str]]:

@@ -5,6 +5,7 @@ Knows as much of JSON Schema as the document uses; it shares nothing with what m
 
 import re
 from collections.abc import Mapping
+from math import ceil
 from typing import Any
 from urllib.parse import quote, urlencode
 
@@ -52,15 +53,13 @@ class Case(msgspec.Struct, frozen=True):
         return f"{self.method} {self.url} {self.media} {self.body[:300]!r}"
 
 
-def cases(document: Schema) -> st.SearchStrategy[Case]:
-    """Return requests to any of the document's operations."""
-    return st.one_of(
-        [
-            _case(document, method.upper(), path, operation)
-            for path, methods in document["paths"].items()
-            for method, operation in methods.items()
-        ]
-    )
+def cases(document: Schema) -> dict[tuple[str, str], st.SearchStrategy[Case]]:
+    """Return requests to each of the document's operations, by path and method."""
+    return {
+        (path, method.upper()): _case(document, method.upper(), path, operation)
+        for path, methods in document["paths"].items()
+        for method, operation in methods.items()
+    }
 
 
 def misfit(document: Schema, case: Case, status: int, media: str, body: bytes) -> str:
@@ -150,7 +149,9 @@ def _case(draw: st.DrawFn, document: Schema, method: str, path: str, operation: 
             value = value | st.sampled_from(NASTY) | st.integers(-2, 30).map(str)
         if parameter["in"] == "path":
             keys[parameter["name"]] = draw(
-                st.sampled_from(KNOWN) | value.filter(bool) if odd else st.sampled_from(KNOWN)
+                st.sampled_from(KNOWN) | value.filter(lambda text: text not in {"", ".", ".."})
+                if odd
+                else st.sampled_from(KNOWN)
             )
         elif draw(st.integers(0, 99)) < (60 if parameter["name"] == "id" else 35):
             query += [
@@ -174,8 +175,10 @@ KNOWN = ("1", "3", "4", "7", "99", "23", "24", "100", "basic_motion", "Pc_Contro
 
 def _typed(document: Schema, schema: Schema) -> st.SearchStrategy[str]:
     """Return texts for a parameter that the document says is something else."""
-    return _value(document, schema).map(
-        lambda value: value if isinstance(value, str) else msgspec.json.encode(value).decode()
+    return (
+        _value(document, schema)
+        .filter(lambda value: value is not None)
+        .map(lambda value: value if isinstance(value, str) else msgspec.json.encode(value).decode())
     )
 
 
@@ -193,12 +196,14 @@ def _value(document: Schema, schema: Schema, *, odd: bool = False, top: bool = T
 
 def _number(document: Schema, schema: Schema, odd: bool) -> st.SearchStrategy[Any]:
     del document, odd
-    low, high = schema.get("minimum", -10), schema.get("maximum", 300)
+    low, high = schema.get("minimum", schema.get("exclusiveMinimum", -10.05) + 0.05), schema.get("maximum", 300)
     if high - low <= 20.0 and low < 0.0:
         return st.sampled_from([-0.2, 0.0, 0.1]) | st.floats(low, high)
     if schema["type"] == "integer":
-        return st.integers(int(low), int(high)) | st.sampled_from([23, 24, 0, 20, 22])
-    return st.floats(low, high, allow_nan=False, width=32) | st.integers(int(low), int(high))
+        return st.integers(ceil(low), int(high)) | st.sampled_from(
+            [one for one in (23, 24, 20, 22) if low <= one <= high] or [ceil(low)]
+        )
+    return st.floats(low, high, allow_nan=False) | st.integers(ceil(low), int(high))
 
 
 def _string(document: Schema, schema: Schema, odd: bool) -> st.SearchStrategy[Any]:
