@@ -125,6 +125,12 @@ def careless() -> Iterator[Bench]:
         yield under_test
 
 
+def drive(under_test: Bench, results: Results) -> None:
+    under_test.results = results
+    under_test.drive().cease()
+    under_test.until(lambda: under_test.trace.now().zero, 3.0, "rest")
+
+
 def test_a_lease_that_lives_too_long_is_found_out(careless: Bench, results: Results):
     careless.results = results
     clients.plain_client_killed(careless)
@@ -133,15 +139,13 @@ def test_a_lease_that_lives_too_long_is_found_out(careless: Bench, results: Resu
 
 
 def test_a_base_that_starts_too_suddenly_is_found_out(careless: Bench, results: Results):
-    careless.results = results
-    careless.drive().cease()
+    drive(careless, results)
     careless.check_limits()
     assert any("faster than" in text for text in results.of("F6").violations)
 
 
 def test_an_output_above_the_limit_is_found_out(careless: Bench, results: Results):
-    careless.results = results
-    careless.drive().cease()
+    drive(careless, results)
     careless.check_limits(max_power=0.3)
     assert any("above 0.3" in text for text in results.of("F6").violations)
 
