@@ -96,6 +96,7 @@ class Bus:
         self._parser = FrameParser()
         self._doubtful: list[Heard] = []
         self._quiet_at = self._came_at = self._asked_at = clock()
+        self._framed_at = -inf  # until then a frame may come that answers one, or nothing
         self._owed: deque[_Owed] = deque()
         self._frames: list[Frame] = []
         self._slowest_s = 0.0
@@ -135,7 +136,7 @@ class Bus:
         elif answers:
             self._owed.append(_Owed(now + wire_s + SERVO_S * answers + self._reply_s, ANSWER_BYTES * answers))
         else:
-            self._quiet_at = max(self._quiet_at, now + wire_s + LATE_S)
+            self._framed_at = now + wire_s + LATE_S
 
     def ask(self, question: bytes, count: int, within_s: float) -> bytes | None:
         """Ask for so many bytes that are no position, such as a register; tried once."""
@@ -162,7 +163,7 @@ class Bus:
     def quiet(self) -> bool:
         """Say whether a question may be asked now; takes in what came, and believes the answers before if it may."""
         self.drain()
-        return not self._owed and self._clock() >= self._quiet_at
+        return not self._owed and self._clock() >= max(self._quiet_at, self._framed_at)
 
     def settle(self, within_s: float) -> bool:
         """Wait until the line is quiet, unless a stop waits."""
@@ -194,7 +195,7 @@ class Bus:
     @property
     def wait_s(self) -> float:
         """How long until a question may be asked, if nothing comes."""
-        return max(0.0, self._quiet_at - self._clock()) or (SLICE_S if self._owed else 0.0)
+        return max(0.0, max(self._quiet_at, self._framed_at) - self._clock()) or (SLICE_S if self._owed else 0.0)
 
     @property
     def doubtful(self) -> bool:
@@ -248,6 +249,8 @@ class Bus:
             return b""
         self._came_at = self._clock()
         found, plain = self._parser.feed(data)
+        if found:
+            self._framed_at = min(self._framed_at, self._came_at + CHECK_S)
         self.told += found
         self._frames += found
         return plain

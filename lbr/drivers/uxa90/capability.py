@@ -144,7 +144,7 @@ class Uxa90(Capability[Uxa90Settings]):
         if sweeper.heard > max(self._retaken_at, session.opened):
             self._retaken_at = now
             self._mover = ended(self._mover, "no servo answered; PC control was taken again")
-            session.outputs.loose()
+            session.outputs.loose(self._mover.goals)
             controller.lost()
         elif sweeper.heard > session.opened:
             self._contact_lost = CONTACT

@@ -1,6 +1,6 @@
 """The main board: PC control taken and kept, and its own motions started and ended. Lives in the loop's thread."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from lbr.drivers.mover import Mover
 from lbr.drivers.owner import STOP, WRITE, Owner
@@ -10,7 +10,7 @@ from lbr.drivers.uxa90.frames import CONTROL, TAKE_CONTROL, Frame
 from lbr.drivers.uxa90.mode import Mode
 from lbr.drivers.uxa90.outputs import Outputs
 from lbr.drivers.uxa90.plays import Plays
-from lbr.messages.servos import StoredPlay
+from lbr.messages.servos import ServoGoal, StoredPlay
 
 
 class Controller:
@@ -61,7 +61,7 @@ class Controller:
         stopped = mover.halts != self._halts or (self._followed and not mover.follows) or mover.estop
         self._halts, self._followed = mover.halts, mover.follows
         if stopped:
-            self.interrupt(mover.reason or "it was stopped")
+            self.interrupt(mover.reason or "it was stopped", mover.goals)
         self.mode = mode.tick(self.mode, now)
         self.plays = plays.seen(self.plays, asked, self._settings.slots, follows=mover.follows)
         if self.plays.wanted:
@@ -70,12 +70,12 @@ class Controller:
         if self.plays.phase == "ending":
             self._end()
 
-    def interrupt(self, reason: str) -> None:
+    def interrupt(self, reason: str, goals: Mapping[int, ServoGoal]) -> None:
         """End what it plays: PC control is taken, and the servos are held where they are as soon as that is read."""
         moved = self.plays.phase in {"playing", "ending"}
         self.plays = plays.interrupted(self.plays, reason)
         if moved:
-            self._outputs.loose()
+            self._outputs.loose(goals)
             self.take(again=True)
 
     def lost(self) -> None:

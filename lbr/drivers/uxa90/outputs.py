@@ -4,12 +4,12 @@ Only `flush` and `brake` run in the line's thread: they write what is wanted at 
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
 from math import inf
 
 from lbr.drivers.mover import Mover
 from lbr.drivers.uxa90 import packets
 from lbr.drivers.uxa90.bus import Bus
+from lbr.drivers.uxa90.output import Out
 from lbr.drivers.uxa90.packets import PACKET_BYTES, WEAKEST
 from lbr.drivers.uxa90.trust import Seen
 from lbr.messages.servos import ServoGoal
@@ -36,33 +36,6 @@ PLAYED_S = 1.0
 LET_GO = "was let go; switch its torque off, then on"
 LIMP = "was let go by the main board's motion; switch its torque off, then on"
 BRAKED = "was braked by the emergency stop; switch its torque off, then on"
-
-
-@dataclass(slots=True)
-class Out:
-    """One servo. `known`: whether this driver knows if it has torque (`on`). `count`: its goal, None where unknown.
-
-    `want` is the packet that is to be said, `said` the one that was, `told_at` when. `carried`: it may have had torque
-    before the line was opened; it is held where it is until a new motion begins. `adrift`: to be held where it is as
-    soon as that is known. `blocked` says why it gets no torque before a setpoint had it without.
-    """
-
-    id: int
-    known: bool = False
-    on: bool = False
-    count: int | None = None
-    level: int = 0
-    want: bytes | None = None
-    said: bytes | None = None
-    told_at: float = -inf
-    times: int = 0
-    weak_until: float = -inf
-    rest_at: float = inf
-    carried: bool = False
-    adrift: bool = False
-    blocked: str = ""
-    trouble: str = ""
-    still: tuple[int, float] | None = None
 
 
 class Outputs:
@@ -147,12 +120,13 @@ class Outputs:
             out.level, out.rest_at, out.weak_until = 0, inf, -inf
             out.blocked = LIMP if limp else ""
 
-    def loose(self) -> None:
-        """Hold every servo that has torque where it is, as soon as that is read anew."""
+    def loose(self, goals: Mapping[int, ServoGoal]) -> None:
+        """Hold every servo that has torque where it is, as soon as that is read anew; `goals` of now mean nothing more."""
         self._played_at = self._clock()
         for out in self._all():
             if out.on:
                 out.count, out.want, out.said = None, None, None
+                out.overtaken = goals[out.id].position_rad if out.id in goals else None
                 out.adrift = True
 
     def brake(self, bus: Bus) -> None:
@@ -280,7 +254,9 @@ class Outputs:
 
     def _follow_one(self, out: Out, goal: ServoGoal, now: float) -> None:
         here = self.place(out.id)
-        if out.carried or goal.position_rad is None:
+        if goal.position_rad != out.overtaken:
+            out.overtaken = None
+        if out.carried or goal.position_rad is None or out.overtaken is not None:
             count = out.count if out.on and not out.adrift else None
             count = here if count is None else count
             if count is None:

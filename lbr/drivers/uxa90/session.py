@@ -110,7 +110,7 @@ class Session:
         """Say the last word, and let go; what still has torque then is the guard's."""
         turning, alive = self.outputs.turning or self.controller.plays.busy, self.owner.failure is None
         if alive:
-            self.controller.interrupt("the driver ended")
+            self.controller.interrupt("the driver ended", {})
             self.sweeper.reading = False
         if alive and release and turning:
             self.outputs.release("the driver ended")

@@ -3,7 +3,8 @@
 from math import isfinite
 
 from lbr.drivers.uxa90.bus import Bus
-from lbr.drivers.uxa90.outputs import Out, Outputs
+from lbr.drivers.uxa90.output import Out
+from lbr.drivers.uxa90.outputs import Outputs
 from lbr.drivers.uxa90.packets import HEAD, level_torque
 from lbr.drivers.uxa90.sweep import Sweeper
 from lbr.drivers.uxa90.trust import Seen
