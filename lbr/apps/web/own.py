@@ -116,6 +116,8 @@ class Own:
         answers = await asyncio.gather(
             *(self._robot.ask(request, StopCommand(reason=why[:200])) for request in wired), return_exceptions=True
         )
+        if wired[0] == STOPS[0] and getattr(answers[0], "accepted", False):
+            return json(Message(message="stopped"))  # the joints stand; who moved them may be starting anew
         for answer in answers:
             if isinstance(answer, BaseException):
                 raise answer
