@@ -5,7 +5,7 @@ from hashlib import blake2b
 from sqlalchemy import Connection, delete, func, select
 from sqlalchemy.dialects.sqlite import insert
 
-from lbr.database.models import Adopted, Revision
+from lbr.database.models import ADOPTED, REVISION
 from lbr.database.rows import Problem
 from lbr.database.tables import WRITTEN_BY_LBR, RawTables
 
@@ -28,16 +28,16 @@ def digest(tables: RawTables) -> str:
 
 def revision(connection: Connection) -> int:
     """Return the number of the last change of rows; 0 for none."""
-    return connection.scalar(select(func.max(Revision.id))) or 0
+    return connection.scalar(select(func.max(REVISION.c.id))) or 0
 
 
 def remember(connection: Connection, number: int, digest: str, wall_ns: int) -> None:
     """Write down that a row set runs."""
-    connection.execute(insert(Adopted).values(revision=number, hash=digest, wall_ns=wall_ns).on_conflict_do_nothing())
-    connection.execute(delete(Adopted).where(Adopted.revision <= number - KEPT))
+    connection.execute(insert(ADOPTED).values(revision=number, hash=digest, wall_ns=wall_ns).on_conflict_do_nothing())
+    connection.execute(delete(ADOPTED).where(ADOPTED.c.revision <= number - KEPT))
 
 
 def problems(connection: Connection, number: int, digest: str) -> tuple[Problem, ...]:
     """Return the problem with rows that are not what ran as this revision, if there is one."""
-    ran = connection.scalar(select(Adopted.hash).where(Adopted.revision == number))
+    ran = connection.scalar(select(ADOPTED.c.hash).where(ADOPTED.c.revision == number))
     return () if ran is None or ran == digest else (Problem("adopted", str(number), "hash", _CHANGED),)

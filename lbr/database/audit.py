@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from sqlalchemy import Connection, delete, insert, select
 
 from lbr.database.history import storable
-from lbr.database.models import AuditEntry
+from lbr.database.models import AUDIT
 from lbr.database.rows import AuditRow
 
 KEPT = 20_000
@@ -20,7 +20,7 @@ _SEQUENCE = "SELECT seq FROM sqlite_sequence WHERE name = 'audit'"
 def append(connection: Connection, entries: Iterable[AuditRow]) -> None:
     """Write entries at the end of the trail, and let the oldest go beyond those kept."""
     number = _highest(connection)
-    previous = connection.scalar(select(AuditEntry.hash).order_by(AuditEntry.id.desc()).limit(1)) or ""
+    previous = connection.scalar(select(AUDIT.c.hash).order_by(AUDIT.c.id.desc()).limit(1)) or ""
     rows = []
     for entry in entries:
         number += 1
@@ -28,13 +28,13 @@ def append(connection: Connection, entries: Iterable[AuditRow]) -> None:
         previous = row.hash
         rows.append(msgspec.structs.asdict(row))
     if rows:
-        connection.execute(insert(AuditEntry), rows)
-        connection.execute(delete(AuditEntry).where(AuditEntry.id <= number - KEPT))
+        connection.execute(insert(AUDIT), rows)
+        connection.execute(delete(AUDIT).where(AUDIT.c.id <= number - KEPT))
 
 
 def newest(connection: Connection, limit: int) -> tuple[AuditRow, ...]:
     """Return the newest entries, oldest first."""
-    rows = connection.execute(select(AuditEntry.__table__).order_by(AuditEntry.id.desc()).limit(limit)).mappings().all()
+    rows = connection.execute(select(AUDIT).order_by(AUDIT.c.id.desc()).limit(limit)).mappings().all()
     return tuple(AuditRow(**row) for row in reversed(rows))
 
 
@@ -42,7 +42,7 @@ def fault(connection: Connection) -> str:
     """Return what is wrong with the trail, or nothing."""
     last: AuditRow | None = None
     count = 0
-    for values in connection.execute(select(AuditEntry.__table__).order_by(AuditEntry.id)).mappings():
+    for values in connection.execute(select(AUDIT).order_by(AUDIT.c.id)).mappings():
         row = AuditRow(**values)
         if last is not None and (row.id, row.previous) != (last.id + 1, last.hash):
             return f"after {last.id} rows are missing or were changed"

@@ -8,10 +8,7 @@ import msgspec
 from sqlalchemy import Connection, Table, delete
 from sqlalchemy.dialects.sqlite import insert
 
-from lbr.database.models import Button as ButtonModel
-from lbr.database.models import Model, MotionStep
-from lbr.database.models import Motion as MotionModel
-from lbr.database.models import Motor as MotorModel
+from lbr.database.models import BUTTON, MOTION, MOTION_STEP, MOTOR
 from lbr.database.rows import RevisionRow
 from lbr.database.tables import KEYS, RawRow, RawTables
 from lbr.errors import InputError
@@ -64,12 +61,12 @@ def applied(tables: RawTables, robot: str, edit: EditCommand, since: Iterable[Re
 
 def write(connection: Connection, robot: str, edit: EditCommand) -> None:
     """Write an edit's rows over those that are there; rows that stay as they are make no revision."""
-    for model, (kind, rows) in zip((MotorModel, MotionModel, ButtonModel), _parts(edit), strict=True):
-        _upsert(connection, model, [{"robot": robot, **kind.raw(row)} for row in rows])
+    for table, (kind, rows) in zip((MOTOR, MOTION, BUTTON), _parts(edit), strict=True):
+        _upsert(connection, table, [{"robot": robot, **kind.raw(row)} for row in rows])
     for motion in edit.motions:
-        of_motion = MotionStep.robot == robot, MotionStep.motion == motion.name
-        connection.execute(delete(MotionStep).where(*of_motion, MotionStep.step > len(motion.frames)))
-        _upsert(connection, MotionStep, list(_steps(robot, motion)))
+        of_motion = MOTION_STEP.c.robot == robot, MOTION_STEP.c.motion == motion.name
+        connection.execute(delete(MOTION_STEP).where(*of_motion, MOTION_STEP.c.step > len(motion.frames)))
+        _upsert(connection, MOTION_STEP, list(_steps(robot, motion)))
 
 
 def _refuse(row: Any, label: str, there: RawRow | None, edit: EditCommand, *, newer: bool) -> None:
@@ -136,10 +133,9 @@ def _steps(robot: str, motion: Motion) -> Iterable[dict[str, Any]]:
         }
 
 
-def _upsert(connection: Connection, model: type[Model], rows: list[dict[str, Any]]) -> None:
+def _upsert(connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
     if not rows:
         return
-    table: Table = Model.metadata.tables[model.__tablename__]
     statement = insert(table)
     others = {column.name: statement.excluded[column.name] for column in table.columns if not column.primary_key}
     keys = [column.name for column in table.primary_key]

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 from sqlalchemy import Connection, delete, func, insert, select
 
-from lbr.database.models import Revision, StoredEvent
+from lbr.database.models import EVENT, REVISION
 from lbr.database.rows import RevisionRow
 from lbr.messages.system import Event
 
@@ -19,14 +19,14 @@ def append_events(connection: Connection, events: Iterable[Event], now_ns: int) 
     rows = [_stored(event, now_ns) for event in events]
     if not rows:
         return
-    connection.execute(insert(StoredEvent), rows)
-    newest = select(func.max(StoredEvent.id)).scalar_subquery()
-    connection.execute(delete(StoredEvent).where(StoredEvent.id <= newest - EVENTS_KEPT))
+    connection.execute(insert(EVENT), rows)
+    newest = select(func.max(EVENT.c.id)).scalar_subquery()
+    connection.execute(delete(EVENT).where(EVENT.c.id <= newest - EVENTS_KEPT))
 
 
 def newest_events(connection: Connection, limit: int) -> tuple[Event, ...]:
     """Return the newest events, oldest first."""
-    newest = select(StoredEvent.__table__).order_by(StoredEvent.id.desc()).limit(limit)
+    newest = select(EVENT).order_by(EVENT.c.id.desc()).limit(limit)
     rows = connection.execute(newest).mappings().all()
     return tuple(
         Event(
@@ -43,7 +43,7 @@ def newest_events(connection: Connection, limit: int) -> tuple[Event, ...]:
 
 def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
     """Return the changes after revision `since`, oldest first."""
-    after = select(Revision.__table__).where(Revision.id > since).order_by(Revision.id)
+    after = select(REVISION).where(REVISION.c.id > since).order_by(REVISION.c.id)
     return tuple(
         RevisionRow(
             id=row["id"],
@@ -60,9 +60,9 @@ def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
 
 def outdo(connection: Connection, revision: int) -> None:
     """Note an edit of every row that is newer than `revision` and than all others."""
-    newest = max(revision, connection.scalar(select(func.max(Revision.id))) or 0)
+    newest = max(revision, connection.scalar(select(func.max(REVISION.c.id))) or 0)
     connection.execute(
-        insert(Revision).values(id=newest + 1, table_name="robot", row_key='["every row"]', operation="update")
+        insert(REVISION).values(id=newest + 1, table_name="robot", row_key='["every row"]', operation="update")
     )
 
 

@@ -1,285 +1,274 @@
-"""Every table as a SQLAlchemy model; robot.db.sql builds them, and a test keeps the two the same."""
+"""Every table as SQLAlchemy knows it; robot.db.sql builds them, and a test keeps the two the same.
 
-from sqlalchemy import REAL, FetchedValue, ForeignKey, ForeignKeyConstraint, Integer, Text
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+Flags are 0 or 1 and JSON is text, so that a bad row can be read and named. Without the ORM: its import alone would make
+every start and every command slower.
+"""
 
-_ROBOT = "robot.name"
+from sqlalchemy import REAL, Column, FetchedValue, ForeignKey, ForeignKeyConstraint, Integer, MetaData, Table, Text
+
+METADATA = MetaData()
 _CASCADE = "CASCADE"
 
 
-class Model(DeclarativeBase):
-    """A table; flags are 0 or 1 and JSON is text, so that a bad row can be read and named."""
-
-    type_annotation_map = {str: Text, int: Integer, float: REAL}  # noqa: RUF012 - SQLAlchemy reads this attribute
+def _robot() -> "Column[str]":
+    return Column("robot", Text, ForeignKey("robot.name", onupdate=_CASCADE, ondelete=_CASCADE), primary_key=True)
 
 
-def _robot_key() -> Mapped[str]:
-    return mapped_column(ForeignKey(_ROBOT, onupdate=_CASCADE, ondelete=_CASCADE), primary_key=True)
+ROBOT = Table(
+    "robot",
+    METADATA,
+    Column("name", Text, primary_key=True),
+    Column("model", Text, nullable=False),
+    Column("description", Text, nullable=False),
+    Column("owner", Text, nullable=False),
+    Column("last_start", Text),
+    Column("last_shutdown", Text),
+    Column("estop_engaged", Integer, nullable=False),
+    Column("estop_reason", Text, nullable=False),
+)
+"""The robots that the file describes."""
 
+CAPABILITY = Table(
+    "capability",
+    METADATA,
+    _robot(),
+    Column("name", Text, primary_key=True),
+    Column("kind", Text, nullable=False),
+    Column("enabled", Integer, nullable=False),
+    Column("settings", Text, nullable=False),
+    Column("restart", Text, nullable=False),
+    Column("needs", Text, nullable=False),
+    Column("help", Text, nullable=False),
+)
+"""What runs."""
 
-class Robot(Model):
-    """The robots that the file describes."""
+CHANNEL = Table(
+    "channel",
+    METADATA,
+    _robot(),
+    Column("source", Text, primary_key=True),
+    Column("target", Text, primary_key=True),
+    Column("rate_hz", REAL),
+    Column("history", Integer, nullable=False),
+    Column("enabled", Integer, nullable=False),
+)
+"""Which output feeds which input."""
 
-    __tablename__ = "robot"
-    name: Mapped[str] = mapped_column(primary_key=True)
-    model: Mapped[str]
-    description: Mapped[str]
-    owner: Mapped[str]
-    last_start: Mapped[str | None]
-    last_shutdown: Mapped[str | None]
-    estop_engaged: Mapped[int]
-    estop_reason: Mapped[str]
+DEVICE = Table(
+    "device",
+    METADATA,
+    _robot(),
+    Column("name", Text, primary_key=True),
+    Column("type", Text, nullable=False),
+    Column("address", Text, nullable=False),
+    Column("settings", Text, nullable=False),
+)
+"""What is plugged in."""
 
+VERB = Table(
+    "verb",
+    METADATA,
+    _robot(),
+    Column("word", Text, primary_key=True),
+    Column("pattern", Text, primary_key=True),
+    Column("target", Text, nullable=False),
+    Column("payload", Text),
+    Column("role", Text, nullable=False),
+    Column("help", Text, nullable=False),
+)
+"""The console's vocabulary."""
 
-class Capability(Model):
-    """What runs."""
+EXTERNAL_COMMAND = Table(
+    "external_command",
+    METADATA,
+    _robot(),
+    Column("name", Text, primary_key=True),
+    Column("argv", Text, nullable=False),
+    Column("blocking", Integer, nullable=False),
+    Column("enabled", Integer, nullable=False),
+    Column("help", Text, nullable=False),
+)
+"""Programs started by name."""
 
-    __tablename__ = "capability"
-    robot: Mapped[str] = _robot_key()
-    name: Mapped[str] = mapped_column(primary_key=True)
-    kind: Mapped[str]
-    enabled: Mapped[int]
-    settings: Mapped[str]
-    restart: Mapped[str]
-    needs: Mapped[str]
-    help: Mapped[str]
+PHRASE = Table(
+    "phrase",
+    METADATA,
+    Column("name", Text, primary_key=True),
+    Column("language", Text, primary_key=True),
+    Column("text", Text, nullable=False),
+)
+"""What the robots say."""
 
+CHOREOGRAPHY = Table(
+    "choreography",
+    METADATA,
+    _robot(),
+    Column("dance", Text, primary_key=True),
+    Column("step", Integer, primary_key=True),
+    Column("power", REAL, nullable=False),
+    Column("angle_deg", REAL, nullable=False),
+    Column("beats", Integer, nullable=False),
+)
+"""The moves of the dances."""
 
-class Channel(Model):
-    """Which output feeds which input."""
+CALIBRATION = Table(
+    "calibration",
+    METADATA,
+    Column("robot", Text, primary_key=True),
+    Column("device", Text, primary_key=True),
+    Column("name", Text, primary_key=True),
+    Column("value", REAL, nullable=False),
+    Column("measured_at", Text, nullable=False),
+    ForeignKeyConstraint(["robot", "device"], ["device.robot", "device.name"], onupdate=_CASCADE, ondelete=_CASCADE),
+)
+"""Numbers measured on a device."""
 
-    __tablename__ = "channel"
-    robot: Mapped[str] = _robot_key()
-    source: Mapped[str] = mapped_column(primary_key=True)
-    target: Mapped[str] = mapped_column(primary_key=True)
-    rate_hz: Mapped[float | None]
-    history: Mapped[int]
-    enabled: Mapped[int]
+JOINT = Table(
+    "joint",
+    METADATA,
+    _robot(),
+    Column("name", Text, primary_key=True),
+    Column("device_id", Integer, nullable=False),
+    Column("side", Text, nullable=False),
+    Column("sign", Integer, nullable=False),
+    Column("zero_rad", REAL, nullable=False),
+    Column("lower_rad", REAL, nullable=False),
+    Column("upper_rad", REAL, nullable=False),
+    Column("speed_rps", REAL, nullable=False),
+)
+"""The joints of a humanoid."""
 
+MOTION = Table(
+    "motion",
+    METADATA,
+    _robot(),
+    Column("name", Text, primary_key=True),
+    Column("help", Text, nullable=False),
+    Column("lead_in", Text, nullable=False),
+    Column("lead_out", Text, nullable=False),
+    Column("slot", Integer),
+    Column("slot_s", REAL),
+    Column("limp", Integer, nullable=False),
+    Column("builtin", Integer, nullable=False),
+)
+"""The named motions of a humanoid."""
 
-class Device(Model):
-    """What is plugged in."""
+MOTION_STEP = Table(
+    "motion_step",
+    METADATA,
+    Column("robot", Text, primary_key=True),
+    Column("motion", Text, primary_key=True),
+    Column("step", Integer, primary_key=True),
+    Column("duration_s", REAL, nullable=False),
+    Column("positions", Text, nullable=False),
+    ForeignKeyConstraint(["robot", "motion"], ["motion.robot", "motion.name"], onupdate=_CASCADE, ondelete=_CASCADE),
+)
+"""A key frame of a motion."""
 
-    __tablename__ = "device"
-    robot: Mapped[str] = _robot_key()
-    name: Mapped[str] = mapped_column(primary_key=True)
-    type: Mapped[str]
-    address: Mapped[str]
-    settings: Mapped[str]
+MOTOR = Table(
+    "motor",
+    METADATA,
+    _robot(),
+    Column("layer", Text, primary_key=True),
+    Column("id", Integer, primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("description", Text, nullable=False),
+    Column("initial", Integer, nullable=False),
+    Column("lowest", Integer, nullable=False),
+    Column("highest", Integer, nullable=False),
+    Column("rest", Integer, nullable=False),
+    Column("inverted", Integer, nullable=False),
+    Column("builtin", Integer, nullable=False),
+)
+"""The servos as a face to the outside knows them."""
 
+BUTTON = Table(
+    "button",
+    METADATA,
+    _robot(),
+    Column("id", Integer, primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("button", Text, nullable=False),
+    Column("motion", Text, nullable=False),
+    Column("builtin", Integer, nullable=False),
+)
+"""The motions as a face to the outside knows them."""
 
-class Verb(Model):
-    """The console's vocabulary."""
+USER_TOKEN = Table(
+    "user_token",
+    METADATA,
+    Column("name", Text, primary_key=True),
+    Column("role", Text, nullable=False),
+    Column("hash", Text, nullable=False),
+    Column("created_at", Text, nullable=False),
+    Column("revoked_at", Text),
+    Column("expires_at", Text),
+)
+"""Who may do what."""
 
-    __tablename__ = "verb"
-    robot: Mapped[str] = _robot_key()
-    word: Mapped[str] = mapped_column(primary_key=True)
-    pattern: Mapped[str] = mapped_column(primary_key=True)
-    target: Mapped[str]
-    payload: Mapped[str | None]
-    role: Mapped[str]
-    help: Mapped[str]
+REVISION = Table(
+    "revision",
+    METADATA,
+    Column("id", Integer, primary_key=True),
+    Column("table_name", Text, nullable=False),
+    Column("row_key", Text, nullable=False),
+    Column("operation", Text, nullable=False),
+    Column("old_row", Text),
+    Column("new_row", Text),
+    Column("changed_at", Text, server_default=FetchedValue(), nullable=False),
+)
+"""Every change of the rows, kept by triggers."""
 
+EVENT = Table(
+    "event",
+    METADATA,
+    Column("id", Integer, primary_key=True),
+    Column("wall_ns", Integer, nullable=False),
+    Column("kind", Text, nullable=False),
+    Column("subject", Text, nullable=False),
+    Column("level", Text, nullable=False),
+    Column("text", Text, nullable=False),
+    Column("data", Text, nullable=False),
+)
+"""What happened."""
 
-class ExternalCommand(Model):
-    """Programs started by name."""
+AUDIT = Table(
+    "audit",
+    METADATA,
+    Column("id", Integer, primary_key=True),
+    Column("wall_ns", Integer, nullable=False),
+    Column("kind", Text, nullable=False),
+    Column("subject", Text, nullable=False),
+    Column("source", Text, nullable=False),
+    Column("text", Text, nullable=False),
+    Column("previous", Text, nullable=False),
+    Column("hash", Text, nullable=False),
+)
+"""Who did what to the robot, chained by hashes."""
 
-    __tablename__ = "external_command"
-    robot: Mapped[str] = _robot_key()
-    name: Mapped[str] = mapped_column(primary_key=True)
-    argv: Mapped[str]
-    blocking: Mapped[int]
-    enabled: Mapped[int]
-    help: Mapped[str]
+ADOPTED = Table(
+    "adopted",
+    METADATA,
+    Column("revision", Integer, primary_key=True),
+    Column("hash", Text, nullable=False),
+    Column("wall_ns", Integer, nullable=False),
+)
+"""The row sets that ran."""
 
-
-class Phrase(Model):
-    """What the robots say."""
-
-    __tablename__ = "phrase"
-    name: Mapped[str] = mapped_column(primary_key=True)
-    language: Mapped[str] = mapped_column(primary_key=True)
-    text: Mapped[str]
-
-
-class Choreography(Model):
-    """The moves of the dances."""
-
-    __tablename__ = "choreography"
-    robot: Mapped[str] = _robot_key()
-    dance: Mapped[str] = mapped_column(primary_key=True)
-    step: Mapped[int] = mapped_column(primary_key=True)
-    power: Mapped[float]
-    angle_deg: Mapped[float]
-    beats: Mapped[int]
-
-
-class Calibration(Model):
-    """Numbers measured on a device."""
-
-    __tablename__ = "calibration"
-    __table_args__ = (
-        ForeignKeyConstraint(
-            ["robot", "device"], ["device.robot", "device.name"], onupdate=_CASCADE, ondelete=_CASCADE
-        ),
-    )
-    robot: Mapped[str] = mapped_column(primary_key=True)
-    device: Mapped[str] = mapped_column(primary_key=True)
-    name: Mapped[str] = mapped_column(primary_key=True)
-    value: Mapped[float]
-    measured_at: Mapped[str]
-
-
-class Joint(Model):
-    """The joints of a humanoid."""
-
-    __tablename__ = "joint"
-    robot: Mapped[str] = _robot_key()
-    name: Mapped[str] = mapped_column(primary_key=True)
-    device_id: Mapped[int]
-    side: Mapped[str]
-    sign: Mapped[int]
-    zero_rad: Mapped[float]
-    lower_rad: Mapped[float]
-    upper_rad: Mapped[float]
-    speed_rps: Mapped[float]
-
-
-class Motion(Model):
-    """The named motions of a humanoid."""
-
-    __tablename__ = "motion"
-    robot: Mapped[str] = _robot_key()
-    name: Mapped[str] = mapped_column(primary_key=True)
-    help: Mapped[str]
-    lead_in: Mapped[str]
-    lead_out: Mapped[str]
-    slot: Mapped[int | None]
-    slot_s: Mapped[float | None]
-    limp: Mapped[int]
-    builtin: Mapped[int]
-
-
-class MotionStep(Model):
-    """A key frame of a motion."""
-
-    __tablename__ = "motion_step"
-    __table_args__ = (
-        ForeignKeyConstraint(
-            ["robot", "motion"], ["motion.robot", "motion.name"], onupdate=_CASCADE, ondelete=_CASCADE
-        ),
-    )
-    robot: Mapped[str] = mapped_column(primary_key=True)
-    motion: Mapped[str] = mapped_column(primary_key=True)
-    step: Mapped[int] = mapped_column(primary_key=True)
-    duration_s: Mapped[float]
-    positions: Mapped[str]
-
-
-class Motor(Model):
-    """The servos as a face to the outside knows them."""
-
-    __tablename__ = "motor"
-    robot: Mapped[str] = _robot_key()
-    layer: Mapped[str] = mapped_column(primary_key=True)
-    id: Mapped[int] = mapped_column(primary_key=True)
-    name: Mapped[str]
-    description: Mapped[str]
-    initial: Mapped[int]
-    lowest: Mapped[int]
-    highest: Mapped[int]
-    rest: Mapped[int]
-    inverted: Mapped[int]
-    builtin: Mapped[int]
-
-
-class Button(Model):
-    """The motions as a face to the outside knows them."""
-
-    __tablename__ = "button"
-    robot: Mapped[str] = _robot_key()
-    id: Mapped[int] = mapped_column(primary_key=True)
-    name: Mapped[str]
-    button: Mapped[str]
-    motion: Mapped[str]
-    builtin: Mapped[int]
-
-
-class UserToken(Model):
-    """Who may do what."""
-
-    __tablename__ = "user_token"
-    name: Mapped[str] = mapped_column(primary_key=True)
-    role: Mapped[str]
-    hash: Mapped[str]
-    created_at: Mapped[str]
-    revoked_at: Mapped[str | None]
-    expires_at: Mapped[str | None]
-
-
-class Revision(Model):
-    """Every change of the rows, kept by triggers."""
-
-    __tablename__ = "revision"
-    id: Mapped[int] = mapped_column(primary_key=True)
-    table_name: Mapped[str]
-    row_key: Mapped[str]
-    operation: Mapped[str]
-    old_row: Mapped[str | None]
-    new_row: Mapped[str | None]
-    changed_at: Mapped[str] = mapped_column(server_default=FetchedValue())
-
-
-class StoredEvent(Model):
-    """What happened."""
-
-    __tablename__ = "event"
-    id: Mapped[int] = mapped_column(primary_key=True)
-    wall_ns: Mapped[int]
-    kind: Mapped[str]
-    subject: Mapped[str]
-    level: Mapped[str]
-    text: Mapped[str]
-    data: Mapped[str]
-
-
-class AuditEntry(Model):
-    """Who did what to the robot, chained by hashes."""
-
-    __tablename__ = "audit"
-    id: Mapped[int] = mapped_column(primary_key=True)
-    wall_ns: Mapped[int]
-    kind: Mapped[str]
-    subject: Mapped[str]
-    source: Mapped[str]
-    text: Mapped[str]
-    previous: Mapped[str]
-    hash: Mapped[str]
-
-
-class Adopted(Model):
-    """The row sets that ran."""
-
-    __tablename__ = "adopted"
-    revision: Mapped[int] = mapped_column(primary_key=True)
-    hash: Mapped[str]
-    wall_ns: Mapped[int]
-
-
-CONFIGURATION: tuple[type[Model], ...] = (
-    Robot,
-    Capability,
-    Channel,
-    Device,
-    Verb,
-    ExternalCommand,
-    Phrase,
-    Choreography,
-    Calibration,
-    Joint,
-    Motion,
-    MotionStep,
-    Motor,
-    Button,
+CONFIGURATION = (
+    ROBOT,
+    CAPABILITY,
+    CHANNEL,
+    DEVICE,
+    VERB,
+    EXTERNAL_COMMAND,
+    PHRASE,
+    CHOREOGRAPHY,
+    CALIBRATION,
+    JOINT,
+    MOTION,
+    MOTION_STEP,
+    MOTOR,
+    BUTTON,
 )
 """The tables that make a robot; their changes are revisions."""

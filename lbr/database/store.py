@@ -21,7 +21,7 @@ from lbr.database.checks import check
 from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, flush_log, pragma, run, sentences, transaction
 from lbr.database.files import check_file
 from lbr.database.migrate import bring_up_to_date
-from lbr.database.models import Calibration, Motion, MotionStep, Robot
+from lbr.database.models import CALIBRATION, MOTION, MOTION_STEP, ROBOT
 from lbr.database.reader import shown
 from lbr.database.resources import robot_db_sql
 from lbr.database.rows import AuditRow, RevisionRow, RobotRows, TokenRow
@@ -90,7 +90,7 @@ class Database:
     def robots(self) -> tuple[str, ...]:
         """Return the names of all robots in the file."""
         with self._reading() as connection:
-            return tuple(connection.scalars(select(Robot.name).order_by(Robot.name)))
+            return tuple(connection.scalars(select(ROBOT.c.name).order_by(ROBOT.c.name)))
 
     def load(self, robot: str, *, patience_s: float = BUSY_TIMEOUT_S) -> RobotRows:
         """Read a robot's rows in one transaction; bad rows become problems, only an unreadable file raises RowError."""
@@ -161,7 +161,7 @@ class Database:
 
     def save_calibration(self, robot: str, device: str, values: dict[str, float]) -> None:
         """Write a device's calibration, all of it or none; on return it is on the disk."""
-        statement = insert(Calibration)
+        statement = insert(CALIBRATION)
         statement = statement.on_conflict_do_update(
             index_elements=["robot", "device", "name"],
             set_={"value": statement.excluded.value, "measured_at": statement.excluded.measured_at},
@@ -175,13 +175,13 @@ class Database:
     def append_frame(self, robot: str, captured: CapturedFrame) -> None:
         """Write a key frame after the last of its motion, which is a new row if there is none."""
         key = {"robot": robot, "motion": captured.motion}
-        new = insert(Motion).values(robot=robot, name=captured.motion, help=captured.help, lead_in="", lead_out="")
+        new = insert(MOTION).values(robot=robot, name=captured.motion, help=captured.help, lead_in="", lead_out="")
         with self._writing(durable=True) as connection:
             connection.execute(new.on_conflict_do_nothing())
-            steps = select(func.max(MotionStep.step)).filter_by(**key)
+            steps = select(func.max(MOTION_STEP.c.step)).filter_by(**key)
             positions = msgspec.json.encode(captured.frame.positions).decode()
             step = {"step": (connection.scalar(steps) or 0) + 1, "positions": positions}
-            connection.execute(insert(MotionStep).values(**key, **step, duration_s=captured.frame.duration_s))
+            connection.execute(insert(MOTION_STEP).values(**key, **step, duration_s=captured.frame.duration_s))
 
     def revision(self) -> int:
         """Return the number of the last change of rows; 0 for none."""
@@ -299,7 +299,7 @@ class Database:
         self, robot: str, *, durable: bool, patience_s: float = BUSY_TIMEOUT_S, **columns: str | int
     ) -> None:
         with self._writing(durable=durable, patience_s=patience_s) as connection:
-            done = connection.execute(update(Robot).where(Robot.name == robot).values(columns))
+            done = connection.execute(update(ROBOT).where(ROBOT.c.name == robot).values(columns))
             if done.rowcount != 1:
                 raise RowError((f"database {self.path} has no robot '{robot}': name one of its robots",))
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Table, text
 
-from lbr.database.models import CONFIGURATION, Model
+from lbr.database.models import CONFIGURATION
 from lbr.database.reader import shown
 from lbr.database.rows import Problem
 
@@ -13,7 +13,7 @@ RawRow = Mapping[str, Any]
 RawTables = Mapping[str, Sequence[RawRow]]
 """Table name to rows, each column name to what SQLite holds."""
 
-TABLES: tuple[Table, ...] = tuple(Model.metadata.tables[model.__tablename__] for model in CONFIGURATION)
+TABLES: tuple[Table, ...] = CONFIGURATION
 WRITTEN_BY_LBR = {("robot", name) for name in ("last_start", "last_shutdown", "estop_engaged", "estop_reason")}
 """Columns that lbr writes while a robot runs; their changes are no edits."""
 KEYS: dict[str, tuple[str, ...]] = {table.name: tuple(column.name for column in table.primary_key) for table in TABLES}

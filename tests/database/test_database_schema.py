@@ -9,12 +9,12 @@ import subprocess
 import pytest
 from sqlalchemy import create_engine, inspect
 
-from lbr.database.models import CONFIGURATION, Model
+from lbr.database.models import CONFIGURATION, METADATA
 from lbr.database.resources import launch_profiles, robot_db_sql
 from lbr.database.store import Database
 
 TABLE = re.compile(r"CREATE TABLE (\w+) \((.*?)\n\) STRICT", re.DOTALL)
-MODELS = {mapper.class_.__tablename__: mapper.class_.__table__ for mapper in Model.registry.mappers}
+MODELS = METADATA.tables
 
 
 @pytest.fixture
@@ -264,7 +264,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("table", [model.__tablename__ for model in CONFIGURATION])
+@pytest.mark.parametrize("table", [table.name for table in CONFIGURATION])
 def test_every_change_of_a_row_is_a_revision(client, database, table):
     client.execute("DELETE FROM calibration")
     insert(client, "calibration", {"device": "range_board", "name": "n", "value": 1.0})

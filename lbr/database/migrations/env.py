@@ -2,11 +2,11 @@
 
 from alembic import context
 
-from lbr.database.models import Model
+from lbr.database.models import METADATA
 
 context.configure(
     connection=context.config.attributes["connection"],
-    target_metadata=Model.metadata,
+    target_metadata=METADATA,
     transactional_ddl=True,
 )
 context.run_migrations()
