@@ -177,28 +177,27 @@ def _refused(events: list[dict]) -> list[dict]:
     return [event for event in events if event["kind"] == "refused"]
 
 
-@pytest.mark.parametrize(
-    ("edit", "words"),
-    [
-        ("UPDATE capability SET kind = 'os_system' WHERE name = 'motors'", "capability 'lbr/motors', kind"),
-        (
-            "UPDATE capability SET settings = '{\"device\": 3}' WHERE name = 'motors'",
-            "capability 'lbr/motors', settings",
-        ),
-        ("DELETE FROM device WHERE name = 'range_board'", "there is no device 'range_board'"),
-        ("UPDATE verb SET target = 'drive.fly' WHERE word = 'f'", "'drive' has no command 'fly'"),
-        ("UPDATE external_command SET argv = '[\"date; rm -rf /\", 3]'", "external_command 'lbr/clock', argv"),
-        ("DELETE FROM robot", "lbr"),
-    ],
-)
-def test_bad_rows_are_named_and_nothing_starts(home, edit, words):
+BAD_ROWS = {
+    "UPDATE capability SET kind = 'os_system' WHERE robot = 'lbr' AND name = 'motors'": "capability 'lbr/motors', kind",
+    "UPDATE capability SET settings = '{\"device\": 3}' WHERE robot = 'lbr' AND name = 'drive'": (
+        "capability 'lbr/drive', settings"
+    ),
+    "DELETE FROM device WHERE name = 'range_board'": "there is no device 'range_board'",
+    "UPDATE verb SET target = 'drive.fly' WHERE robot = 'lbr' AND word = 'f'": "'drive' has no command 'fly'",
+    "UPDATE external_command SET argv = '[\"date; rm -rf /\", 3]'": "external_command 'lbr/clock', argv",
+}
+
+
+@pytest.mark.parametrize("bad", [BAD_ROWS, {"DELETE FROM robot": "lbr"}], ids=["rows", "no robot"])
+def test_bad_rows_are_named_all_at_once_and_nothing_starts(home, bad):
     with sqlite3.connect(home / "robot.db") as database:
         database.execute("PRAGMA ignore_check_constraints = ON")
-        database.execute(edit)
+        for edit in bad:
+            database.execute(edit)
     database.close()
     done = lbr(home, "run", "--no-console")
     assert done.returncode == 2
-    assert words in done.stderr
+    assert [words for words in bad.values() if words not in done.stderr] == []
     assert "Traceback" not in done.stderr
     assert done.stdout == ""
 

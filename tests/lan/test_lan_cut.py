@@ -49,8 +49,7 @@ def test_the_example_drives_from_another_machine_by_its_file_alone(far_door: Doo
     assert done.stdout.splitlines()[-1] == "stopped"
 
 
-@pytest.mark.parametrize("manner", ["quoting", "stamped", "asking"])
-@pytest.mark.parametrize("cut_s", [0.3, 0.9])
+@pytest.mark.parametrize(("manner", "cut_s"), [("quoting", 0.3), ("quoting", 0.9), ("stamped", 0.9), ("asking", 0.9)])
 def test_what_a_cut_held_back_moves_nothing_when_it_heals(far_door: Door, network: Network, manner, cut_s):
     with far_door.plain("phone", manner) as client:
         until(far_door.moving, what="it drives")
