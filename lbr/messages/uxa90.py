@@ -11,6 +11,7 @@ Register = Literal[
     "position14", "gains", "runtime_gains", "integral_gain", "runtime_integral_gain", "speed", "runtime_speed",
     "overload", "boundary", "id", "baud", "digital_io",
 ]  # fmt: skip
+Question = Literal[Register, "firmware", "serial", "zeros", "imu", "last_button"]
 Byte = Annotated[int, Meta(ge=0, le=255)]
 
 
@@ -21,7 +22,7 @@ class TakeControlCommand(Struct, frozen=True, kw_only=True):
 class InquireCommand(Struct, frozen=True, kw_only=True):
     """Ask a servo (`id`) for a register, or the main board for what it knows of itself."""
 
-    what: Register | Literal["firmware", "serial", "zeros", "imu", "last_button"]
+    what: Question
     id: ServoId | None = None
 
 

@@ -4,8 +4,11 @@ import re
 
 import pytest
 
+from lbr.console.fields import Message
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database.store import Database, create
+from lbr.executive.reports import NAMES
+from lbr.messages.uxa90 import InquireCommand
 from tests.docs.pages import ROOT, said
 
 PAGE = ROOT / "docs" / "robots" / "uxa90.md"
@@ -34,3 +37,14 @@ def test_every_motion_that_is_played_there_is_a_row_or_made_there(rows):
     assert played <= {row.name for row in rows.motions} | OWN
     told = set(re.findall(r"`([a-z_0-9]+)`", text.split("| motion | number | takes |")[1].split("\n\n")[0]))
     assert {row.name for row in rows.motions} == told
+
+
+def test_whatever_the_page_has_somebody_ask_may_be_asked_at_the_console():
+    what = Message(InquireCommand).field("what")
+    asked = set(re.findall(r"/inquire/([a-z_0-9]+)", PAGE.read_text()))
+    assert {what.read(one) for one in asked} == asked
+    assert asked >= {"firmware", "serial", "zeros"}
+
+
+def test_every_report_that_the_page_asks_for_is_one():
+    assert set(re.findall(r"/report/([a-z_]+)", PAGE.read_text())) <= set(NAMES)

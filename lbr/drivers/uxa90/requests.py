@@ -97,5 +97,5 @@ def _known(servo: int | None, servos: Collection[int], what: str) -> int:
     if servo is None:
         raise ValueError(f"{what} is a servo's: say which (id)")
     if servo not in servos:
-        raise ValueError(f"no joint has servo {servo}; there are {', '.join(map(str, servos))}")
+        raise ValueError(f"no joint has servo {servo}; there are {', '.join(map(str, sorted(servos)))}")
     return servo
