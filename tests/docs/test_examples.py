@@ -7,6 +7,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from datetime import datetime
 from pathlib import Path
@@ -16,7 +17,7 @@ import pytest
 from lbr.bus import wire
 from tests.docs.pages import ROOT
 from tests.docs.ready import measured
-from tests.robot import Robot, running, until
+from tests.robot import Robot, prepare, running, until
 
 EXAMPLES = ROOT / "docs" / "examples"
 SCRIPT = EXAMPLES / "drive_with_plain_zenoh.py"
@@ -109,28 +110,34 @@ def test_wander_drives_when_told_and_rests_when_stopped(started):
     assert not started.ask("drive/state")["moving"]
 
 
-def quiet_now(robot: Robot, name: str = "quiet_hours") -> None:
-    """Install the check so that it is quiet now, and wait until the drive asks it."""
+@pytest.fixture(scope="module")
+def quiet() -> Iterator[Robot]:
+    """A robot with the check, for which it is quiet now, and whose drive asks it."""
     hour = datetime.now().astimezone().hour
-    install(robot, name, ('"begin": 22, "end": 7', f'"begin": {hour}, "end": {(hour + 2) % 24}'))
-    until(ready(robot, name), what="the check and the drive are ready")
-    until(lambda: robot.line("/r/0.15/90")["code"] == 0, what="the check lets slow motion pass")
-    robot.line("stop")
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place, running(prepare(Path(place) / "h")) as robot:
+        measured(robot)
+        install(robot, "quiet_hours", ('"begin": 22, "end": 7', f'"begin": {hour}, "end": {(hour + 2) % 24}'))
+        until(ready(robot, "quiet_hours"), what="the check and the drive are ready")
+        until(lambda: robot.line("/r/0.15/90")["code"] == 0, what="the check lets slow motion pass")
+        yield robot
 
 
-def test_quiet_hours_refuse_what_is_fast_and_let_pass_what_is_slow(started):
-    quiet_now(started)
-    fast = started.line("/r/0.5/90")
+def test_quiet_hours_refuse_what_is_fast_and_let_pass_what_is_slow(quiet):
+    fast = quiet.line("/r/0.5/90")
     assert fast["code"] == 1
     assert "quiet hours until" in fast["text"]
-    assert started.line("/r/0.15/90")["code"] == 0
+    assert quiet.line("/r/0.15/90")["code"] == 0
 
 
-def test_a_check_that_does_not_answer_means_no(started):
-    quiet_now(started)
-    os.kill(started.capability("quiet_hours")["pid"], signal.SIGSTOP)
-    assert started.line("/r/0.15/90")["text"] == "check quiet_hours did not answer"
-    assert not started.ask("drive/state")["moving"]
+def test_a_check_that_does_not_answer_means_no(quiet):
+    quiet.line("stop")
+    pid = quiet.capability("quiet_hours")["pid"]
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        assert quiet.line("/r/0.15/90")["text"] == "check quiet_hours did not answer"
+        assert not quiet.ask("drive/state")["moving"]
+    finally:
+        os.kill(pid, signal.SIGCONT)
 
 
 def test_a_program_without_our_package_joins_by_its_environment(started):
