@@ -115,11 +115,12 @@ def test_starting_takes_pc_control_reads_everything_and_moves_nothing(rig, board
     assert rig.servo(0).position_rad == pytest.approx(position_rad(100), abs=1e-4)
     assert rig.servo(0).torque is None
     assert not rig.state.tells_torque
-    assert (rig.state.phase, rig.state.mode, rig.state.armed, rig.state.stores) == ("released", "pc", True, True)
+    assert (rig.state.phase, rig.state.mode, rig.state.armed, rig.state.stores) == ("holding", "pc", True, True)
     rig.until(lambda: rig.controller.trust)
     assert (rig.controller.firmware, rig.controller.serial) == ("C9 00", "6012000010005")
     assert {one[1] >> 5 for one in board.packets} == {5}, "reads alone"
-    assert not rig.ctx.state.reason or "no setpoint" in rig.ctx.state.reason
+    rig.idle()
+    rig.until(lambda: rig.state.phase == "released")
 
 
 def test_nothing_is_applied_before_it_is_known_where_the_servos_are(rig, board):

@@ -216,6 +216,8 @@ class Uxa90(Capability[Uxa90Settings]):
         return f"not measured: {some}{more}; check cable and power" if away else ""
 
     def _phase(self, session: Session, now: float) -> ServoPhase:
+        if not self._mover.seen and session.outputs.unknown:  # whoever moved them before may still have them hold
+            return "holding"
         if not session.outputs.turning and not session.controller.occupied:
             return "released"
         if self._mover.follows:

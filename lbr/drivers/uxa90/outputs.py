@@ -68,6 +68,11 @@ class Outputs:
         return any(out.on or out.carried for out in self._all())
 
     @property
+    def unknown(self) -> bool:
+        """Whether of any servo nobody knows if it has torque."""
+        return any(not out.known for out in self._all())
+
+    @property
     def due(self) -> bool:
         """Whether there is something to write."""
         return self.open and any(out.want != out.said for out in self._all())
@@ -230,12 +235,12 @@ class Outputs:
         if here is None or not out.on:
             return
         if out.adrift:
-            out.adrift, out.count = False, _legal(here)
+            out.adrift, out.count = False, packets.legal(here)
             self._aim(out, out.level)
         elif now >= out.rest_at and out.count is not None:
             out.rest_at = inf
             if abs(here - out.count) > SAG:
-                out.count = _legal(here)
+                out.count = packets.legal(here)
                 self._aim(out, out.level)
 
     def _follow(self, mover: Mover, now: float) -> None:
@@ -264,7 +269,7 @@ class Outputs:
                 return
         else:
             count = packets.position_count(goal.position_rad) + self._offsets.get(out.id, 0)
-        count = _legal(count)
+        count = packets.legal(count)
         if out.on and out.count is None and here is None and now - self._played_at < PLAYED_S:
             return
         if not out.on:
@@ -292,7 +297,3 @@ class Outputs:
                 here = self.place(out.id)
                 if here is not None and abs(here - out.count) > SAG:
                     out.said = None
-
-
-def _legal(count: int) -> int:
-    return max(packets.LOWEST, min(packets.HIGHEST, count))

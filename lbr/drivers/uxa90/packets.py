@@ -157,7 +157,12 @@ def position_count(angle_rad: float) -> int:
     """Return the legal count nearest to an angle; what is no number is a ValueError."""
     if not isfinite(angle_rad):
         raise ValueError(f"an angle of {angle_rad} rad is no position")
-    return max(LOWEST, min(HIGHEST, CENTRE + round(max(-10.0, min(10.0, angle_rad)) / RAD_PER_COUNT)))
+    return legal(CENTRE + round(max(-10.0, min(10.0, angle_rad)) / RAD_PER_COUNT))
+
+
+def legal(count: int) -> int:
+    """Return the legal target nearest to a count."""
+    return max(LOWEST, min(HIGHEST, count))
 
 
 def torque_level(fraction: float) -> int:
