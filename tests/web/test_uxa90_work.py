@@ -116,6 +116,28 @@ def test_one_motor_may_be_moved_twice_by_delays(bench):
     assert len(bench.sent()) == 2
 
 
+def test_a_stop_that_was_not_heard_of_yet_comes_before_a_delayed_move(bench):
+    bench.motor("id=23&pos=20&delay=500")
+    bench.run(0.4)
+    bench.say(joints_state())
+    heard = bench.robot.snapshot.joints.arrived
+    bench.run(0.2)
+    assert [command.asked_s for command in bench.sent()] == [heard]
+
+
+def test_a_delayed_move_waits_until_the_joints_were_heard_since_the_lease_before(bench):
+    bench.motor("id=24&pos=110&delay=500")
+    bench.run(0.4)
+    bench.say(joints_state())
+    bench.motor("id=23&pos=20")
+    bench.robot.moved = (bench.ended("goal-1"),)
+    bench.run(0.2)
+    assert len(bench.sent()) == 1
+    bench.say(joints_state())
+    bench.run(0.1)
+    assert len(bench.sent()) == 2
+
+
 def test_without_a_delay_there_is_no_job(bench):
     assert b"job" not in msgspec.json.encode(bench.several({"id": 23, "pos": 20, "delay": 0}))
     assert bench.work.jobs.all() == []

@@ -4,6 +4,7 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any
 
 from msgspec.structs import replace
@@ -32,11 +33,15 @@ PLANNED = ("reached", "superseded")
 
 @dataclass(slots=True, eq=False)
 class _Wish:
-    """What one request wants, who waits for it, after how many releases, and how often it was sent in vain."""
+    """What one request wants, who waits for it, after how many releases, and how often it was sent in vain.
+
+    What was `timed` begins only if nobody has stopped the joints since they were heard last.
+    """
 
     command: JointsCommand
     promise: Promise[None]
     releases: int
+    timed: bool
     tries: int = 0
 
 
@@ -65,20 +70,24 @@ class Mover:
         self._wishes: deque[_Wish] = deque()
         self._ended: OrderedDict[str, GoalResult] = OrderedDict()
         self._releases = 0
+        self._begun = -inf
 
     @property
     def holds(self) -> bool:
         """Whether motors are under way by our lease, or it is being asked for."""
         return self._hold is not None or self._taking is not None
 
-    def turn(self, turns: Iterable[Turn], joint: Callable[[Turn], Joint]) -> Promise[None]:
-        """Move motors; the promise is kept once the joints have accepted all of it, else Refused with their reason."""
+    def turn(self, turns: Iterable[Turn], joint: Callable[[Turn], Joint], *, timed: bool = False) -> Promise[None]:
+        """Move motors; the promise is kept once the joints have accepted all of it, else Refused with their reason.
+
+        `timed`: it was asked for long ago, so a stop that was not heard of yet is to come first.
+        """
         promise: Promise[None] = Promise()
         command = _command(turns, joint)
         if command is None:
             promise.keep(None)
         else:
-            self._wishes.append(_Wish(command, promise, self._releases))
+            self._wishes.append(_Wish(command, promise, self._releases, timed))
             self._go()
         return promise
 
@@ -86,6 +95,7 @@ class Mover:
         """Read how goals ended, and renew the lease while something is under way."""
         for result in self._robot.moved:
             self._note(result)
+        self._go()
         hold = self._hold
         if hold is None:
             return
@@ -114,15 +124,25 @@ class Mover:
     def _go(self) -> None:
         """Send what waits: by the lease, or the first of it to get one."""
         while self._wishes and self._taking is None:
-            wish = self._wishes.popleft()
+            wish = self._wishes[0]
+            if wish.timed and self._hold is None and self._heard_s() <= self._begun:
+                return  # its date would be before that of our last lease; the joints are heard again in a moment
+            self._wishes.popleft()
             if self._hold is None:
                 self._taking = wish
             self._send(wish, self._hold)
 
+    def _heard_s(self) -> float:
+        joints = self._robot.snapshot.joints
+        return inf if joints is None else joints.arrived
+
     def _send(self, wish: _Wish, hold: _Hold | None) -> None:
         if hold is not None:
             hold.sent = self._robot.now()
-        said = replace(wish.command, lease=hold.lease if hold is not None else "")
+            said = replace(wish.command, lease=hold.lease)
+        else:
+            self._begun = self._robot.now()
+            said = replace(wish.command, asked_s=min(self._heard_s(), self._begun) if wish.timed else None)
         promise = self._robot.follow("move", said, ANSWER_S)
         promise.add_done_callback(lambda done: self._answered(wish, hold, done))
 

@@ -141,7 +141,7 @@ class Work:
             else:
                 self._failed(name, turns, err.message if isinstance(err, Refused) else str(err))
 
-        self._mover.turn(turns, self._joint).add_done_callback(done)
+        self._mover.turn(turns, self._joint, timed=True).add_done_callback(done)
 
     def _failed(self, name: str, turns: tuple[Turn, ...], why: str) -> None:
         self.jobs.fail(name, turns, why)
