@@ -138,6 +138,40 @@ def test_a_delayed_move_waits_until_the_joints_were_heard_since_the_lease_before
     assert len(bench.sent()) == 2
 
 
+def test_a_motion_that_waits_for_motors_to_stand_does_not_begin_after_a_stop(bench):
+    bench.motor("id=23&pos=1")
+    bench.automatic = False
+    promise = bench.work.play("4")
+    bench.run()
+    bench.work.stopped("stopped by somebody")
+    bench.automatic = True
+    bench.run(0.5)
+    assert refusal(promise.result, 0) == (409, "stopped by somebody")
+    assert bench.sent("play") == []
+
+
+def test_what_was_to_follow_a_move_is_forgotten_if_a_stop_comes_before_the_move_is_answered(bench):
+    bench.automatic = False
+    items = [{"id": 23, "pos": 20}, {"id": 24, "pos": 110, "delay": 500}]
+    promise = bench.work.several({"motors": items}, {})
+    bench.run()
+    bench.work.stopped("stopped by somebody")
+    bench.automatic = True
+    bench.run(1.0)
+    assert refusal(promise.result, 0) == (409, "stopped by somebody")
+    assert bench.work.jobs.all() == []
+    assert len(bench.sent()) == 1
+
+
+def test_what_was_due_while_the_server_stood_still_does_not_begin(bench):
+    bench.motor("id=23&pos=20&delay=500")
+    bench.run(0.1)
+    bench.ctx.now += 30.0
+    bench.run(0.1)
+    assert bench.sent() == []
+    assert bench.work.jobs.get("1").reason.startswith("the server stood still for 30")
+
+
 def test_without_a_delay_there_is_no_job(bench):
     assert b"job" not in msgspec.json.encode(bench.several({"id": 23, "pos": 20, "delay": 0}))
     assert bench.work.jobs.all() == []

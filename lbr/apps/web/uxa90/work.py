@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from math import inf
 from typing import Any
 
 from msgspec import UNSET
@@ -26,6 +27,8 @@ from lbr.messages.system import Role
 from lbr.messages.uxa90 import TakeControlCommand
 
 TAKE_CONTROL_S = 3.0
+STOOD_STILL_S = 1.0
+"""What is due after so long without a round would surprise everybody."""
 NO_REASON = "it was refused without a reason"
 
 
@@ -41,17 +44,23 @@ class Work:
         self._player = Player(robot, self._lost)
         self._stopped_s: float | None = None
         self._looked = False
+        self._stepped = inf
+        self._given_up = (0, "")  # how often, and why
 
     def step(self, now: float) -> None:
         """Go on with all that is under way."""
         self._mover.step(now)
         self._player.step(now)
         self._watch_stops()
+        if now - self._stepped > STOOD_STILL_S:
+            self._drop(f"the server stood still for {now - self._stepped:.1f} s")
+        self._stepped = now
         for name, turns in self.jobs.due(now):
             self._begin(name, turns)
 
     def stopped(self, reason: str) -> None:
-        """Give everything up."""
+        """Give everything up, also what was to begin once others have answered."""
+        self._given_up = (self._given_up[0] + 1, reason)
         self.jobs.drop(reason)
         self._mover.release(reason)
         self._player.stop(reason)
@@ -120,9 +129,10 @@ class Work:
         if not now:
             return _kept(answer(self.jobs.add(wanted.turns, self._robot.now()) if later else None))
         self._refuse_busy()
-        asked = self._robot.now()
+        asked, before = self._robot.now(), self._given_up
 
         def begun(_: None) -> Any:
+            self._refuse_given_up(before)
             self._tell(now)
             return answer(self.jobs.add(wanted.turns, asked) if later else None)
 
@@ -154,9 +164,11 @@ class Work:
         if released is None:
             return self._player.play(motion)
         promise: Promise[None] = Promise()
+        before = self._given_up
 
         def halted(_: object) -> None:
             try:
+                self._refuse_given_up(before)
                 _pass(self._player.play(motion), promise)
             except Refused as err:
                 promise.refuse(err)
@@ -184,6 +196,11 @@ class Work:
     def _refuse_busy(self) -> None:
         if why := self._player.busy(self._robot.now()):
             raise Refused(409, why)
+
+    def _refuse_given_up(self, before: tuple[int, str]) -> None:
+        """Refuse to go on with what was asked for before everything was given up."""
+        if self._given_up != before:
+            raise Refused(409, self._given_up[1])
 
     def _refuse_stopped(self) -> None:
         joints = self._robot.snapshot.joints_state
