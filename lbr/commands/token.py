@@ -194,7 +194,7 @@ def _tell_how(endpoints: list[str], what: str, *, on: bool) -> None:
         click.echo(f"  lbr {what} --connect {endpoint}", err=True)
     if not on:
         click.echo(
-            "no robot listens yet: 'lbr run --listen tls/0.0.0.0:7447', or in the rows\n"
+            "no robot listens for that yet: 'lbr run --listen tls/0.0.0.0:7447', or in the rows\n"
             "  UPDATE capability SET enabled = 1 WHERE name = 'lan';",
             err=True,
         )

@@ -99,7 +99,7 @@ class Own:
             openapi.document(
                 routes,
                 title=f"The robot {self._robot.name}",
-                description="What this robot answers over HTTP. Refusals are JSON with a `message`.",
+                description='What this robot answers over HTTP. A refusal is {"message": "the reason"}.',
                 version=version,
             )
         ).body

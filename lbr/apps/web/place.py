@@ -1,9 +1,11 @@
 """Where the server is reached, in words and addresses."""
 
 from collections.abc import Callable
+from shlex import quote
 from typing import TYPE_CHECKING
 
 from lbr.apps.web import addresses, qr
+from lbr.home import default_database
 
 if TYPE_CHECKING:
     from lbr.apps.web import WebSettings
@@ -58,9 +60,10 @@ class Place:
 
     @property
     def opening(self) -> str:
-        """The line of SQL that opens it, in the robot's database."""
+        """The line of a shell that opens it, by the robot's row."""
         change = "UPDATE capability SET settings = json_set(settings, '$.host', '0.0.0.0')"
-        return f"{change} WHERE robot = '{self._robot}' AND name = '{self._row}';"
+        where = f"WHERE robot = '{self._robot}' AND name = '{self._row}'"
+        return f'sqlite3 {quote(str(default_database()))} "{change} {where}"'
 
     def _who(self) -> str:
         networks = [one for one in self._settings.trusted if not addresses.is_local(one.partition("/")[0])]
