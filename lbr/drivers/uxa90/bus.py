@@ -87,7 +87,7 @@ class Bus:
         self.moves_answer = True
         self.cut_short = False
         self.unasked = 0
-        self.written_at = -inf
+        self.written_at = self.disturbed_at = -inf
         self._line = line
         self._reply_s = reply_s
         self._clock = clock
@@ -142,7 +142,8 @@ class Bus:
         """Ask for so many bytes that are no position, such as a register; tried once."""
         if not self.settle(LATE_S * 4.0):
             return None
-        return self._exactly(question, count, within_s + self._line.wire_s(len(question) + count))
+        wire_s = self._line.wire_s(len(question) + count)
+        return self._exactly(question, count, within_s + wire_s, wire_s + STEPPING_ASIDE_S)
 
     def inquire(self, question: bytes, frame_type: int, contents: int) -> Frame | None:
         """Ask the main board and return its frame, or None."""
@@ -152,7 +153,8 @@ class Bus:
         self._line.send(question)
         until = self._clock() + FRAME_S + self._line.wire_s(len(question) + frames.OVERHEAD_BYTES + contents)
         self._frames.clear()
-        while (left_s := until - self._clock()) > 0.0 and not self._stop_waits():
+        aside = until - FRAME_S + STEPPING_ASIDE_S
+        while (left_s := until - self._clock()) > 0.0 and not self._wanted(aside):
             self._take(min(left_s, SLICE_S))
             for frame in self._frames:
                 if frame.type == frame_type and len(frame.contents) == contents:
@@ -166,10 +168,12 @@ class Bus:
         return not self._owed and self._clock() >= max(self._quiet_at, self._framed_at)
 
     def settle(self, within_s: float) -> bool:
-        """Wait until the line is quiet, unless a stop waits."""
-        until = self._clock() + within_s
+        """Wait until the line is quiet, unless a stop waits, or before long a write."""
+        begun = self._clock()
+        until, aside = begun + within_s, begun + STEPPING_ASIDE_S
         while not self.quiet():
-            if self._clock() >= until or self._stop_waits():
+            if self._clock() >= until or self._wanted(aside):
+                self.cut_short = True
                 return False
             self._take_surplus(SLICE_S)
         return True
@@ -226,7 +230,7 @@ class Bus:
         came = b""
         while len(came) < count and (left_s := until - self._clock()) > 0.0:
             came += self._take(min(left_s, SLICE_S))
-            if self._stop_waits() or (self._write_waits() and self._clock() > aside):
+            if self._wanted(aside):
                 self.cut_short = len(came) < count
                 break
         if len(came) == count and not self._parser.held:
@@ -241,6 +245,10 @@ class Bus:
         self.counts.strays += len(came)
         self._disturbed()
         return None
+
+    def _wanted(self, aside: float) -> bool:
+        """Say whether the line is wanted for a stop, or, from then on, for a write."""
+        return bool(self._stop_waits()) or (self._clock() > aside and bool(self._write_waits()))
 
     def _take(self, wait_s: float) -> bytes:
         """Return the bytes that came and belong to no frame."""
@@ -277,6 +285,7 @@ class Bus:
     def _disturbed(self) -> None:
         self._doubt()
         self._owed.clear()
+        self.disturbed_at = self._clock()
         self._quiet_at = max(self._quiet_at, self._clock() + self._late_s * uniform(1.0, 1.0 + UNEVEN))
 
     def _doubt(self) -> None:

@@ -12,7 +12,7 @@ from lbr.drivers.uxa90.answering import Answering
 from lbr.drivers.uxa90.plays import Plays
 from lbr.drivers.uxa90.session import Session
 from lbr.drivers.uxa90.stopping import Stopping
-from lbr.drivers.uxa90.view import servo_state, statistics
+from lbr.drivers.uxa90.view import MEASURED_S, servo_state, statistics
 from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoPhase, ServosState, StoredPlay
@@ -216,8 +216,8 @@ class Uxa90(Capability[Uxa90Settings]):
         return f"not measured: {some}{more}; check cable and power" if away else ""
 
     def _phase(self, session: Session, now: float) -> ServoPhase:
-        if not self._mover.seen and session.outputs.unknown:  # whoever moved them before may still have them hold
-            return "holding"
+        if not self._mover.seen and session.outputs.unknown and not self._contact_lost:
+            return "holding"  # what whoever moved them before left with torque; after a loss of contact nothing goes on
         if not session.outputs.turning and not session.controller.occupied:
             return "released"
         if self._mover.follows:
@@ -269,7 +269,7 @@ class Uxa90(Capability[Uxa90Settings]):
 
     def _publish_controller(self, session: Session) -> None:
         seen, counts, trust = session.sweeper.seen.values(), session.bus.counts, self.ctx.settings.trust
-        trusted = sum(one.trusted for one in seen)
+        trusted = sum(one.trusted and self.ctx.clock() - one.at < MEASURED_S for one in seen)
         why = f"{trusted} of {len(self._joints)} servos are believed" if trusted < len(self._joints) else ""
         self.ctx.publish(
             "controller",

@@ -90,14 +90,20 @@ class Controller:
         if not remote and not self.mode.pc:
             self.take()
             return
-        slot = self.plays.asked.slot if self.plays.asked is not None else 0
-        data = frames.remote(slot) if remote else packets.stored(slot)
+        play = self.plays.asked
+        assert play is not None
+        data = frames.remote(play.slot) if remote else packets.stored(play.slot)
         self._outputs.open = False
         self._outputs.played(limp=False)
-        self._owner.submit(lambda bus: bus.say(data), WRITE, "play")
         self.plays = plays.started(self.plays, now)
         if remote:
             self.mode = mode.left(now)
+        self._owner.submit(lambda bus: self._say_play(bus, play, data), WRITE, "play")
+
+    def _say_play(self, bus: Bus, play: StoredPlay, data: bytes) -> None:
+        """Begin it, unless a stop came while this waited for the line; in the line's thread."""
+        if self.plays.busy and self.plays.asked == play:
+            bus.say(data)
 
     def _end(self) -> None:
         if not self.mode.pc:

@@ -11,6 +11,8 @@ from lbr.messages.uxa90 import ConfigureCommand, InquireCommand, InquireReply
 ASKED_S, WRITTEN_S = 0.1, 0.25
 """How long a register's answer is waited for; writing what lasts takes the servo longer."""
 TRIES = 3
+SETTLE_S = 0.5
+NOT_TOLD = "was not told: the line was wanted for a stop or a move, or is not quiet; say it again"
 Job = Callable[[Bus], InquireReply]
 
 
@@ -49,6 +51,8 @@ def configuration(message: ConfigureCommand, servos: Collection[int]) -> Job:
 
 
 def _written(bus: Bus, register: Register, servo: int, data: bytes, expected: tuple[int, ...]) -> InquireReply:
+    if not bus.settle(SETTLE_S):
+        return InquireReply(accepted=False, reason=f"servo {servo} {NOT_TOLD}")
     if not register.answers:
         bus.say(data)
         return InquireReply(accepted=True, values=expected, text=f"servo {servo} was told; it does not answer that")

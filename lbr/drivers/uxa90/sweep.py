@@ -14,8 +14,8 @@ IDLE_S = 0.02
 FIRST_SWEEPS = 8
 """So many follow one another at once, so that positions are believed soon."""
 BETTER_ALONE = 3
-BUSY_S = 0.1
-"""So long after a write more may follow: what was answered is made sure of before the next is asked."""
+BUSY_S, WARY_S = 0.1, 5.0
+"""So long after a write, and after answers were lost, what was answered is made sure of before the next is asked."""
 STATISTICS_S = 1.0
 SILENT = "does not answer"
 
@@ -96,8 +96,9 @@ class Sweeper:
             return IDLE_S
         if not bus.quiet():
             return min(IDLE_S, bus.wait_s)
-        busy = self._clock() - bus.written_at < BUSY_S
-        if bus.doubtful and (busy if self._groups else not self._all_since(self._began)):
+        now = self._clock()
+        wary = now - bus.written_at < BUSY_S or now - bus.disturbed_at < WARY_S
+        if bus.doubtful and (wary if self._groups else not self._all_since(self._began)):
             return bus.check_s
         if self._groups:
             self._ask(bus, self._groups.popleft())
