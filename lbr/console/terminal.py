@@ -109,6 +109,7 @@ class Terminal:
                 self._closing = True
             finally:
                 self._over.set()
+                self._lines.put("")  # whoever waits for a line is not to wait any more
                 self._operator.release()
             if not self._closing:
                 self._print(self._parting())
@@ -202,7 +203,7 @@ class Terminal:
         self._above.print(f"{colour}{safe}{_PLAIN if colour else ''}")
 
     def _follow(self) -> None:
-        while not self._over.wait(REFRESH_S):
+        while not self._over.is_set():
             for event in self._operator.events():
                 self._print(describe(event), event.level)
             status = self._operator.telemetry().status
@@ -210,6 +211,7 @@ class Terminal:
             if revision != self._revision:
                 self._completer.entries = self._operator.words() or self._completer.entries
                 self._revision = revision if self._completer.entries else -1
+            self._over.wait(REFRESH_S)
 
     def _bar(self) -> StyleAndTextTuples:
         now = time.monotonic()
