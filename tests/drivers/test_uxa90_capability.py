@@ -1,3 +1,4 @@
+import threading
 import time
 from types import SimpleNamespace
 
@@ -6,6 +7,7 @@ import pytest
 from peers import FakeContext, until
 from uxa90_peers import Board
 
+from lbr.drivers.owner import READ
 from lbr.drivers.uxa90 import KIND
 from lbr.drivers.uxa90.capability import Uxa90
 from lbr.drivers.uxa90.packets import position_rad
@@ -412,6 +414,26 @@ def test_a_stop_while_the_main_board_plays_takes_control_and_holds_everything_wh
     rig.driver.close()
 
 
+@pytest.mark.parametrize("end", ["halt", "close"])
+def test_a_stored_motion_that_still_waits_for_the_line_when_a_stop_comes_is_not_begun(rig, board, end):
+    rig.known()
+    line_is_taken, line_is_free = threading.Event(), threading.Event()
+    rig.driver._session.owner.submit(lambda _bus: line_is_taken.set() or line_is_free.wait(5.0), READ)
+    line_is_taken.wait(5.0)
+    rig.idle(lease="a", stored=play(5))
+    rig.until(lambda: rig.state.stored is not None and rig.state.stored.phase == "playing")
+    if end == "halt":
+        rig.idle(lease="a", stored=play(5), halt=1)
+        rig.until(lambda: rig.state.stored.phase == "failed")
+        line_is_free.set()
+        rig.sweeps()
+    else:
+        threading.Timer(0.05, line_is_free.set).start()
+        rig.driver.close()
+    until(lambda: any(frame[8] == 0x10 for frame in board.frames))
+    assert not board.plays
+
+
 def test_a_count_from_before_the_line_was_opened_is_never_played(rig, board):
     rig.send(goals=(), lease="a", stored=play(7))
     rig.until(lambda: rig.state.armed)
@@ -467,6 +489,11 @@ def test_maintenance_writes_a_register_and_reads_it_back(board):
     said = ask(rig, "configure", ConfigureCommand(what="boundary", id=2, values=(20, 200)))
     assert (said.accepted, said.values) == (True, (20, 200))
     assert bytes.fromhex("FFE21114C82F") in board.said
+    board.forget()
+    rig.driver._session.bus.settle = lambda _within_s: False
+    assert "was not told" in ask(rig, "configure", ConfigureCommand(what="boundary", id=2, values=(20, 200))).reason
+    assert not any(one[1] >> 5 == 7 for one in board.packets)
+    del rig.driver._session.bus.settle
     for what, values, why in (
         ("id", (1,), "there is a servo 1 already"),
         ("overload", (255,), "outside 33..199"),

@@ -9,9 +9,11 @@ from benchmarks.uxa90_fuzz import KINDS, Fuzzer, wrong
 from lbr.drivers.uxa90 import packets
 from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.frames import TAKE_CONTROL, Frame
+from lbr.drivers.uxa90.requests import inquiry
 from lbr.drivers.uxa90.sweep import Sweeper
 from lbr.drivers.uxa90.trust import TOLERANCE
 from lbr.drivers.wire import Wire
+from lbr.messages.uxa90 import InquireCommand
 
 BYTE_S = 10 / 115_200
 
@@ -180,3 +182,16 @@ def test_what_is_never_answered_is_given_up_and_counted():
     rig = Rig(share=0.0)
     assert rig.bus.ask(packets.ask(packets.REGISTERS["boundary"], 30), 2, 0.1) is None
     assert rig.bus.counts.missing == 1
+
+
+@pytest.mark.parametrize("disturbed", [False, True])
+def test_a_silent_main_board_that_is_asked_keeps_no_move_waiting(disturbed):
+    rig = Rig()
+    rig.bus = Bus(rig.line, 0.03, clock=lambda: rig.line.now, write_waits=lambda: True)
+    if disturbed:
+        rig.line.inject(b"\x01")
+        rig.bus.quiet()
+    begun = rig.line.now
+    assert inquiry(InquireCommand(what="firmware"), ())(rig.bus).reason
+    assert rig.bus.ask(packets.read(3), 2, 0.1) is None or not disturbed
+    assert rig.line.now - begun < 0.05
