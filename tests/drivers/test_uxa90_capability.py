@@ -309,7 +309,7 @@ def test_a_servo_that_does_not_rest_or_answer_keeps_the_stop_unacknowledged(rig,
     rig.ctx.estop.engaged = True
     rig.until(lambda: rig.ctx.estop.acknowledged and "joint_2 (servo 2)" in rig.ctx.estop.acknowledged[-1][1])
     assert rig.ctx.estop.acknowledged[-1][0] is False
-    assert board.braked
+    rig.until(lambda: board.braked)
 
 
 def test_without_trust_the_stop_says_that_nothing_confirms_it(board):

@@ -44,7 +44,7 @@ class Session:
         self.sweeper = Sweeper(
             servos, ctx.clock, period_s, settings.trust, settings.together, moving=self._moving, told=tell
         )
-        self.owner = Owner(self.bus, self.sweeper.turn)
+        self.owner = Owner(self.bus, self._turn)
         seen = self.sweeper.seen
         self.outputs = Outputs(servos, seen, ctx.clock, self._line.wire_s, settings.offsets, blocked)
         self.controller = Controller(self.owner, self.outputs, settings, ctx.clock, known)
@@ -122,6 +122,12 @@ class Session:
         elif self.guard is not None:
             self.guard.dismiss()
         self.bus.close()
+
+    def _turn(self, bus: Bus) -> float:
+        """Read on, unless the main board was given something to do just now."""
+        if not self.outputs.open:
+            self.sweeper.reading = False
+        return self.sweeper.turn(bus)
 
     def _stop_waits(self) -> bool:
         return self.owner.urgent()
