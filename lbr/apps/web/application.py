@@ -21,6 +21,8 @@ from lbr.apps.web.routing import Table
 LARGEST_BODY = 64 * 1024
 BODY_S = 10.0
 HANDLER_S = 20.0
+TOO_OFTEN_S = 0.25
+"""So long whoever asks too often waits to hear that, so that a flood leaves time for those who stop the robot."""
 NO_ROUTE = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -112,6 +114,7 @@ class Application:
         path, method = raw.decode("ascii", "replace"), scope["method"]
         address = scope["client"][0] if scope.get("client") else ""
         if path.lower().rstrip("/") not in self._unlimited and not self._rates.take(address, time.monotonic()):
+            await asyncio.sleep(TOO_OFTEN_S)
             raise Refused(429, "too many requests a second from this address", {"Retry-After": "1"})
         if not is_ours(headers.get("host", ""), self._names):
             raise Refused(
