@@ -559,6 +559,17 @@ def test_a_robot_without_power_is_degraded_and_says_what_to_look_at(rig, board):
         rig.hurried(lambda: False)
 
 
+def test_servos_that_fall_silent_one_after_another_are_told_of_together(rig, board):
+    rig.on()
+    rig.until(lambda: rig.ctx.phases[-1] == "ready")
+    for servo in (0, 1):
+        board.dead.add(servo)
+        rig.until(lambda servo=servo: rig.servo(servo).reason)
+    rig.until(lambda: rig.ctx.phases[-1].startswith("warn: not measured: joint_0 (servo 0), joint_1 (servo 1)"))
+    assert len([one for one in rig.ctx.phases if one.startswith("warn")]) <= 2
+    assert "servo_silent" not in rig.ctx.kinds()
+
+
 @pytest.mark.parametrize(("ending", "level"), [("hold", 0), ("release", None)])
 def test_closing_holds_or_lets_go_as_the_row_says(board, ending, level):
     rig = Rig(board, on_close=ending)

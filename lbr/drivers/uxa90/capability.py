@@ -27,6 +27,7 @@ BLIND_S = 1.5
 PUBLISH_S = 0.1
 CONTROLLER_S = 0.5
 LOST_S = 1.0
+WARN_EVERY_S = 2.0
 NAMED = 3
 CONTACT = "was out of reach: was it without power? Switch its torque off, then on"
 
@@ -51,7 +52,7 @@ class Uxa90(Capability[Uxa90Settings]):
         self._known = False
         self._retaken_at = -inf
         self._left_on = self._lost = False
-        self._published = self._controller_at = -inf
+        self._published = self._controller_at = self._warned_at = -inf
         self._shown: tuple[object, ...] = ()
         self._warned: str | None = None
 
@@ -66,7 +67,7 @@ class Uxa90(Capability[Uxa90Settings]):
         self._mover, self._asked = first(self.ctx.clock()), None
         self._session = Session(self.ctx, list(self._joints), self._tell, self._plays, self._contact_lost)
         self._passed_since, self._known, self._retaken_at = inf, False, -inf
-        self._warned = None
+        self._warned, self._warned_at = None, -inf
 
     def step(self) -> None:
         """Decide, tell the servos what follows, answer, and tell the others."""
@@ -90,7 +91,7 @@ class Uxa90(Capability[Uxa90Settings]):
         session.judge()
         self._answering.step(session)
         self._tell_of_loss(session, now)
-        self._report(session)
+        self._report(session, now)
         self._publish_when_due(session, now)
 
     def command(self, call: Call) -> None:
@@ -194,13 +195,13 @@ class Uxa90(Capability[Uxa90Settings]):
             self._lost = False
             self.ctx.event("let_go", "nobody cared for the servos: they have no torque now", level="warning")
 
-    def _report(self, session: Session) -> None:
+    def _report(self, session: Session, now: float) -> None:
         while not self._told.empty():
             kind, text, level = self._told.get()
             self.ctx.event(kind, text, level=level)
         wrong = self._wrong(session)
-        if wrong != self._warned:
-            self._warned = wrong
+        if wrong != self._warned and now - self._warned_at >= WARN_EVERY_S:
+            self._warned, self._warned_at = wrong, now
             if wrong:
                 self.ctx.warn(wrong)
             else:

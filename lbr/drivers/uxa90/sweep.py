@@ -179,8 +179,6 @@ class Sweeper:
         if servo.misses < MISSES:
             self._groups.append([number])
             return
-        if servo.misses == MISSES and self.seen[number].raw is not None:
-            self._told("servo_silent", f"servo {number} {SILENT}; check its cable and power", "warning")
         self.seen[number] = silent(self.seen[number], SILENT)
         servo.again = self._clock() + servo.pause_s
         servo.pause_s = min(servo.pause_s * 2.0, AGAIN_MOST_S)
