@@ -552,6 +552,18 @@ def test_pc_control_that_was_lost_is_taken_again_and_the_motion_ended(rig, board
     assert all(one.position < 110 for one in board.servos.values())
 
 
+def test_pc_control_that_was_lost_is_noticed_before_every_servo_was_asked_in_vain(tmp_path):
+    board = Board(tmp_path / "ttyBoard", count=25)
+    rig = Rig(board)
+    rig.known()
+    board.mode = "normal"
+    gone_s = rig.ctx.clock()
+    rig.hurried(lambda: board.mode == "pc")
+    assert rig.ctx.clock() - gone_s < 4.0
+    rig.driver.close()
+    board.finish()
+
+
 def test_a_robot_without_power_is_degraded_and_says_what_to_look_at(rig, board):
     rig.on()
     board.silent = True

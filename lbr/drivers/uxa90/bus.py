@@ -202,6 +202,11 @@ class Bus:
         return max(0.0, max(self._quiet_at, self._framed_at) - self._clock()) or (SLICE_S if self._owed else 0.0)
 
     @property
+    def unheard_s(self) -> float:
+        """For how long nothing at all had come when somebody was asked last."""
+        return self._asked_at - self._came_at
+
+    @property
     def doubtful(self) -> bool:
         """Whether there are answers that may still prove to be somebody else's."""
         return bool(self._doubtful)

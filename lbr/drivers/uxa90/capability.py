@@ -10,7 +10,7 @@ from lbr.drivers.mover import bury, ended, first, receive, strength, tick
 from lbr.drivers.uxa90 import Uxa90Settings
 from lbr.drivers.uxa90.answering import Answering
 from lbr.drivers.uxa90.plays import Plays
-from lbr.drivers.uxa90.session import Session
+from lbr.drivers.uxa90.session import SILENT_S, Session
 from lbr.drivers.uxa90.stopping import Stopping
 from lbr.drivers.uxa90.view import MEASURED_S, servo_state, statistics
 from lbr.errors import DeviceError
@@ -20,7 +20,6 @@ from lbr.messages.uxa90 import ControllerState, TakeControlCommand
 
 SWITCH_S = 1e-4
 """The loop's thread may keep the line's thread waiting no longer than this."""
-SILENT_S = 1.5
 RETAKE_S = 3.0
 BLIND_S = 1.5
 """So long after PC control was taken it may take until it is known where the servos are."""
@@ -140,7 +139,7 @@ class Uxa90(Capability[Uxa90Settings]):
         waited = now - self._passed_since > BLIND_S or not self.ctx.settings.sweep_hz
         self._known = self._known or sweeper.told_apart or waited
         silent_s = now - max(sweeper.heard, self._passed_since)
-        if not sweeper.all_silent or silent_s < SILENT_S or now - self._retaken_at < RETAKE_S:
+        if not session.mute or silent_s < SILENT_S or now - self._retaken_at < RETAKE_S:
             return
         if sweeper.heard > max(self._retaken_at, session.opened):
             self._retaken_at = now

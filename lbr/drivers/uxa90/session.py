@@ -19,6 +19,7 @@ from lbr.errors import DeviceError
 
 CLOSING_S = 0.3
 JUDGED_S = 5.0
+SILENT_S = 1.5
 NOTABLE_BYTES = 200
 IDENTITY = ("firmware", "serial")
 Tell = Callable[[str, str, str], None]
@@ -105,6 +106,12 @@ class Session:
         if came > NOTABLE_BYTES:
             text = f"{came} bytes came unasked within {JUDGED_S:g} s; check the cable, and for a second sender"
             self._tell("babble", text, "warning")
+
+    @property
+    def mute(self) -> bool:
+        """Whether every servo was asked in vain, or some were for so long that all of them may be."""
+        long = bool(self._ctx.settings.sweep_hz) and self.bus.unheard_s >= SILENT_S
+        return long or self.sweeper.all_silent
 
     def close(self, *, release: bool) -> None:
         """Say the last word, and let go; what still has torque then is the guard's."""
