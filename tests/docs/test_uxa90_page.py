@@ -12,7 +12,7 @@ from lbr.messages.uxa90 import InquireCommand
 from tests.docs.pages import ROOT, said
 
 PAGE = ROOT / "docs" / "robots" / "uxa90.md"
-OWN = {"nod", "bow"}
+OWN = {"bow"}
 """Motions that the page has somebody make."""
 
 

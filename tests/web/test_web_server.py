@@ -160,22 +160,27 @@ def test_the_emergency_stop_is_engaged_and_released(served, face):
 
 
 @pytest.mark.parametrize(
-    ("body", "headers", "status"),
+    ("body", "headers", "said"),
     [
-        (b"{", {"Content-Type": "application/json"}, 400),
-        (b'{"reason": 5}', {"Content-Type": "application/json"}, 400),
-        (b'{"why": "x"}', {"Content-Type": "application/json"}, 400),
-        (b"\xff", {"Content-Type": "application/json; charset=utf-8"}, 400),
-        (b'{"reason": "x"}', {"Content-Type": "text/plain"}, 415),
-        (b"x" * 70_000, {"Content-Type": "application/json"}, 413),
+        (b"{", {"Content-Type": "application/json"}, ""),
+        (b'{"reason": 5}', {"Content-Type": "application/json"}, ""),
+        (b'{"why": "x"}', {"Content-Type": "application/json"}, ""),
+        (b"\xff", {"Content-Type": "application/json; charset=utf-8"}, ""),
+        (b'{"reason": "x"}', {"Content-Type": "text/plain"}, "x"),
+        (b"x" * 70_000, {"Content-Type": "application/json"}, ""),
     ],
 )
-def test_a_body_that_is_none_engages_nothing(served, body, headers, status):
-    before = len(served.stage.engaged)
-    answer = served.ask("POST", "/estop", body, headers)
-    assert answer.status == status
-    assert answer.said
-    assert len(served.stage.engaged) == before
+def test_the_emergency_stop_is_engaged_whatever_its_body_is(served, body, headers, said):
+    served.stage.say("joints", replace(JOINTS, estop=True))
+    assert served.ask("POST", "/estop", body, headers).json["engaged"]
+    assert served.stage.engaged[-1] == (f"{said} (127.0.0.1)" if said else "by 127.0.0.1")
+
+
+def test_a_stop_is_done_whatever_its_body_is(served):
+    served.stage.asked.clear()
+    head = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{"
+    assert served.raw(head).startswith(b"HTTP/1.1 200")
+    assert "halt" in {request for request, _ in served.stage.asked}
 
 
 def test_a_body_without_end_is_cut_where_it_is_too_large(served):
@@ -454,9 +459,8 @@ def test_a_connection_that_never_asks_is_closed(monkeypatch):
 def test_a_body_that_does_not_come_is_given_up(monkeypatch):
     monkeypatch.setattr(application, "BODY_S", 0.05)
     with serving() as served:
-        head = b"POST /estop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{"
+        head = b"POST /estop/reset HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{"
         assert served.raw(head).startswith(b"HTTP/1.1 408")
-        assert not served.stage.engaged
 
 
 def test_one_address_has_only_so_many_connections(served, monkeypatch):

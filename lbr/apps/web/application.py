@@ -20,6 +20,8 @@ from lbr.apps.web.routing import Table
 
 LARGEST_BODY = 64 * 1024
 BODY_S = 10.0
+REGARDLESS_S = 0.2
+"""So long the body of what is done regardless of it is waited for: who stops the robot does not wait for a reason."""
 HANDLER_S = 20.0
 TOO_OFTEN_S = 0.25
 """So long whoever asks too often waits to hear that, so that a flood leaves time for those who stop the robot."""
@@ -145,7 +147,7 @@ class Application:
             raise Refused(403, f"{stranger} may not ask; origins that may are the setting 'cors' of the row")
         client = self._client(route, address, headers)
         refuse_without(client, route.role)
-        body = await _body(receive, headers)
+        body, data = await _content(route, receive, headers)
         query = routing.parameters(scope["query_string"])
         ask = Ask(
             method=scope["method"],
@@ -156,7 +158,7 @@ class Application:
             headers=headers,
             body=body,
             params=routing.converted(query, route.params) if route.params and not route.lenient else None,
-            data=_data(route, headers, body),
+            data=data,
         )
         try:
             async with asyncio.timeout(HANDLER_S):
@@ -222,6 +224,19 @@ def no_route(method: str, path: str) -> Reply:
     """Return the page that Express shows for what it does not know."""
     shown = escape(f"Cannot {method} {quote(path, safe='/%:@!$&()*+,;=~-._')}", quote=True)
     return text(NO_ROUTE.format(shown), 404, HTML, **{"Content-Security-Policy": "default-src 'none'"})
+
+
+async def _content(route: Route, receive: Receive, headers: Mapping[str, str]) -> tuple[bytes, object]:
+    """Return a body, and what it says."""
+    if not route.regardless:
+        body = await _body(receive, headers)
+        return body, _data(route, headers, body)
+    try:
+        async with asyncio.timeout(REGARDLESS_S):
+            body = await _body(receive, headers)
+        return body, routing.decoded(body, route.body) if body and route.body else None
+    except (Refused, TimeoutError, Gone):
+        return b"", None
 
 
 def _data(route: Route, headers: Mapping[str, str], body: bytes) -> object:

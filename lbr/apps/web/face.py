@@ -125,6 +125,7 @@ class Route:
 
     `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
     and reads them itself: then they only say in the document what is meant, and a body is passed on unread.
+    One that is `regardless` is done whatever its body is: of one that is late, too large or wrong, `data` is None.
     `replies` maps each status to what is then returned: a Struct, or a media type; refusals need not be named.
     `role` is the least that is needed, None for nobody's leave. A `page` may be opened by a link from any other page,
     so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
@@ -140,6 +141,7 @@ class Route:
     body: type[Struct] | None = None
     body_required: bool = True
     lenient: bool = False
+    regardless: bool = False
     role: Role | None = "view"
     page: bool = False
     hidden: bool = False

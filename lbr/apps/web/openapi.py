@@ -101,7 +101,7 @@ def _responses(route: Route, schemas: Mapping[int, Any]) -> dict[str, Any]:
     refusals = {
         **ALWAYS,
         **(WITH_ROLE if route.role is not None else {403: WITH_ROLE[403]}),
-        **(WITH_BODY if route.body is not None else {}),
+        **(WITH_BODY if route.body is not None and not route.regardless else {}),
         **route.refuses,
     }
     found = {

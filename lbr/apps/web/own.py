@@ -59,11 +59,12 @@ class Own:
             ),
             Route(
                 method="POST", path="/stop", handle=self._stop, summary="Stop, and hold where the joints are",
-                refuses={409: "The robot does not stop so."}, **moves,
+                regardless=True, refuses={409: "The robot does not stop so."}, **moves,
             ),
             Route(
                 method="POST", path="/estop", handle=self._estop, summary="Latch the emergency stop",
-                replies={200: EstopAnswer}, body=EstopBody, body_required=False,
+                description="Whatever the body is: one that is no JSON only gives no reason.",
+                replies={200: EstopAnswer}, body=EstopBody, body_required=False, regardless=True,
             ),
             Route(
                 method="POST", path="/estop/reset", handle=self._reset, summary="Release the emergency stop",
