@@ -182,6 +182,7 @@ def test_ctrl_c_and_end_of_input_stop_what_moves_and_return(robot, screen, leave
     wait_for(lambda: robot.renewed)
     screen.types(leave)
     assert screen.ends() == 0
+    wait_for(lambda: robot.stopped)
     assert len(robot.stopped) == 1
 
 
