@@ -1035,7 +1035,7 @@ INSERT INTO motion (robot, name, help, slot, slot_s, limp, builtin) VALUES
     ('uxa90', 'walk_forward_short', 'Walk ahead, one step', 4, 1.9, 0, 1),
     ('uxa90', 'turn_right', 'Turn right on the spot, one step', 5, 1.7, 0, 1),
     ('uxa90', 'walk_left', 'Step to the left', 6, 2.4, 0, 1),
-    ('uxa90', 'reset', 'Stand up straight; the remote controls red square, which some call stop: it stops nothing', 7, 7, 0, 1),
+    ('uxa90', 'reset', 'Stand up straight; the remote control''s red square, which some call stop: it stops nothing', 7, 7, 0, 1),
     ('uxa90', 'walk_right', 'Step to the right', 8, 2.5, 0, 1),
     ('uxa90', 'walk_forward_4step', 'Walk ahead, four steps', 9, 3.1, 0, 1),
     ('uxa90', 'basic_motion_down', 'What the remote control''s arrow down plays: as basic_motion, on some robots a step back', 10, 0.4, 0, 1),

@@ -1,5 +1,6 @@
 """`lbr motion`: motions in files, to share them and to take over those of a robot's maker."""
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -106,10 +107,17 @@ def import_(
     """
     from lbr.commands.rows import problems_of  # noqa: PLC0415
     from lbr.database import motion_files  # noqa: PLC0415
+    from lbr.errors import InputError  # noqa: PLC0415
     from lbr.messages.faces import EditCommand  # noqa: PLC0415
+    from lbr.messages.units import NAME_PATTERN  # noqa: PLC0415
 
+    if name is not None and not re.fullmatch(NAME_PATTERN, name):
+        raise InputError(f"'{name}' is no name: those are of lower-case letters, digits and _, a letter first")
     with _opened(database) as opened:
         whose, motion, rows, notes = _understood(opened, file, robot, name)
+        if not replacing and any(one.name == motion.name for one in rows.motions):
+            how = "--replace puts this one in its place, --name gives it another name"
+            raise InputError(f"motion '{motion.name}' is there already: {how}")
         motion, cut = motion_files.within_limits(motion, rows.joints, clip=clip)
         about = motion_files.summary(motion, rows.joints, cut)
         if not dry_run:

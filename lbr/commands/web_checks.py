@@ -30,7 +30,9 @@ def _port(robot: str, name: str, host: str, port: int, *, runs: bool) -> Finding
     about, where = f"port of '{name}'", f"port {port} at {host}"
     problem = _taken(host, port)
     if problem == errno.EADDRINUSE and runs:
-        return Finding(about=about, level="good", text=f"{where}: robot '{robot}' runs here, and has it")
+        return Finding(
+            about=about, level="good", text=f"{where}: robot '{robot}' runs here; 'lbr status' shows if it has it"
+        )
     if problem == errno.EADDRINUSE:
         text = f"{where} is taken by another program; robot '{robot}' runs, but without its API"
         return Finding(about=about, level="hint", text=text, do=f"ss -ltnp 'sport = :{port}'")

@@ -36,7 +36,7 @@ def test_a_factory_motion_is_looked_at_taken_listed_and_taken_again_only_if_told
     code, out, _ = lbr(capsys, "import", place / "nod.rbm", "--name", "nod")
     assert (code, out.partition(":")[0], motion(place, "nod")) == (0, "took 'nod' for uxa90", ["A: test"])
     code, _, err = lbr(capsys, "import", place / "nod.rbm", "--name", "nod")
-    assert (code, err) == (2, "lbr: motion 'nod' is there already\n")
+    assert (code, "lbr: motion 'nod' is there already: --replace puts this one in its place" in err) == (2, True)
     code, out, _ = lbr(capsys, "import", place / "nod.rbm", "--name", "nod", "--replace", "--json")
     assert json.loads(out)["written"]
     code, out, _ = lbr(capsys, "list", "--robot", "uxa90")
