@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from math import ceil, radians
+from math import ceil
 from typing import Literal, NamedTuple
 
 import msgspec
@@ -13,9 +13,8 @@ from lbr.database import rbm
 from lbr.database.rows import JointRow, MotorRow, RobotRows
 from lbr.errors import InputError
 from lbr.messages.joints import KeyFrame, Motion
+from lbr.messages.uxa90 import COUNT_RAD
 
-COUNT_RAD = radians(269 / 254)
-"""What one count of a SAM servo is."""
 FACTORY = "factory"
 """The layer of the table `motor` whose `rest` are the nominal zeros."""
 BEGIN_S = 1.0

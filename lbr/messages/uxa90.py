@@ -1,10 +1,18 @@
 """Messages of the UXA-90's main board (UIC) and of single servos behind it, besides those on `servos/*`."""
 
+from math import radians
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
 from lbr.messages.servos import ServoId
+
+MIDDLE = 127
+"""The count of a SAM servo in the middle of its range."""
+COUNT_RAD = radians(269.0 / 254.0)
+"""0 to 254 are 269 degrees."""
+LOWEST, HIGHEST = 1, 254
+"""Legal targets; 0 is taken by the bus, but lies outside what is known of these servos."""
 
 ControllerMode = Literal["unknown", "normal", "taking", "pc"]
 Register = Literal[

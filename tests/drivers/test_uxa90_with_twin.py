@@ -10,7 +10,7 @@ from lbr.drivers.uxa90.requests import configuration, inquiry
 from lbr.drivers.uxa90.sweep import Sweeper
 from lbr.drivers.uxa90.trust import TOLERANCE
 from lbr.drivers.wire import Wire
-from lbr.messages.uxa90 import ConfigureCommand, InquireCommand
+from lbr.messages.uxa90 import COUNT_RAD, ConfigureCommand, InquireCommand
 from lbr.simulation.faults import Uxa90Faults
 from lbr.simulation.rows import Uxa90Row
 from lbr.simulation.uxa90.board import MainBoard
@@ -75,9 +75,7 @@ class Rig:
             each()
 
     def places(self):
-        return {
-            servo.number: round(127 + servo.felt.position_rad / packets.RAD_PER_COUNT) for servo in self.board.servos
-        }
+        return {servo.number: round(127 + servo.felt.position_rad / COUNT_RAD) for servo in self.board.servos}
 
     def believed(self):
         return {servo: seen.position for servo, seen in self.sweeper.seen.items() if seen.trusted}

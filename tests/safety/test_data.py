@@ -32,7 +32,7 @@ def test_a_killed_writer_loses_nothing_that_was_acknowledged():
 
 
 def test_whatever_stands_in_the_rows_is_refused_by_name_or_as_meant():
-    assert held(lambda results: data_mutations.mutations(results, 150, random.Random(SEED))).of("D2").n > 100
+    assert held(lambda results: data_mutations.mutations(results, 110, random.Random(SEED))).of("D2").n > 75
 
 
 def test_a_damaged_database_is_refused_or_the_very_same():

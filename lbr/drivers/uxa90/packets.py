@@ -5,16 +5,14 @@ A packet carries its servo's id; an answer is two bytes that carry neither id no
 """
 
 from dataclasses import dataclass
-from math import isfinite, radians
+from math import isfinite
 from typing import NamedTuple
+
+from lbr.messages.uxa90 import COUNT_RAD, HIGHEST, LOWEST, MIDDLE
 
 HEAD = 0xFF
 HIGHEST_ID = 30
 WEAKEST = 4
-LOWEST, HIGHEST = 1, 254
-"""Legal targets; 0 is taken by the bus, but lies outside what is known of these servos."""
-CENTRE = 127
-RAD_PER_COUNT = radians(269.0) / 254
 ANSWER_BYTES = 2
 PACKET_BYTES = 4
 MOST_14 = 0x3FFF
@@ -150,14 +148,14 @@ def configure(register: Register, servo: int, values: tuple[int, ...]) -> bytes:
 
 def position_rad(count: int) -> float:
     """Return the angle of a count, radians from the middle, count up positive."""
-    return (count - CENTRE) * RAD_PER_COUNT
+    return (count - MIDDLE) * COUNT_RAD
 
 
 def position_count(angle_rad: float) -> int:
     """Return the legal count nearest to an angle; what is no number is a ValueError."""
     if not isfinite(angle_rad):
         raise ValueError(f"an angle of {angle_rad} rad is no position")
-    return legal(CENTRE + round(max(-10.0, min(10.0, angle_rad)) / RAD_PER_COUNT))
+    return legal(MIDDLE + round(max(-10.0, min(10.0, angle_rad)) / COUNT_RAD))
 
 
 def legal(count: int) -> int:

@@ -1,14 +1,10 @@
 """Counts of a SAM servo, as this API speaks of positions, and the angles of the joints that the robot speaks of."""
 
-from math import ceil, degrees, floor, radians
+from math import ceil, degrees, floor
 
 from lbr.messages.joints import Joint
+from lbr.messages.uxa90 import COUNT_RAD, HIGHEST, LOWEST, MIDDLE
 
-MIDDLE = 127
-COUNT_RAD = radians(269.0 / 254.0)
-"""0 to 254 are 269 degrees."""
-LOWEST, HIGHEST = 1, 254
-"""What may be on the wire."""
 STRONGEST, WEAKEST = 0, 4
 _SLACK = 1e-6
 

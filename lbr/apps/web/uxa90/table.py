@@ -7,10 +7,11 @@ from msgspec import UNSET
 
 from lbr.apps.web.face import Refused
 from lbr.apps.web.uxa90.answers import MotorData, Number
-from lbr.apps.web.uxa90.counts import HIGHEST, LOWEST, allowed, count_of, in_degrees
+from lbr.apps.web.uxa90.counts import allowed, count_of, in_degrees
 from lbr.apps.web.uxa90.number import clamped, nearest, plain, written
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint
+from lbr.messages.uxa90 import HIGHEST, LOWEST
 
 LARGEST = 1e6
 UNITS = ("raw", "percent", "deg")
