@@ -67,7 +67,7 @@ def _let_be(state: State, ended: Ended[Move], now: float) -> State:
     if ended.how == "reached":
         frozen = state if told is None else stored.after(state, told, now)
     else:
-        frozen = moving.freeze(stored.never_begun(state))
+        frozen = moving.freeze(state)
     return replace(frozen, holding=replace(state.holding, hold=None), lost=lost)
 
 

@@ -19,16 +19,12 @@ class Way(Struct, frozen=True, kw_only=True):
 
 
 class Stored(Struct, frozen=True, kw_only=True):
-    """A motion that the servos' controller is told to play; `playing` since it said so (NaN: not yet).
-
-    `before` are the joints that had torque until then.
-    """
+    """A motion that the servos' controller is told to play; `playing` since it said so (NaN: not yet)."""
 
     motion: StoredMotion
     count: int
     told: float
     playing: float = nan
-    before: frozenset[str] = frozenset()
 
 
 class Move(Struct, frozen=True, kw_only=True):

@@ -19,16 +19,13 @@ FRESH_S = 0.05
 
 
 def begin(state: State, motion: StoredMotion, goal: str, now: float) -> tuple[State, Move]:
-    """Return the state in which the controller may use every servo, and the motion.
+    """Return the state in which the controller is told, and the motion: nothing gets torque before that plays.
 
     Counts grow with the clock, so that a process that begins anew does not say one again.
     """
     count = max(state.count + 1, int(max(now, 0.0) * 1000.0) + 1)
-    told = Stored(motion=motion, count=count, told=now, before=state.on)
-    fit = frozenset(name for name, servo in state.seen.items() if not servo.latched)
-    state = replace(state, count=count, on=fit, goals=dict.fromkeys(fit), strength={}, switched=now)
-    state = replace(state, unread=state.unread - fit)
-    return state, Move(goal=goal, begun=now, told=now, stored=told)
+    told = Stored(motion=motion, count=count, told=now)
+    return replace(state, count=count, goals=dict.fromkeys(state.on)), Move(goal=goal, begun=now, told=now, stored=told)
 
 
 def play(told: Stored) -> StoredPlay:
@@ -38,7 +35,7 @@ def play(told: Stored) -> StoredPlay:
 
 
 def heard(state: State, now: float) -> State:
-    """Take in what the driver says of it."""
+    """Take in what the driver says of it; once the controller plays, it has every servo."""
     hold, move = state.holding.hold, state.move
     if hold is None or move is None or move.stored is None or not isnan(move.stored.playing):
         return state
@@ -46,6 +43,8 @@ def heard(state: State, now: float) -> State:
     if found is None or found.phase not in {"playing", "over"}:
         return state
     begun = replace(move, stored=replace(move.stored, playing=now))
+    fit = frozenset(name for name, servo in state.seen.items() if not servo.latched)
+    state = replace(state, on=fit, goals=dict.fromkeys(fit), strength={}, switched=now, unread=state.unread - fit)
     return replace(state, holding=holding.with_motion(state.holding, begun))
 
 
@@ -73,18 +72,6 @@ def after(state: State, told: Stored, now: float) -> State:
         return replace(state, on=frozenset(), goals={}, strength={}, resting=state.on, let_go=now)
     goals = {name: _afterwards(state, name, told.motion, now) for name in state.on}
     return replace(state, goals=goals, switched=now)
-
-
-def never_begun(state: State) -> State:
-    """Return the state as it was before, if the motion that just failed was never begun: nothing gets torque by that."""
-    told = state.move.stored if state.move is not None else None
-    if told is None or not isnan(told.playing):
-        return state
-    found = _said(state, told)
-    if found is None or found.phase != "failed":
-        return state
-    on = state.on & told.before
-    return replace(state, on=on, goals={name: goal for name, goal in state.goals.items() if name in on})
 
 
 def left_s(told: Stored, now: float) -> float:

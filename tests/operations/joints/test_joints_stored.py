@@ -28,10 +28,11 @@ def test_the_driver_is_told_slot_and_duration_until_it_says_that_it_is_over(benc
     assert reply.accepted
     play = bench.setpoint.stored
     assert (play.slot, play.duration_s, play.limp) == (4, 2.0, False)
-    assert {goal.torque for goal in bench.setpoint.goals} == {1.0}
-    assert {goal.position_rad for goal in bench.setpoint.goals} == {None}
+    assert {goal.torque for goal in bench.setpoint.goals} == {0.0}, "nothing gets torque before it is known to play"
     bench.run(1.5, reply.lease)
     assert bench.setpoint.stored == play
+    assert {goal.torque for goal in bench.setpoint.goals} == {1.0}
+    assert {goal.position_rad for goal in bench.setpoint.goals} == {None}
     state = joints_state(bench.state, bench.now)
     assert (state.stored, state.moving, state.holder) == (4, True, "console")
     assert state.left_s == pytest.approx(0.5, abs=0.05)
