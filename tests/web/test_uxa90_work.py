@@ -3,7 +3,10 @@
 import msgspec
 import pytest
 
+from lbr.apps.web import WebSettings
 from lbr.apps.web.face import Refused
+from lbr.apps.web.robot import Robot
+from lbr.apps.web.uxa90.face import Uxa90Face
 from lbr.messages.joints import MotionsState
 from tests.web.uxa90_bench import Bench, joints_state
 
@@ -249,3 +252,11 @@ def test_the_state_says_what_goes_on(bench):
     bench.motor("id=23&pos=20")
     state = bench.work.state()
     assert (state["positions"]["23"], state["moving"], state["busy"], state["jobs"]) == (20, True, "", 0)
+
+
+@pytest.mark.parametrize(("layer", "told"), [("safe", 0), ("save", 1)])
+def test_a_layer_that_no_motor_has_is_told(bench, layer, told):
+    bench.ctx.settings = WebSettings(faces=("uxa90",), layer=layer)
+    Uxa90Face(Robot(bench.ctx, bench.bridge))
+    assert [one for one in bench.ctx.events if "there are api, factory, safe" in one] == bench.ctx.events
+    assert len(bench.ctx.events) == told
