@@ -70,11 +70,11 @@ function show(state) {
   const joints = state.joints || {}, controller = state.controller || {}, own = (state.faces || {}).uxa90 || {};
   const estop = Boolean(joints.estop);
   at("mode").textContent = controller.mode || "not heard";
-  at("busy").textContent = own.busy || "nothing";
+  at("busy").textContent = own.busy ? (/'([^']+)'/.exec(own.busy) || ["", "a motion"])[1].replaceAll("_", " ") : "nothing";
   at("holder").textContent = joints.holder || "nobody";
   at("neck").textContent = degrees((joints.joints || {}).neck_yaw);
   at("head").textContent = degrees((joints.joints || {}).head_pitch);
-  at("state").textContent = estop ? `EMERGENCY STOP ${joints.reason || ""}` : joints.reason || "ready";
+  at("state").textContent = estop ? joints.reason || "emergency stop" : own.busy || joints.reason || "ready";
   at("state").className = estop ? "bad" : "";
   at("reset").hidden = !estop;
   for (const button of at("motions").children) button.disabled = estop || Boolean(own.busy);
