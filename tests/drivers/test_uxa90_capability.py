@@ -261,15 +261,28 @@ def test_a_dead_lease_moves_nothing(rig, board):
 def test_a_stop_is_told_to_every_servo_and_one_that_is_elsewhere_holds_there(rig, board):
     rig.on(halt=1)
     board.servos[1].stuck = True
-    rig.at({0: 150, 1: 150, 2: 150}, halt=1)
-    rig.until(lambda: board.servos[0].position == 150)
+    rig.at({0: 120, 1: 120, 2: 120}, halt=1)
+    rig.until(lambda: board.servos[0].position == 120)
     rig.sweeps()
     board.forget()
-    rig.at({0: 150, 1: 150, 2: 150}, halt=2)
+    rig.at({0: 120, 1: 120, 2: 120}, halt=2)
     rig.until(lambda: len(board.moves()) >= 3)
-    assert board.moves()[:3] == [(0, 0, 150), (1, 0, 150), (2, 0, 150)]
+    assert board.moves()[:3] == [(0, 0, 120), (1, 0, 120), (2, 0, 120)]
     rig.sent = None
     rig.until(lambda: board.moves(1)[-1] == (1, 0, 104))
+
+
+def test_a_goal_that_nobody_leads_a_servo_to_is_gone_to_at_the_weakest_level_first(rig, board):
+    rig.on()
+    board.servos[1].stuck = True
+    board.forget()
+    rig.at({0: 120, 1: 200, 2: 108})
+    rig.until(lambda: board.moves(1))
+    rig.sweeps()
+    assert board.moves(0) == [(0, 0, 120)]
+    assert set(board.moves(1)) == {(1, 4, 200)}
+    rig.ahead_s += 2.0
+    rig.until(lambda: board.moves(1)[-1] == (1, 0, 200))
 
 
 def test_a_servo_with_a_trusted_place_away_from_its_goal_is_told_again(rig, board):

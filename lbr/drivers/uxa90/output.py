@@ -3,6 +3,16 @@
 from dataclasses import dataclass
 from math import inf
 
+from lbr.messages.servos import ServoGoal
+
+NEAR = 12
+"""Counts: a servo so near its goal may go there at the torque that was asked for."""
+STRIDE, FASTEST_CPS = 24, 400.0
+"""Counts, and counts a second: so far it is from goal to goal of a servo that is led step by step."""
+LET_GO = "was let go; switch its torque off, then on"
+LIMP = "was let go by the main board's motion; switch its torque off, then on"
+BRAKED = "was braked by the emergency stop; switch its torque off, then on"
+
 
 @dataclass(slots=True)
 class Out:
@@ -10,7 +20,8 @@ class Out:
 
     `want` is the packet that is to be said, `said` the one that was, `told_at` when. `carried`: it may have had torque
     before the line was opened; it is held where it is until a new motion begins. `adrift`: to be held where it is as
-    soon as that is known. `overtaken`: a goal from before a stop, which is not gone to. `blocked` says why it gets no torque before a setpoint had it without.
+    soon as that is known. `overtaken`: a goal from before a stop, which is not gone to. `led`: where a motion of the main
+    board is said to have led it. `blocked` says why it gets no torque before a setpoint had it without.
     """
 
     id: int
@@ -27,6 +38,15 @@ class Out:
     carried: bool = False
     adrift: bool = False
     overtaken: float | None = None
+    led: float | None = None
     blocked: str = ""
     trouble: str = ""
     still: tuple[int, float] | None = None
+
+    def leads(self, goal: ServoGoal, count: int, here: int | None, round_s: float) -> bool:
+        """Say whether a goal is where the servo is, or leads on from that `round_s` ago; it would jump there otherwise."""
+        if here is not None and abs(here - count) <= NEAR:
+            return True
+        if self.on and self.count is not None:
+            return abs(self.count - count) <= STRIDE + FASTEST_CPS * round_s
+        return self.on and goal.position_rad == self.led

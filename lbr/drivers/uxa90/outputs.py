@@ -9,15 +9,13 @@ from math import inf
 from lbr.drivers.mover import Mover
 from lbr.drivers.uxa90 import packets
 from lbr.drivers.uxa90.bus import Bus
-from lbr.drivers.uxa90.output import Out
+from lbr.drivers.uxa90.output import BRAKED, LET_GO, LIMP, Out
 from lbr.drivers.uxa90.packets import PACKET_BYTES, WEAKEST
 from lbr.drivers.uxa90.trust import Seen
 from lbr.messages.servos import ServoGoal
 
 PLACE_S = 0.6
 """A position older than this is not where the servo is."""
-NEAR = 12
-"""Counts: a servo so near its goal may go there at the torque that was asked for."""
 WEAK_S = 2.0
 """So long a servo goes at the weakest level whose place nobody knew, or that was far from its goal."""
 SAG = 8
@@ -33,9 +31,6 @@ FEW = 8
 """After a write to more servos than this the line needs a moment for itself."""
 PLAYED_S = 1.0
 """So long after a motion of the main board nobody tells servos where to be before it was read where they are."""
-LET_GO = "was let go; switch its torque off, then on"
-LIMP = "was let go by the main board's motion; switch its torque off, then on"
-BRAKED = "was braked by the emergency stop; switch its torque off, then on"
 
 
 class Outputs:
@@ -61,6 +56,7 @@ class Outputs:
         self._followed = False
         self._first_lease: str | None = None
         self._free_at = self._played_at = -inf
+        self._applied_at = clock()
 
     @property
     def turning(self) -> bool:
@@ -92,6 +88,7 @@ class Outputs:
         if strength < 1.0:
             self._fade(strength)
         self._repeat(now)
+        self._applied_at = now
 
     def freeze(self) -> None:
         """Have servos hold: their last goal, a step away from where they are, and when they rest, what they rest at."""
@@ -122,7 +119,7 @@ class Outputs:
         for out in self._all():
             out.known, out.on, out.carried, out.adrift = True, not limp, False, False
             out.count = out.want = out.said = None
-            out.level, out.rest_at, out.weak_until = 0, inf, -inf
+            out.level, out.rest_at, out.weak_until, out.led = 0, inf, -inf, None
             out.blocked = LIMP if limp else ""
 
     def loose(self, goals: Mapping[int, ServoGoal]) -> None:
@@ -271,9 +268,12 @@ class Outputs:
             count = packets.position_count(goal.position_rad) + self._offsets.get(out.id, 0)
         count = packets.legal(count)
         if out.on and out.count is None and here is None and now - self._played_at < PLAYED_S:
+            out.led = goal.position_rad if out.led is None else out.led
             return
-        if not out.on:
-            out.weak_until = -inf if here is not None and abs(here - count) <= NEAR else now + WEAK_S
+        if not out.leads(goal, count, here, now - self._applied_at):
+            out.weak_until = now + WEAK_S
+        elif not out.on:
+            out.weak_until = -inf
         if out.count != count:
             out.rest_at = inf
         out.known, out.on, out.adrift, out.trouble = True, True, False, ""
