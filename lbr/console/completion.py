@@ -41,7 +41,7 @@ class LineCompleter(Completer):
                 yield Completion(entry["word"], -len(text), display_meta="end this external command")
 
     def _fields(self, text: str) -> Iterator[Completion]:
-        word, *parts = text.lstrip("/").split("/")
+        word, *parts = text[1:].split("/")
         index, start = len(parts) - 1, parts[-1]
         seen = set()
         for entry in self.entries:

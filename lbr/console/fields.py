@@ -77,6 +77,8 @@ class Field(Struct, frozen=True):
         if kind not in {"number", "integer"}:
             return {"boolean": "yes or no"}.get(str(kind), "a text")
         bounds = f"{low} to {high}" if low and high else ""
+        if bounds and typed is None and "exclusiveMinimum" in self.schema:
+            bounds = f"above {low}, up to {high}"
         open_ended = (low and f"at least {low}") or (high and f"at most {high}")
         whole = "a whole number" if kind == "integer" else "a number"
         return " ".join(filter(None, [bounds or open_ended or whole, self.unit]))

@@ -47,6 +47,8 @@ def offered(text: str) -> list[str]:
         ("/r/0.2/0/40/forward/1/", []),
         ("/report/", ["events", "health"]),
         ("/nothing/", []),
+        ("//", []),
+        ("///x", []),
         ("clock -", []),
     ],
 )

@@ -76,7 +76,7 @@ def test_a_line_becomes_its_message(line, target, payload):
     ("line", "why"),
     [
         ("/j/left_elbow/400", "angle is -360 to 360 degrees, not 400"),
-        ("/j/left_elbow/-45/fast", "speed is 0 to 1000 degrees a second, not 'fast'"),
+        ("/j/left_elbow/-45/fast", "speed is above 0, up to 1000 degrees a second, not 'fast'"),
         ("/play/sit/0", "times is 1 to 1000, not 0"),
         ("/torque/on/Left Elbow", "joints 'Left Elbow' is no name"),
         ("/torque/on/left_elbow,", "joints '' is no name"),
