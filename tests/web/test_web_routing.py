@@ -11,6 +11,7 @@ from lbr.apps.web import openapi, routing
 from lbr.apps.web.face import Ask, Message, Refused, Reply, Route
 from lbr.apps.web.routing import Table
 from lbr.apps.web.streams import StreamParams
+from lbr.messages.units import Name
 
 
 async def nothing(_ask: Ask) -> Reply:
@@ -19,6 +20,10 @@ async def nothing(_ask: Ask) -> Reply:
 
 class Body(Struct, forbid_unknown_fields=True):
     count: int
+
+
+class Named(Struct):
+    name: Name
 
 
 def route(method: str, path: str, **more: Any) -> Route:
@@ -92,6 +97,11 @@ def test_a_parameter_that_does_not_fit_is_named(query, said):
     with pytest.raises(Refused) as refused:
         routing.converted(routing.parameters(query), StreamParams)
     assert said in refused.value.message
+
+
+def test_what_is_no_name_is_told_in_words():
+    with pytest.raises(Refused, match="name: names are small letters, digits and _, a letter first"):
+        routing.decoded(b'{"name": "Nod"}', Named)
 
 
 def test_what_is_nested_too_deeply_is_refused():

@@ -12,10 +12,12 @@ import msgspec
 from msgspec import Struct
 
 from lbr.apps.web.face import Refused, Route
+from lbr.messages.units import NAME_PATTERN
 
 MOST_PARAMETERS = 64
 LONGEST_URL = 4096
 _KEY = re.compile(r"\{([a-z_]+)\}")
+_NO_NAME = "names are small letters, digits and _, a letter first"
 _PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`$")
 
 
@@ -75,7 +77,7 @@ def decoded(body: bytes, kind: type[Struct]) -> Any:
 
 def plain(err: Exception) -> str:
     """Return what is wrong with some data, the place first."""
-    text = str(err)
+    text = str(err).replace(f"Expected `str` matching regex {NAME_PATTERN!r}", _NO_NAME)
     found = _PLACE.search(text)
     if found is None:
         return text
