@@ -81,6 +81,7 @@ OWN = {"host": "robot:50000"}
         ({"origin": "http://robot:50000", "sec-fetch-site": "same-origin"}, (), ""),
         ({"referer": "http://robot:50000/demo", "sec-fetch-site": "same-origin"}, (), ""),
         ({"origin": "http://evil.example"}, (), "http://evil.example"),
+        ({"origin": ""}, (), "an empty origin"),
         ({"origin": "null"}, (), "null"),
         ({"sec-fetch-site": "cross-site"}, (), "another page"),  # a picture without a referrer
         ({"sec-fetch-site": "same-site"}, (), "another page"),

@@ -471,6 +471,20 @@ def test_one_address_has_only_so_many_connections(served, monkeypatch):
     assert until(lambda: answered(served))
 
 
+def test_several_addresses_with_many_connections_leave_room_for_one_who_wants_to_stop(monkeypatch):
+    monkeypatch.setattr(serving_module, "MOST_PLAIN", 8)
+    with serving() as served, ExitStack() as stack:
+        for at in range(12):
+            held = stack.enter_context(socket.socket())
+            held.bind((f"127.0.0.{2 + at % 3}", 0))
+            held.connect(("127.0.0.1", served.port))
+        stop = stack.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=5))
+        until(lambda: sum(map(len, serving_module.Connection.open_from.values())) == 8)
+        assert len(serving_module.Connection.open_from["127.0.0.1"]) == 1
+        stop.sendall(b"POST /stop HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        assert stop.recv(15) == b"HTTP/1.1 200 OK"
+
+
 def answered(served: Served) -> bool:
     try:
         return served.ask("GET", "/").status == 200

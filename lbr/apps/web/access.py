@@ -86,7 +86,7 @@ class Pages:
         own = f"{scheme}://{headers.get('host', '')}"
         origin = headers.get("origin")
         if origin is not None:
-            return "" if origin == own or self.allows(origin) else origin
+            return "" if origin == own or self.allows(origin) else origin or "an empty origin"
         referrer = _origin(headers.get("referer", ""))
         site = headers.get("sec-fetch-site", "")
         if referrer:

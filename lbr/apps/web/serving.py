@@ -5,7 +5,6 @@ import logging
 import socket
 import ssl
 import threading
-from collections import Counter
 from collections.abc import Awaitable, Callable
 from typing import Any, ClassVar
 
@@ -14,10 +13,13 @@ from starlette.types import ASGIApp
 
 from lbr.apps.http import listening
 from lbr.apps.http.listening import MOST_CONNECTIONS
+from lbr.apps.web.streams import MOST_VIEWERS
 from lbr.errors import DeviceError
 
 MOST_OF_ONE = 40
 """Connections from one address; what is more is cut."""
+MOST_PLAIN = MOST_CONNECTIONS - MOST_VIEWERS - 1
+"""All together, so that there is always room for one more: somebody may want to stop the robot."""
 LARGEST_HEAD = 16 * 1024
 LARGEST_MESSAGE = 4096
 PING_S, PONG_S = 10.0, 10.0
@@ -26,35 +28,41 @@ JOIN_S = 0.35
 
 
 class Connection(listening.Connection):
-    """A connection of which one address may have only so many."""
+    """A connection of which one address may have only so many, and fewer while others want some."""
 
-    open_from: ClassVar[Counter[str]] = Counter()
+    open_from: ClassVar[dict[str, dict["Connection", None]]] = {}
 
     def connection_made(self, transport: Any) -> None:
-        """Cut what is too many from one address."""
+        """Cut what is too many from one address; where all have too many, the oldest of who has most."""
         peer = transport.get_extra_info("peername")
         self._from = str(peer[0]) if peer else ""
-        self.open_from[self._from] += 1
+        own = self.open_from.setdefault(self._from, {})
+        own[self] = None
         super().connection_made(transport)
-        if self.open_from[self._from] > MOST_OF_ONE:
+        if len(own) > MOST_OF_ONE:
             transport.abort()
+        elif sum(map(len, self.open_from.values())) > MOST_PLAIN:
+            most = max(self.open_from, key=lambda address: len(self.open_from[address]))
+            oldest = next(iter(self.open_from[most]))
+            oldest.leave()
+            oldest.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Count one less; WebSockets are counted by themselves from their beginning."""
-        self._leave()
+        self.leave()
         super().connection_lost(exc)
 
     def handle_websocket_upgrade(self, event: Any) -> None:
         """Leave the count to the WebSocket."""
-        self._leave()
+        self.leave()
         super().handle_websocket_upgrade(event)
 
-    def _leave(self) -> None:
-        if self._from:
-            self.open_from[self._from] -= 1
-            if self.open_from[self._from] <= 0:
-                del self.open_from[self._from]
-            self._from = ""
+    def leave(self) -> None:
+        """Count for nobody any more."""
+        own = self.open_from.get(self._from, {})
+        own.pop(self, None)
+        if not own:
+            self.open_from.pop(self._from, None)
 
 
 class Serving:
