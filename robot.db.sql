@@ -1173,7 +1173,7 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
     ('uxa90', 'torque', '/torque/off', 'joints.torque', '{"on": false}', 'operate',
      'Let all joints go: the robot falls; asks first'),
     ('uxa90', 'torque', '/torque/off/all', 'joints.torque', '{"on": false, "confirmed": true}', 'operate',
-     'Let all joints go, without being asked: the robot falls'),
+     'Let all joints go at once: the robot falls'),
     ('uxa90', 'play', '/play/{motion}', 'motions.play', NULL, 'operate', 'Play a motion once, such as /play/reset'),
     ('uxa90', 'play', '/play/{motion}/{times}', 'motions.play', NULL, 'operate', 'Play a motion several times'),
     ('uxa90', 'play', '/play/{motion}/{times}/{speed}', 'motions.play', NULL, 'operate',
