@@ -20,7 +20,7 @@ class Painter:
     """One picture at a time, in a thread of its own; replies are sent from `finish`."""
 
     def __init__(self) -> None:
-        self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="painter")
+        self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="painter", initializer=_rank_as_usual)
         self._calls: list[tuple[Call, Path, Future[None]]] = []
 
     def ask(self, call: Call, path: Path, draw: Callable[[], "Image"]) -> None:
@@ -51,6 +51,12 @@ class Painter:
         for call, _, _ in self._calls:
             call.refuse("the world is closing")
         self._calls.clear()
+
+
+def _rank_as_usual() -> None:
+    """Let what moves the robot go first: the world ranks with it, but a picture has time."""
+    if os.getpriority(os.PRIO_PROCESS, 0) < 0:
+        os.setpriority(os.PRIO_PROCESS, 0, 0)
 
 
 def picture_path(robot: str) -> Path:
