@@ -261,6 +261,8 @@ class Database:
 
     def _prepare(self) -> None:
         connection = self._connection
+        if not self.path.stat().st_size:  # as sqlite3 leaves it that was told to change what was not there
+            raise RowError((f"database {self.path} is empty: remove it, and `lbr db init` makes a robot's",))
         tables = run(connection, "SELECT count(*) FROM sqlite_schema WHERE name IN ('robot', 'alembic_version')")
         if pragma(connection, "application_id") != APPLICATION_ID or tables != 2:
             raise RowError(

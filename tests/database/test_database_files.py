@@ -82,7 +82,7 @@ def test_a_file_that_is_read_only(path):
 def test_an_empty_file(tmp_path):
     path = tmp_path / "robot.db"
     path.touch(0o600)
-    assert "is not a robot's" in refusal(path)
+    assert "is empty: remove it, and `lbr db init` makes a robot's" in refusal(path)
 
 
 def test_a_text(tmp_path):
