@@ -56,8 +56,7 @@ async function motions() {
   const answer = await ask("motion");
   for (const motion of answer ? answer.data : []) {
     const button = document.createElement("button");
-    button.textContent = motion.name.replaceAll("_", " ");
-    button.title = `motion ${motion.id}`;
+    button.textContent = `${motion.id}. ${motion.name.replaceAll("_", " ")}`;
     button.addEventListener("click", () => post(`motion/${motion.id}`));
     at("motions").append(button);
   }
