@@ -462,6 +462,23 @@ def test_a_count_from_before_the_line_was_opened_is_never_played(rig, board):
     rig.until(lambda: board.plays == [4])
 
 
+def test_when_the_cable_was_out_while_the_main_board_played_its_motion_is_ended_first_and_not_repeated(rig, board):
+    rig.known()
+    rig.idle(lease="a", stored=play(5))
+    rig.until(lambda: board.plays == [4])
+    board.unplug()
+    with pytest.raises(DeviceError, match="went away"):
+        rig.until(lambda: False)
+    rig.driver.close()
+    board.plug()
+    board.forget()
+    rig.driver.open()
+    rig.until(lambda: rig.state.armed)
+    assert [frame[8] for frame in board.frames[:2]] == [0x10, 0x12]
+    rig.sweeps()
+    assert (board.plays, rig.state.stored.phase) == ([], "failed")
+
+
 class Answer:
     def __init__(self, name, message):
         self.name, self.message, self.said = name, message, None

@@ -52,6 +52,8 @@ class Session:
         self.opened = self._judged = ctx.clock()
         self._strays = 0
         self.identity: Mapping[str, str] = {}
+        if known.busy:  # the main board does not notice that its cable was out: it may play still
+            self.owner.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
         self._identified: Future[dict[str, str]] = self.owner.submit(_identify, READ)
         self.owner.start()
 
