@@ -76,7 +76,7 @@ def _angle(joint: Joint, servo_rad: float | None) -> float | None:
 
 
 def _signed(joint: Joint, value: float | None) -> float | None:
-    return None if value is None else value * joint.sign
+    return None if value is None else value * joint.sign + 0.0  # no -0.0
 
 
 def _age_s(state: State, servo: ServoState, now: float) -> float | None:
