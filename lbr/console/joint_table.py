@@ -28,10 +28,9 @@ def _plays(state: JointsState) -> str:
 def _lies(pose: HumanoidPose | None) -> list[str]:
     if pose is None:
         return []
-    state = "held" if pose.held else "upright" if pose.upright else "FALLEN"
     lean = f"roll {degrees(pose.roll_rad):+.0f}, pitch {degrees(pose.pitch_rad):+.0f} degrees"
     return [
-        f"{state}, trunk {pose.z_m * 100:.0f} cm high, {lean}; on the floor: {', '.join(pose.on_floor) or 'nothing'}"
+        f"{pose.posture}, trunk {pose.z_m * 100:.0f} cm high, {lean}; on the floor: {', '.join(pose.on_floor) or 'nothing'}"
     ]
 
 

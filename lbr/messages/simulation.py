@@ -88,3 +88,10 @@ class HumanoidPose(Struct, frozen=True, kw_only=True):
     supply_v: float
     time_s: float
     stands: bool = True
+
+    @property
+    def posture(self) -> str:
+        """How it is, in one word for people."""
+        if self.held or not self.upright:
+            return "held" if self.held else "FALLEN"
+        return "upright" if self.stands else "sitting"

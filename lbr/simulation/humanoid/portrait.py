@@ -116,8 +116,7 @@ def _room_m(body: Body) -> tuple[float, float]:
 
 def _legend(pose: HumanoidPose) -> str:
     lean = f"roll {degrees(pose.roll_rad):+.0f} deg   pitch {degrees(pose.pitch_rad):+.0f} deg"
-    state = "held" if pose.held else "FALLEN" if not pose.upright else "upright" if pose.stands else "sitting"
-    return f"{state}   trunk {pose.z_m * 100:.0f} cm high   {lean}   {pose.supply_v:.1f} V   {pose.time_s:.1f} s"
+    return f"{pose.posture}   trunk {pose.z_m * 100:.0f} cm high   {lean}   {pose.supply_v:.1f} V   {pose.time_s:.1f} s"
 
 
 def _standing_on(pose: HumanoidPose) -> str:
