@@ -72,8 +72,9 @@ def test_no_step_that_is_believed_is_longer_than_a_servo_goes(counts, moving):
 @given(st.lists(st.integers(0, 255), max_size=30), st.sampled_from(["never", "always"]))
 def test_a_row_may_believe_nothing_or_all_that_is_possible(counts, policy):
     seen = told(Seen(), counts, policy=policy)
-    possible = [count for count in counts if count < 255]
-    assert seen.trusted == (policy == "always" and bool(possible))
+    possible = [at for at, count in enumerate(counts) if count < 255]
+    impossible_since = len(counts) - 1 - possible[-1] if possible else LOSES
+    assert seen.trusted == (policy == "always" and impossible_since < LOSES)
 
 
 def test_control_is_there_soon_after_the_answer_or_when_it_has_settled():
