@@ -77,12 +77,8 @@ def test_what_the_chip_feels_is_what_is_published(imu, ctx):
 def test_a_magnet_takes_the_compass_alone(imu, ctx, chip):
     step_until(imu, ctx, lambda sample: sample.mag_ut is not None)
     chip.faults = msgspec.structs.replace(chip.faults, overflow=True)
-    for _ in range(100):
-        time.sleep(0.01)  # a conversion
-        imu.step()
-        if "compass" in dict(ctx.events):
-            break
-    assert "too strong" in dict(ctx.events)["compass"]
+    # On a slow machine it is first said not to finish measuring.
+    step_until(imu, ctx, lambda _: any("too strong" in phase for phase in ctx.phases))
     assert ctx.state.valid
     assert ctx.state.mag_ut is None
 
