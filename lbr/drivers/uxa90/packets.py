@@ -82,7 +82,7 @@ def stored(slot: int) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class Register:
-    """How a servo's value is asked for and written. `twice`: one value, said twice; `lasting`: kept without power.
+    """How a servo's value is asked for and written. `twice`: one value, said twice.
 
     `read` and `write` are command bytes, None where there is none; `answers`: bytes that a write is answered with.
     """
@@ -92,7 +92,6 @@ class Register:
     write: int | None
     limits: tuple[tuple[int, int], ...] = ()
     twice: bool = False
-    lasting: bool = True
     answers: int = ANSWER_BYTES
 
 
@@ -105,16 +104,16 @@ REGISTERS = {
     for one in (
         Register("position14", 0xAD, None),
         Register("gains", 0x0A, 0x09, _GAINS),
-        Register("runtime_gains", None, 0x0B, _GAINS, lasting=False),
+        Register("runtime_gains", None, 0x0B, _GAINS),
         Register("integral_gain", 0x16, 0x15, _INTEGRAL, twice=True),
-        Register("runtime_integral_gain", None, 0x18, _INTEGRAL, twice=True, lasting=False),
+        Register("runtime_integral_gain", None, 0x18, _INTEGRAL, twice=True),
         Register("speed", 0x0E, 0x0D, _SPEED),
-        Register("runtime_speed", None, 0x17, _SPEED, lasting=False, answers=0),
+        Register("runtime_speed", None, 0x17, _SPEED, answers=0),
         Register("overload", 0x10, 0x0F, ((33, 199),), twice=True),
         Register("boundary", 0x12, 0x11, ((0, 254), (0, 254))),
         Register("id", None, 0x0C, ((0, HIGHEST_ID),), twice=True),
         Register("baud", None, 0x08, ((0, 0xBF),), twice=True),
-        Register("digital_io", 0x65, 0x64, ((0, 3),), twice=True, lasting=False),
+        Register("digital_io", 0x65, 0x64, ((0, 3),), twice=True),
     )
 }
 """The SAM's configuration, by the names of the messages; ranges as the wCK's manual gives them."""

@@ -9,7 +9,7 @@ from lbr.drivers.uxa90.session import words
 from lbr.messages.uxa90 import ConfigureCommand, InquireCommand, InquireReply
 
 ASKED_S, WRITTEN_S = 0.1, 0.25
-"""How long a register's answer is waited for; writing what lasts takes the servo longer."""
+"""How long a register's answer is waited for; to keep one without power takes the servo longer."""
 TRIES = 3
 SETTLE_S = 0.5
 NOT_TOLD = "was not told: the line was wanted for a stop or a move, or is not quiet; say it again"

@@ -97,10 +97,6 @@ class Jobs:
                 found.append((job.id, tuple(job.turns[at] for at in ready)))
         return found
 
-    def next_s(self) -> float | None:
-        """Return when something is to begin next."""
-        return min((job.begun_s + job.turns[job.left[0]].delay_s for job in self._waiting()), default=None)
-
     def cancel(self, name: str) -> JobData:
         """Have what has not begun not begin."""
         job = self._find(name)
