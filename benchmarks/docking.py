@@ -13,6 +13,7 @@ from random import Random
 from lbr.apps.autodock.script import Manner, dock
 from lbr.apps.autodock.view import Action, Back, Ending, Go, Turn, View
 from lbr.messages.motors import MotorsState
+from lbr.messages.simulation import WorldPose
 from lbr.operations.battery import BatterySettings
 from lbr.operations.battery.gauge import Gauge
 from lbr.operations.drive.mixing import mix
@@ -23,7 +24,14 @@ from lbr.simulation.settings import StartPose, WorldSettings
 STEP_S, LATE_STEPS = 0.02, 8
 PROMISED_S, LONGEST_S = 120.0, 400.0
 TURN_SPEED = 0.15
+STUCK_S, STANDS_MPS, STANDS_RPS = 1.0, 0.02, 0.05
+"""As the drive ends what it cannot move."""
 COMPASS_DEG = 18.0
+ROOM_X_M, ROOM_Y_M = (-1.5, 4.5), (-2.5, 2.5)
+TURN_STEPS = 450
+"""More than a whole turn at TURN_SPEED."""
+HARD = StartPose(x_m=2.0, y_m=-1.5, yaw_rad=radians(160.0))
+"""Beside the crate, with the dock behind it."""
 
 
 class Trial:
@@ -37,7 +45,7 @@ class Trial:
         self._power = (0.0, 0.0)
         self._action: Action | None = None
         self._target = 0.0
-        self._travelled = 0.0
+        self._travelled = self._stuck_s = 0.0
         self._ending: Ending | None = None
         self._seen: dict[str, float] = {}
         self._turned = degrees(self.engine.pose().yaw_rad)
@@ -65,7 +73,14 @@ class Trial:
         self.now += STEP_S
         pose = self.engine.pose()
         self._travelled += pose.speed_mps * STEP_S
+        self._stuck_s = self._stuck_s + STEP_S if pose.touching and self._stands(pose) else 0.0
+        if self._stuck_s > STUCK_S and isinstance(action, Go | Turn) and self._ending is None:
+            self._ending = Ending(good=False, text="the wheels stand although the motors push")
         self._turned += degrees(remainder(pose.yaw_rad - radians(self._turned), tau))
+
+    @staticmethod
+    def _stands(pose: WorldPose) -> bool:
+        return abs(pose.speed_mps) < STANDS_MPS and abs(pose.turn_rps) < STANDS_RPS
 
     def _powers(self, action: Action) -> tuple[float, float]:
         if self._ending is not None:
@@ -122,13 +137,25 @@ class Trial:
 
 
 def starts(count: int, seed: int) -> list[StartPose]:
-    """Where the robot begins: the world's own start, then anywhere in the middle of the room."""
+    """Where the robot begins: the world's own start, then anywhere in the room where it can turn."""
     random = Random(seed)
-    poses = [StartPose()]
+    poses = [StartPose(), HARD]
     while len(poses) < count:
-        x, y = random.uniform(-0.4, 1.8), random.uniform(-1.2, 1.6)
-        poses.append(StartPose(x_m=x, y_m=y, yaw_rad=random.uniform(-pi, pi)))
-    return poses
+        x, y = random.uniform(*ROOM_X_M), random.uniform(*ROOM_Y_M)
+        pose = StartPose(x_m=x, y_m=y, yaw_rad=random.uniform(-pi, pi))
+        if free(pose):
+            poses.append(pose)
+    return poses[:count]
+
+
+def free(start: StartPose) -> bool:
+    """Say whether the robot can stand there, and turn there without touching anything."""
+    engine = Engine(WorldSettings(start=start))
+    for _ in range(TURN_STEPS):
+        engine.step(-TURN_SPEED, TURN_SPEED, STEP_S)
+        if engine.touching():
+            return False
+    return True
 
 
 def main() -> int:

@@ -5,6 +5,8 @@ from math import cos, pi, radians, sin
 
 import pytest
 
+from benchmarks.docking import HARD, Trial
+from lbr.apps.autodock.script import Manner
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.engine import Engine
 from lbr.simulation.settings import Battery, BoxSettings, Dock, StartPose, WorldSettings
@@ -129,3 +131,10 @@ def test_what_leaves_the_battery_is_counted():
         battery.draw(1.0, 1.0)
     assert battery.charge == 0.0
     assert battery.voltage_v == pytest.approx(10.45)
+
+
+def test_it_finds_the_dock_past_a_crate_that_hides_the_wall():
+    trial = Trial(HARD, seed=1)
+    ending = trial.run(Manner())
+    assert ending.good, ending.text
+    assert trial.engine.pose().charging

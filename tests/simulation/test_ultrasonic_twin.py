@@ -83,10 +83,10 @@ def test_parallax_waits_for_ever_for_a_missing_sensor():
     assert run(board(missing=("left",)), 3) == b""
 
 
-def test_closer_than_twenty_centimetres_reads_as_twenty():
+def test_closer_than_seventeen_centimetres_reads_as_seventeen():
     made = board()
     made.distances_m = {"forward": 0.05}
-    assert reports(run(made, 1))[0]["Forward"] == 20
+    assert reports(run(made, 1))[0]["Forward"] == 17
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,8 @@
 from lbr.apps.autodock.view import STAND, Ending, GivenUpError, Go, Script, Turn, View
 
 CLOSE_DEG = 3.0
-TURNS = 3
+TURNS = 5
+ELSEWHERE_M, ELSEWHERE_POWER = 0.25, 0.15
 LOOK_S = 0.7
 AGAIN_S = 1.0
 
@@ -42,12 +43,15 @@ def bounded(action: Turn | Go) -> Script[Ending]:
 def face(direction_deg: float) -> Script[None]:
     """Turn on the spot until the robot looks there."""
     why = ""
-    for _ in range(TURNS):
+    for attempt in range(TURNS):
         view = yield STAND
         missing_deg = shortest(direction_deg - view.direction_deg)
         if abs(missing_deg) <= CLOSE_DEG:
             return
-        why = (yield from bounded(Turn(missing_deg))).text
+        ending = yield from bounded(Turn(missing_deg))
+        if not ending.good:  # a corner of the body touches something: turn elsewhere
+            why = ending.text
+            yield from bounded(Go(ELSEWHERE_POWER, ELSEWHERE_M if attempt % 2 else -ELSEWHERE_M))
     view = yield STAND
     if abs(shortest(direction_deg - view.direction_deg)) > 2 * CLOSE_DEG:
         raise GivenUpError(f"the robot cannot turn there: {why}")

@@ -41,6 +41,7 @@ class Manner:
     standoff_m: float = 1.8
     step_m: float = 0.5
     steps: int = 8
+    past_m: float = 0.7
     withdraw_m: float = 1.0
     withdraw_deg: float = 5.0
     tries: int = 5
@@ -107,24 +108,26 @@ def _station(manner: Manner) -> Script[None]:
 
 
 def _search(side: Side, manner: Manner) -> Script[None]:
-    """Go aside until a beam is seen: to one side, and from the beginning to the other."""
-    if (yield from sees()):
-        return
-    steps = 0
-    while steps < manner.steps and (yield from _aside(side, manner.step_m, manner)):
-        steps += 1
-        if (yield from sees()):
-            return
+    """Go along the dock's wall until a beam is seen: to one side, then to the other, past what stands in the way."""
     other: Side = "right" if side == "left" else "left"
-    if steps:
-        yield from _aside(other, steps * manner.step_m, manner)
-    for _ in range(manner.steps):
-        free = yield from _aside(other, manner.step_m, manner)
-        if (yield from sees()):
-            return
-        if not free:
-            break
-    raise GivenUpError("no beam of the dock was seen; is it plugged in, and the way to it free?")
+    for towards, steps in ((side, manner.steps), (other, 2 * manner.steps)):
+        for _ in range(steps):
+            if (yield from sees()):
+                return
+            if not (yield from _aside(towards, manner.step_m, manner)) and not (yield from _past(towards, manner)):
+                break
+            yield from _station(manner)
+    if not (yield from sees()):
+        raise GivenUpError("no beam of the dock was seen; is it plugged in, and the way to it free?")
+
+
+def _past(side: Side, manner: Manner) -> Script[bool]:
+    """Try to go aside farther from the wall, then nearer to it; say whether a way was free."""
+    for way_m in (manner.past_m, -2 * manner.past_m):
+        yield from bounded(Go(manner.power, way_m))
+        if (yield from _aside(side, manner.step_m, manner)):
+            return True
+    return False
 
 
 def _aside(side: Side, distance_m: float, manner: Manner) -> Script[bool]:

@@ -1,12 +1,13 @@
 """A calibration of the compass from command to picture: collect or read, fit, keep, draw. One at a time."""
 
+from dataclasses import dataclass
 from datetime import datetime
 from math import inf
 from pathlib import Path
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
-from lbr.messages.attitude import CalibrateCommand, CalibrationProgress
+from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
 from lbr.operations.attitude.compass import MagCalibration
@@ -22,6 +23,8 @@ TURN, LOOK = "-", "-c"
 TELL_S = 0.2
 STUCK_S = 3.0
 STUCK_DEG = 5.0
+HEADING_S = 2.0
+"""How long the end of a calibration waits for a heading by it: several measurements of the slowest compass."""
 
 
 class Collection:
@@ -57,6 +60,17 @@ class Collection:
         return now - self._found_s > STUCK_S + every_s
 
 
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """A calibration in force that is not told yet: a heading by it must be published first, `until` at the latest."""
+
+    samples: Samples
+    wanted: int
+    found: Fit
+    file: Path | None
+    until: float
+
+
 class Calibration:
     """Takes commands and samples; asks for motion, keeps what it finds, and tells by `calibration` and events."""
 
@@ -65,13 +79,14 @@ class Calibration:
         self._fusion = fusion
         self._painter = Painter()
         self._collection: Collection | None = None
+        self._kept: Kept | None = None
         self._told_s = -inf
         self._progress = CalibrationProgress(phase="done", collected=0, wanted=0, coverage=0.0)
 
     def command(self, call: Call) -> None:
         """Begin, unless one is under way."""
         command: CalibrateCommand = call.message
-        if self._collection is not None:
+        if self._collection is not None or self._kept is not None:
             call.refuse("the compass is being calibrated already; 'stop' ends that")
         elif command.source in {TURN, LOOK}:
             self._spin(command, call)
@@ -91,6 +106,17 @@ class Calibration:
         collection, turned_deg = self._collection, self._fusion.turned_deg
         if collection is not None and collection.spin.began and turned_deg is not None:
             collection.samples.take(sample, turned_deg, self._ctx.settings.sample_s)
+
+    def published(self, state: AttitudeState) -> None:
+        """Tell of a new calibration once the drive was given a heading by it: a turn to one may follow at once."""
+        kept = self._kept
+        if kept is None or (state.heading_deg is None and self._ctx.clock() < kept.until):
+            return
+        self._kept = None
+        doubt = f"; the heading is not known yet: {state.heading_reason}" if state.heading_deg is None else ""
+        found = kept.found
+        self._done(kept.samples, kept.wanted, _summary(found) + doubt, residual=found.residual, coverage=found.coverage)
+        self._draw(kept.samples, found.calibration, kept.file, f"{found.residual:.1%} of the field left over")
 
     def step(self) -> None:
         """Renew the motion, see whether there are enough samples, and tell."""
@@ -183,10 +209,10 @@ class Calibration:
         if trouble:
             call.refuse(trouble)
         else:
-            call.reply(CommandReply(accepted=True, reason=self._progress.text))
+            call.reply(CommandReply(accepted=True, reason=_summary(self._kept.found) if self._kept else ""))
 
     def _fit(self, samples: Samples, wanted: int, file: Path | None) -> str:
-        """Fit, keep and draw; return why not, or nothing."""
+        """Fit and keep; return why not, or nothing."""
         self._progress = CalibrationProgress(
             phase="fitting", collected=len(samples), wanted=wanted, coverage=samples.coverage
         )
@@ -199,8 +225,7 @@ class Calibration:
             return str(err)
         self._ctx.keep_calibration(found.calibration.values())
         self._fusion.calibrate(self._ctx.calibration)
-        self._done(samples, wanted, _summary(found), residual=found.residual, coverage=found.coverage)
-        self._draw(samples, found.calibration, file, f"{found.residual:.1%} of the field left over")
+        self._kept = Kept(samples, wanted, found, file, self._ctx.clock() + HEADING_S)
         return ""
 
     def _done(

@@ -41,14 +41,15 @@ class Attitude(Capability[AttitudeSettings]):
         for received in self.ctx.take("samples"):
             self._fusion.feel(received.message, received.arrived)
             self._calibration.take(received.message)
-        self._calibration.step()
         if self.ctx.on_tick:
             now = self.ctx.clock()
             state = self._fusion.state(now)
             self.ctx.publish("state", state)
+            self._calibration.published(state)
             for told in self._turns.look(state, now):
                 self.ctx.event(told.kind, told.text, data=dict(told.data))
             self._tell_health(state, now)
+        self._calibration.step()
 
     def command(self, call: Call) -> None:
         """Watch a turn, calibrate, or end a calibration."""

@@ -33,6 +33,7 @@ from lbr.operations.attitude.suspicion import G_MPS2, Suspicion
 
 LEARNING = "the gyro's zero is not known yet; it is learnt in a second at rest"
 NO_FIELD = "the inertial unit measures no magnetic field"
+NOT_MEASURED = "the compass has not measured yet"
 
 _DEG = degrees(1.0)
 _NOTHING = (0.0, 0.0, 0.0)
@@ -66,7 +67,7 @@ class Fusion:
         self._turned_deg = 0.0
         self._field_s: float | None = None
         self._field_heard_s: float | None = None
-        self._field_trouble = NO_FIELD
+        self._field_trouble = NOT_MEASURED
         self._contradicts_since_s: float | None = None
         self._aligned = False
         self.calibrate(values)
@@ -92,6 +93,7 @@ class Fusion:
         """Take over another calibration of the compass; the heading may jump, the angle turned goes on."""
         self.calibration = from_values(values)
         self._aligned = False
+        self._contradicts_since_s, self._field_trouble = None, NOT_MEASURED
 
     def feel(self, sample: ImuSample, heard_s: float) -> None:
         """Take in a sample; one that comes twice, or late, counts once."""
@@ -263,7 +265,7 @@ class Fusion:
             return NO_FIELD
         if time_s - self._field_heard_s > hold_s:
             return f"{NO_FIELD} for {time_s - self._field_heard_s:.1f} s"
-        return self._field_trouble or "the compass has not measured yet"
+        return self._field_trouble or NOT_MEASURED
 
     def _quaternion(self) -> Quaternion:
         w, x, y, z = self._ahrs.get_quaternion().tolist()

@@ -14,6 +14,8 @@ from lbr.capability.tether import tethered
 from lbr.operations.attitude.picture import NOT_INSTALLED, Drawing
 
 LONGEST_S = 60.0
+NICENESS = 10
+"""A picture may wait: what turns the robot by the attitude may not."""
 MODULE = "lbr.operations.attitude.picture"
 
 
@@ -48,6 +50,7 @@ class Painter:
                     stderr=subprocess.PIPE,
                     env=os.environ | {"MPLCONFIGDIR": str(path.parent / ".matplotlib")},
                 )
+            os.setpriority(os.PRIO_PROCESS, self._process.pid, NICENESS)
         except OSError as err:
             return f"no picture was drawn: {err}"
         return ""

@@ -26,6 +26,8 @@ GROWS_UNTIL = 0.8
 """The share of `turn_stuck_s` after which it has grown to that of a turn."""
 GOOD_TRIES, MOST_WIDER = 3, 4.0
 """From the third correction on each widens the tolerance by half of what it was, up to so many times."""
+GOOD_SWINGS, WIDER_PER_SWING = 1, 2
+"""A base that passed its target more than once cannot be turned by as little as is missing: it widens it by more."""
 LEARNT_SHARE = 0.9
 
 
@@ -207,7 +209,8 @@ def _sticks(push: Push | None) -> bool:
 
 def _tolerance_deg(turn: Turn, settings: DriveSettings) -> float:
     """Return how near is near enough: less so for a base that cannot be turned by so little."""
-    wider = min(MOST_WIDER, 1.0 + max(0, turn.tries - GOOD_TRIES) / 2)
+    steps = max(0, turn.tries - GOOD_TRIES, WIDER_PER_SWING * (turn.swings - GOOD_SWINGS))
+    wider = min(MOST_WIDER, 1.0 + steps / 2)
     return settings.turn_tolerance_deg * wider
 
 

@@ -97,6 +97,34 @@ def test_what_is_found_is_kept_and_told_and_written_down(bench, tmp_path):
     assert len(drawing.measured) == len(drawing.corrected) == last(bench).collected
 
 
+def test_a_calibration_is_told_only_once_a_heading_by_it_was_published(bench):
+    """Who hears that it is done may turn to a heading at once."""
+    bench.calibrate(100)
+    bench.run(20.0, lambda: bench.kept)
+    assert bench.told("calibrated") == []
+    bench.run(3.0, lambda: bench.told("calibrated"))
+    (told,) = bench.told("calibrated")
+    assert "not known yet" not in told
+    assert (bench.state().calibrated, bench.state().heading_deg is not None) == (True, True)
+
+
+def test_a_calibration_without_a_heading_after_it_says_why(bench):
+    bench.calibrate(100)
+    bench.run(20.0, lambda: bench.kept)
+    bench.imu.mag_every = 10**9
+    bench.run(3.0, lambda: bench.told("calibrated"))
+    (told,) = bench.told("calibrated")
+    assert "the heading is not known yet: " in told
+
+
+def test_a_contradiction_of_the_old_calibration_is_not_held_against_the_new_one(bench):
+    bench.run(1.0)
+    fusion = bench.capability._fusion
+    fusion._field_trouble = "the compass contradicts the gyro by 26 degrees"
+    fusion.calibrate(bench.calibration)
+    assert fusion.state(bench.clock()).heading_reason == "the compass has not measured yet"
+
+
 def test_few_samples_go_on_until_the_turn_is_whole(bench):
     bench.calibrate(50)
     bench.run(20.0, ended(bench))

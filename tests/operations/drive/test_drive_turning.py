@@ -127,8 +127,10 @@ class Sticky(Body):
 
 @settings(max_examples=60, deadline=None)
 @given(
-    angle_deg=st.floats(-360.0, 360.0), late=st.integers(0, 3), lazy=st.floats(0.0, 0.8), sticks=st.floats(0.0, 0.13)
+    angle_deg=st.floats(-360.0, 360.0), late=st.integers(0, 3), lazy=st.floats(0.0, 0.8), sticks=st.floats(0.0, 0.15)
 )
+@example(angle_deg=13.783, late=1, lazy=0.775, sticks=0.1423)  # corrections of 3.6 degrees, to and fro
+@example(angle_deg=-12.187, late=3, lazy=0.284, sticks=0.1474)
 def test_a_base_that_sticks_gets_what_it_needs_and_no_more(angle_deg, late, lazy, sticks):
     body = Sticky(late=late, lazy=lazy)
     body.sticks = sticks
