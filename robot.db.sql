@@ -19,7 +19,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0006');
+INSERT INTO alembic_version (version_num) VALUES ('0007');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -103,18 +103,25 @@ CREATE TABLE verb (
     PRIMARY KEY (robot, word, pattern)
 ) STRICT;
 
--- Programs started at the console by name, without a shell. What follows the name is added to the arguments.
+-- Programs started at the console by name, without a shell. What follows the name is added to the arguments, as far as
+-- the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left out. An
+-- entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of the
+-- argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
 CREATE TABLE external_command (
-    robot    TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    name     TEXT    NOT NULL  -- what to type
+    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name      TEXT    NOT NULL  -- what to type
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    argv     TEXT    NOT NULL            -- JSON list of strings: the program's path, then its arguments
+    argv      TEXT    NOT NULL            -- JSON list of strings: the program's path, then its arguments
         CHECK (json_valid(argv) AND json_type(argv) = 'array' AND json_array_length(argv) >= 1),
-    blocking INTEGER NOT NULL DEFAULT 0  -- 1: the console waits for its end; 0: it runs until it ends or `stop NAME`
+    blocking  INTEGER NOT NULL DEFAULT 0  -- 1: the console waits for its end; 0: it runs until it ends or `stop NAME`
         CHECK (blocking IN (0, 1)),
-    enabled  INTEGER NOT NULL DEFAULT 1  -- 0: not offered
+    enabled   INTEGER NOT NULL DEFAULT 1  -- 0: not offered
         CHECK (enabled IN (0, 1)),
-    help     TEXT    NOT NULL DEFAULT '',  -- one line for people
+    help      TEXT    NOT NULL DEFAULT '',  -- one line for people
+    arguments TEXT                        -- JSON list of what may follow the name, see above; NULL: nothing
+        CHECK (arguments IS NULL OR (json_valid(arguments) AND json_type(arguments) = 'array')),
+    role      TEXT    NOT NULL DEFAULT 'operate'  -- the least role that may start and end it
+        CHECK (role IN ('view', 'operate', 'admin')),
     PRIMARY KEY (robot, name)
 ) STRICT;
 
@@ -267,7 +274,9 @@ CREATE TABLE user_token (
         CHECK (length(hash) >= 32),
     created_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
     revoked_at TEXT,                      -- NULL: valid
-    expires_at TEXT                       -- NULL: never
+    expires_at TEXT,                      -- NULL: never
+    good_for   TEXT NOT NULL DEFAULT 'both'  -- where it lets in: the bus, the web server, or both
+        CHECK (good_for IN ('bus', 'web', 'both'))
 ) STRICT;
 
 -- Every change of the rows above that make the robot, kept by the triggers at the end of this file.
@@ -495,13 +504,14 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
     ('lbr', 'Shutdown', 'Shutdown', 'executive.shutdown', NULL, 'admin',
      'Stop everything in order and end; mind the capital letter');
 
-INSERT INTO external_command (robot, name, argv, blocking, help) VALUES
-    ('lbr', 'clock', '["/bin/date"]', 1, 'Show date and time of the robot''s computer'),
-    ('lbr', 'navcam', '["python", "-m", "lbr.apps.navcam"]', 0,
-     'Serve the cameras to browsers; its address is in run/lbr-navcam.url. More: navcam --host 0.0.0.0 --port 9146'),
+INSERT INTO external_command (robot, name, argv, blocking, arguments, role, help) VALUES
+    ('lbr', 'clock', '["/bin/date"]', 1, NULL, 'view', 'Show date and time of the robot''s computer'),
+    ('lbr', 'navcam', '["python", "-m", "lbr.apps.navcam"]', 0, NULL, 'operate',
+     'Serve the cameras to browsers; its address is in run/lbr-navcam.url. To whom, and where, its row says'),
     ('lbr', 'docksignal', '["python", "-m", "lbr.apps.docksignal"]', 1,
+     '[["left", "right", "power"], ["left", "right", "power"], ["left", "right", "power"]]', 'operate',
      'Tell that somebody else has seen a beam of the dock: docksignal left, right or power'),
-    ('lbr', 'autodock', '["python", "-m", "lbr.apps.autodock"]', 0,
+    ('lbr', 'autodock', '["python", "-m", "lbr.apps.autodock"]', 0, NULL, 'operate',
      'Find the charging dock and back onto it; stop autodock ends it');
 
 INSERT INTO choreography (robot, dance, step, power, angle_deg) VALUES
@@ -1384,19 +1394,19 @@ BEGIN
     VALUES ('external_command', json_array(NEW.robot, NEW.name), 'insert',
             NULL,
             json_object('robot', NEW.robot, 'name', NEW.name, 'argv', NEW.argv, 'blocking', NEW.blocking,
-            'enabled', NEW.enabled, 'help', NEW.help));
+            'enabled', NEW.enabled, 'help', NEW.help, 'arguments', NEW.arguments, 'role', NEW.role));
 END;
 
 CREATE TRIGGER external_command_update AFTER UPDATE ON external_command
-WHEN (OLD.robot, OLD.name, OLD.argv, OLD.blocking, OLD.enabled, OLD.help)
-     IS NOT (NEW.robot, NEW.name, NEW.argv, NEW.blocking, NEW.enabled, NEW.help)
+WHEN (OLD.robot, OLD.name, OLD.argv, OLD.blocking, OLD.enabled, OLD.help, OLD.arguments, OLD.role)
+     IS NOT (NEW.robot, NEW.name, NEW.argv, NEW.blocking, NEW.enabled, NEW.help, NEW.arguments, NEW.role)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('external_command', json_array(NEW.robot, NEW.name), 'update',
             json_object('robot', OLD.robot, 'name', OLD.name, 'argv', OLD.argv, 'blocking', OLD.blocking,
-            'enabled', OLD.enabled, 'help', OLD.help),
+            'enabled', OLD.enabled, 'help', OLD.help, 'arguments', OLD.arguments, 'role', OLD.role),
             json_object('robot', NEW.robot, 'name', NEW.name, 'argv', NEW.argv, 'blocking', NEW.blocking,
-            'enabled', NEW.enabled, 'help', NEW.help));
+            'enabled', NEW.enabled, 'help', NEW.help, 'arguments', NEW.arguments, 'role', NEW.role));
 END;
 
 CREATE TRIGGER external_command_delete AFTER DELETE ON external_command
@@ -1404,7 +1414,7 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('external_command', json_array(OLD.robot, OLD.name), 'delete',
             json_object('robot', OLD.robot, 'name', OLD.name, 'argv', OLD.argv, 'blocking', OLD.blocking,
-            'enabled', OLD.enabled, 'help', OLD.help),
+            'enabled', OLD.enabled, 'help', OLD.help, 'arguments', OLD.arguments, 'role', OLD.role),
             NULL);
 END;
 

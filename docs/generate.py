@@ -21,6 +21,7 @@ from lbr.capability import registry
 from lbr.capability.kind import Kind
 from lbr.console.fields import Message
 from lbr.console.verbs import Vocabulary
+from lbr.database.arguments import told
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.executive.profile import Profile
 from lbr.executive.reports import NAMES as REPORTS
@@ -360,8 +361,11 @@ def console_page(sql: str) -> str:
         parts.append("### Fields\n")
         parts.append(_table(("field", "allowed"), _fields(rows, targets)))
         parts.append("### External commands\n")
-        commands = [(f"`{row.name}`", row.help, f"`{' '.join(row.argv)}`", _waits(row)) for row in external[robot]]
-        parts.append(_table(("say", "what it does", "runs", "the console"), commands))
+        commands = [
+            (f"`{row.name}`", row.help, _arguments(row), f"`{' '.join(row.argv)}`", row.role, _waits(row))
+            for row in external[robot]
+        ]
+        parts.append(_table(("say", "what it does", "arguments", "runs", "least role", "the console"), commands))
     return "\n".join(parts)
 
 
@@ -376,11 +380,12 @@ def _shipped_words(sql: str) -> tuple[dict[str, list[VerbRow]], dict[str, list[E
         row = VerbRow(word=word, pattern=pattern, target=target, role=role, help=text, payload=fixed)
         verbs.setdefault(robot, []).append(row)
         external.setdefault(robot, [])
-    for robot, name, argv, blocking, text in database.execute(
-        "SELECT robot, name, argv, blocking, help FROM external_command ORDER BY robot, name"
+    for robot, name, argv, blocking, text, arguments, role in database.execute(
+        "SELECT robot, name, argv, blocking, help, arguments, role FROM external_command ORDER BY robot, name"
     ):
-        words = tuple(msgspec.json.decode(argv))
-        external[robot].append(ExternalCommandRow(name=name, argv=words, blocking=bool(blocking), help=text))
+        row = {"name": name, "argv": msgspec.json.decode(argv), "blocking": bool(blocking), "help": text, "role": role}
+        row["arguments"] = msgspec.json.decode(arguments) if arguments else []
+        external[robot].append(msgspec.convert(row, ExternalCommandRow))
     database.close()
     return verbs, external
 
@@ -408,6 +413,10 @@ def _fields(rows: Iterable[VerbRow], targets: Mapping[str, type[Struct]]) -> lis
 
 def _payload(row: VerbRow) -> str:
     return f"`{msgspec.json.encode(row.payload).decode()}`" if row.payload else ""
+
+
+def _arguments(row: ExternalCommandRow) -> str:
+    return ", then ".join(told(one) for one in row.arguments) or "none"
 
 
 def _waits(row: ExternalCommandRow) -> str:

@@ -25,7 +25,7 @@ LATE_NS = 150_000_000
 ECHO_ONLY = ("UPDATE external_command SET argv = '[\"/bin/echo\"]'",)
 _INPUT_ERROR = re.compile(
     r"is not a word of this robot| after '/|; say /|^(power|angle|range|sensor|interval) is |nothing may follow"
-    r"|not valid UTF-8|control character|line is too long|has no partner|makes no valid message"
+    r"|not valid UTF-8|control character|line is too long|has no partner|takes no arguments|makes no valid message"
 )
 _MENDED: dict[Verdict, bytes] = {"estop": b"reset", "disable": b"enable"}
 _PROMPT_SENDS_NO = b"\x03\x04\x1a\x1c"

@@ -1,7 +1,6 @@
 """What a console may take: a small model written from the documentation, not from the parser that it judges."""
 
 import re
-import shlex
 import unicodedata
 from typing import Literal
 
@@ -49,18 +48,10 @@ def _words(line: str, programs: tuple[str, ...]) -> Verdict:
     word, _, rest = line.partition(" ")
     rest = rest.strip()
     if word in programs:
-        return _quoted(rest)
+        return "rejected" if rest else "taken"
     if rest:
         return "taken" if word.lower() == "stop" and rest in programs else "rejected"
     return _BARE.get(word) or _BARE.get(word.lower(), "rejected")
-
-
-def _quoted(rest: str) -> Verdict:
-    try:
-        shlex.split(rest)
-    except ValueError:
-        return "rejected"
-    return "taken"
 
 
 def _path(line: str, programs: tuple[str, ...]) -> Verdict:

@@ -9,9 +9,10 @@ import psutil
 from benchmarks.bench import Bench, bench, processes_of
 from benchmarks.figures import Results
 from benchmarks.fuzzing import intruder
+from tests.robot import until
 
-UNCONFINED = {"executive", "program"}
-"""The executive starts what needs more, and external commands are their owner's own, who may well say `sudo` in them."""
+UNCONFINED = {"executive"}
+"""It starts the others, and sets their niceness and their devices first."""
 EXTERNAL = (
     'UPDATE external_command SET argv = \'["/bin/sleep", "60"]\', blocking = 0',
     (
@@ -26,9 +27,15 @@ def processes(results: Results) -> None:
     with bench(results, "spy", edits=(*EXTERNAL, *intruder.spy_rows())) as under_test:
         under_test.all_ready()
         under_test.robot.line("clock")
+        until(lambda: _began(under_test, "/bin/sleep", 2), what="both programs have begun")
         for process in processes_of(under_test.robot.home):
             results.check("A15", list(_wrong(under_test, process)))
         results.check("A15", _open_to_others(under_test.robot.home))
+
+
+def _began(under_test: Bench, program: str, count: int) -> bool:
+    """Say whether so many tethers have become the program."""
+    return [process.cmdline()[:1] for process in processes_of(under_test.robot.home)].count([program]) == count
 
 
 def _wrong(under_test: Bench, process: psutil.Process) -> Iterator[str]:

@@ -1,8 +1,9 @@
-"""A12: words that mean something to a shell, in rows and at the console; there is no shell to mind them."""
+"""A12: words that mean something to a shell, in rows and at the console, and options and files that no row allows."""
 
 import json
 import sqlite3
 from pathlib import Path
+from typing import Any
 
 from benchmarks.bench import bench
 from benchmarks.figures import Results
@@ -14,18 +15,30 @@ WORDS = (
     "\\; touch {mark}", "'; touch {mark}; '", '"; touch {mark}; "', "$((1+1))", "*", "~", "$HOME", "{{1,2}}", "!!", "#",
     "--help; touch {mark}", "-e $(touch {mark})", "\u037e touch {mark}", "{mark}\\", "a=$(touch {mark})", "@(touch {mark})",
 )  # fmt: skip
+SMUGGLED = (
+    "-f {key}", "--file={key}", "-f{key}", "'-f' '{key}'", "-u", "+%s", "''", "'' -f {key}", "{key}", "--", "-- -f {key}",
+    "--help", "--version", "left -f {key}", "'left -f {key}'", "'left\\' -f {key}", "@{key}", "left --set=@0", "=-f{key}",
+)  # fmt: skip
+"""What makes a program read or do what its row does not say: typed after `clock`, `docksignal`, `navcam`, `autodock`."""
+BAD_INPUT = 2
 SHELL_ONLY = ("; touch {mark}", "/bin/sh; touch {mark}", "$(touch {mark})", "`touch {mark}`", "| touch {mark}")
 
 
 def programs(results: Results, words: tuple[str, ...] = WORDS) -> None:
     """Say them after a program's name, and write them into its row: each is a word, or no program at all."""
-    with bench(results, edits=("UPDATE external_command SET argv = '[\"/bin/echo\"]'",)) as under_test:
+    _smuggled(results)
+    edits = (
+        "UPDATE external_command SET argv = '[\"/bin/echo\"]'",
+        "UPDATE external_command SET arguments = '[\".*\"]' WHERE name = 'clock'",
+    )
+    with bench(results, edits=edits) as under_test:
         robot, mark = under_test.robot, under_test.robot.home / "canary"
         said_words = [word.format(mark=mark) for word in words]
         for word in said_words:
             quoted = "'" + word.replace("'", "'\"'\"'") + "'"
             said = robot.line(f"clock {quoted}")
-            results.check("A12", _marked(mark, f"clock {quoted}") + _literal(said["text"], word))
+            taken = _literal(said["text"], word) if not word.startswith("-") else _refused(said, f"clock {quoted}")
+            results.check("A12", _marked(mark, f"clock {quoted}") + taken)
             results.check("A12", _marked(mark, f"clock {word}") if robot.line(f"clock {word}") else [])
         said = _in_row(robot, ["/bin/echo", *said_words])
         results.check(
@@ -34,6 +47,28 @@ def programs(results: Results, words: tuple[str, ...] = WORDS) -> None:
         for argv in SHELL_ONLY:
             _in_row(robot, [argv.format(mark=mark)])
             results.check("A12", _marked(mark, f"program {argv}"))
+
+
+def _smuggled(results: Results) -> None:
+    """Say to the shipped programs what would have them read the key of the tokens, or open a door."""
+    with bench(results) as under_test:
+        robot = under_test.robot
+        key = robot.home / "credentials" / "token.key"
+        key.parent.mkdir(exist_ok=True)
+        key.write_text("the-key-of-all-tokens\n")
+        for program in ("clock", "docksignal", "navcam", "autodock"):
+            for words in SMUGGLED:
+                line = f"{program} {words.format(key=key)}"
+                said = robot.line(line)
+                leaked = [f"{line}: the key was told"] if "the-key-of" in json.dumps(said) else []
+                results.check("A12", leaked + _refused(said, line))
+        for line in ("navcam --host 0.0.0.0", "navcam 0.0.0.0", "navcam --port 80", "autodock --tries 9999"):
+            results.check("A12", _refused(robot.line(line), line))
+
+
+def _refused(said: dict[str, Any], line: str) -> list[str]:
+    good = said["code"] == BAD_INPUT and " takes " in said["text"]
+    return [] if good else [f"{line}: it was not refused: {said['text'][:80]!r}"]
 
 
 def _in_row(robot: Robot, argv: list[str]) -> str:

@@ -14,7 +14,7 @@ from lbr.commands.options import json_option, print_json
 
 if TYPE_CHECKING:
     from lbr.bus.tokens import Token
-    from lbr.database.rows import TokenRow
+    from lbr.database.rows import GoodFor, TokenRow
     from lbr.database.store import Database
     from lbr.messages.system import TokenRole
 
@@ -30,19 +30,28 @@ def command() -> None:
     """Let people and programs on other machines in, and lock them out again.
 
     A token is a name with a role: view looks and stops, operate moves the robot too, admin does all there is. With host,
-    the machine of that name runs its share of the robot, looks and stops.
+    the machine of that name runs its share of the robot, looks and stops. A token is good for the bus, which consoles
+    and programs use, or for the web server, or for both.
     """
 
 
 @command.command("add")
 @click.argument("name")
 @click.option("--role", type=click.Choice(["view", "operate", "admin", "host"]), default="operate", show_default=True)
+@click.option(
+    "--for",
+    "good_for",
+    type=click.Choice(["bus", "web", "both"]),
+    default="bus",
+    show_default=True,
+    help="Where it lets in: bus for consoles and programs, web for browsers and apps.",
+)
 @click.option("--expires", metavar="TIME", help="When its rights end: after 12h, 30d or 8w. Never if left out.")
 @click.option(
     "--file", "path", type=click.Path(path_type=Path), metavar="FILE", help="Also write a Zenoh configuration with it."
 )
 @database_option
-def add(name: str, role: str, expires: str | None, path: Path | None, database: Path | None) -> int:
+def add(name: str, role: str, good_for: str, expires: str | None, path: Path | None, database: Path | None) -> int:
     """Make a token and print it, once: it is kept nowhere.
 
     With --file, any Zenoh client gets in by that file alone: zenoh.open(zenoh.Config.from_file("phone.json5")).
@@ -50,21 +59,27 @@ def add(name: str, role: str, expires: str | None, path: Path | None, database: 
     import msgspec  # noqa: PLC0415 - only now is the bus needed
 
     from lbr.bus import tokens  # noqa: PLC0415
+    from lbr.database.rows import GoodFor  # noqa: PLC0415 - the name of a type, and the type
     from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.messages.system import TokenRole  # noqa: PLC0415 - the name of a type, and the type
+    from lbr.messages.system import TokenRole  # noqa: PLC0415 - likewise
 
     tokens.check_name(name)
+    if good_for == "web" and (role == "host" or path is not None):
+        what = "a host" if role == "host" else "--file"
+        raise InputError(f"{what} comes in by the bus, and this token would be good for the web alone: --for both")
     ends = _end(expires) if expires is not None else None
     if path is not None and path.exists():
         raise InputError(f"{path} exists already; name another file, or remove it")
     with _opened(database) as rows:
-        token = _new(rows, name, msgspec.convert(role, TokenRole), ends)
+        token = _new(rows, name, msgspec.convert(role, TokenRole), ends, msgspec.convert(good_for, GoodFor))
         listen = _listens(rows)
     endpoints = _endpoints(listen)
     click.echo(str(token))
     if path is not None:
         _write_configuration(path, token, endpoints)
         click.echo(f"{path} lets a Zenoh client in; it is as secret as the token", err=True)
+    if good_for == "web":
+        return 0
     _tell_how(endpoints, f"agent {name}" if role == "host" else "console", on=bool(listen))
     return 0
 
@@ -73,16 +88,18 @@ def add(name: str, role: str, expires: str | None, path: Path | None, database: 
 @database_option
 @json_option
 def list_tokens(database: Path | None, as_json: bool) -> int:
-    """List all tokens: whose, which role, since when, until when. The tokens themselves are nowhere."""
+    """List all tokens: whose, which role, for what, since when, until when. The tokens themselves are nowhere."""
     with _opened(database) as rows:
         found = rows.tokens()
     if as_json:
-        fields = ("name", "role", "created_at", "expires_at", "revoked_at")
+        fields = ("name", "role", "good_for", "created_at", "expires_at", "revoked_at")
         print_json([{field: getattr(one, field) for field in fields} | {"state": _state(one)} for one in found])
         return 0
     width = max((len(one.name) for one in found), default=0)
     for one in found:
-        click.echo(f"{one.name:<{width}}  {one.role:<8}{_state(one):<9}since {one.created_at}{_until(one)}")
+        click.echo(
+            f"{one.name:<{width}}  {one.role:<8}{one.good_for:<5}{_state(one):<9}since {one.created_at}{_until(one)}"
+        )
     return 0
 
 
@@ -96,7 +113,7 @@ def revoke(name: str, database: Path | None) -> int:
     return 0
 
 
-def _new(rows: "Database", name: str, role: "TokenRole", expires_at: str | None) -> "Token":
+def _new(rows: "Database", name: str, role: "TokenRole", expires_at: str | None, good_for: "GoodFor") -> "Token":
     from ssl import PEM_cert_to_DER_cert  # noqa: PLC0415
 
     from lbr.bus import tokens  # noqa: PLC0415
@@ -105,7 +122,7 @@ def _new(rows: "Database", name: str, role: "TokenRole", expires_at: str | None)
     _, certificate = credentials.bus_certificate()
     created_at = _text(dt.datetime.now(dt.UTC))
     secret = credentials.token_secret(credentials.token_key(), name, created_at)
-    rows.add_token(name, role, tokens.hashed(secret), expires_at, created_at)
+    rows.add_token(name, role, tokens.hashed(secret), expires_at, created_at, good_for)
     fingerprint = tokens.fingerprint(PEM_cert_to_DER_cert(certificate.read_text(encoding="ascii")))
     return tokens.Token(name=name, secret=secret, fingerprint=fingerprint)
 

@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from lbr.console.fields import Field, Message, MessageType
 from lbr.console.printable import clean, listed, shown
-from lbr.database import patterns
+from lbr.database import arguments, patterns
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.errors import InputError
 
@@ -93,14 +93,28 @@ class Vocabulary:
         known = choices or {}
         said = [verb.entry(known) for verb in self._verbs]
         return said + [
-            {"word": row.name, "pattern": row.name, "role": "operate", "help": row.help, "target": "external"}
+            {
+                "word": row.name,
+                "pattern": row.name,
+                "role": row.role,
+                "help": row.help,
+                "target": "external",
+                "fields": [
+                    {
+                        "name": f"argument_{n}",
+                        "hint": arguments.told(one),
+                        "choices": [] if isinstance(one, str) else list(one),
+                    }
+                    for n, one in enumerate(row.arguments, start=1)
+                ],
+            }
             for row in self._external.values()
         ]
 
     def help(self) -> str:
         """Return what can be said, as aligned lines for a person."""
         lines = [(verb.plain, verb.row.help) for verb in self._verbs]
-        lines += [(row.name, row.help or "An external command") for row in self._external.values()]
+        lines += [(_said(row), row.help or "An external command") for row in self._external.values()]
         width = min(max((len(said) for said, _ in lines), default=0), 44)
         return "\n".join(f"{said:<{width}}  {text}".rstrip() for said, text in lines)
 
@@ -127,7 +141,7 @@ class Vocabulary:
         if verb and not rest:
             return verb.bind(line, [])
         if word in self._external:
-            return ExternalCall(command=self._external[word], arguments=_arguments(rest))
+            return ExternalCall(command=self._external[word], arguments=_arguments(self._external[word], rest))
         if verb:
             raise InputError(f"nothing may follow '{word}', but '{shown(rest)}' does")
         raise self._unknown(word)
@@ -219,11 +233,19 @@ def _rest(line: str, count: int) -> str:
     return line.lstrip("/").strip()
 
 
-def _arguments(text: str) -> tuple[str, ...]:
+def _arguments(row: ExternalCommandRow, text: str) -> tuple[str, ...]:
     try:
-        return tuple(shlex.split(text))
+        given = tuple(shlex.split(text))
     except ValueError:
         raise InputError("a quotation mark or backslash in the arguments has no partner") from None
+    if refusal := arguments.refusal(row.arguments, given):
+        raise InputError(f"'{row.name}' {refusal}; the row's column 'arguments' says what may follow it")
+    return given
+
+
+def _said(row: ExternalCommandRow) -> str:
+    """Return how it is said, for people: each argument by what it may be."""
+    return " ".join((row.name, *(f"[{arguments.told(one)}]" for one in row.arguments)))
 
 
 def _count(number: int) -> str:

@@ -4,9 +4,10 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar, get_args
 
-from lbr.database import patterns
+from lbr.database import arguments, patterns
 from lbr.database.reader import RowReader, shown
 from lbr.database.rows import (
+    Argument,
     ButtonRow,
     CalibrationRow,
     CapabilityRow,
@@ -139,7 +140,7 @@ def _check_pattern(reader: RowReader, word: str, text: str, payload: dict[str, A
             reader.wrong("payload", f"sets '{field}', which the pattern binds: leave it out of one of them")
 
 
-def external_command(reader: RowReader, _: RawRow) -> ExternalCommandRow:
+def external_command(reader: RowReader, values: RawRow) -> ExternalCommandRow:
     """Read an external command's row."""
     argv = reader.json_texts("argv")
     if reader.good and not (argv and argv[0]):
@@ -150,7 +151,16 @@ def external_command(reader: RowReader, _: RawRow) -> ExternalCommandRow:
         blocking=reader.flag("blocking"),
         enabled=reader.flag("enabled"),
         help=reader.text("help"),
+        arguments=_arguments(reader) if values.get("arguments") is not None else (),
+        role=reader.choice("role", get_args(Role)),
     )
+
+
+def _arguments(reader: RowReader) -> tuple[Argument, ...]:
+    allowed = reader.json_list("arguments")
+    if reader.good and (fault := arguments.fault(allowed)):
+        reader.wrong("arguments", fault)
+    return tuple(one if isinstance(one, str) else tuple(one) for one in allowed) if reader.good else ()
 
 
 def phrase(reader: RowReader, _: RawRow) -> PhraseRow:

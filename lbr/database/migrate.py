@@ -8,7 +8,7 @@ from sqlalchemy import Connection
 from lbr.database.connection import pragma, run, transaction
 from lbr.errors import RowError
 
-HEAD = "0006"
+HEAD = "0007"
 MIGRATIONS = Path(__file__).with_name("migrations")
 
 

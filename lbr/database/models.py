@@ -87,6 +87,8 @@ EXTERNAL_COMMAND = Table(
     Column("blocking", Integer, nullable=False),
     Column("enabled", Integer, nullable=False),
     Column("help", Text, nullable=False),
+    Column("arguments", Text),
+    Column("role", Text, nullable=False),
 )
 """Programs started by name."""
 
@@ -203,6 +205,7 @@ USER_TOKEN = Table(
     Column("created_at", Text, nullable=False),
     Column("revoked_at", Text),
     Column("expires_at", Text),
+    Column("good_for", Text, nullable=False),
 )
 """Who may do what."""
 

@@ -121,6 +121,13 @@ class RowReader:
             return tuple(value)
         return () if value is _NOTED else self._stand_in(column, 'is not a JSON list of strings like ["a", "b"]', ())
 
+    def json_list(self, column: str) -> list[Any]:
+        """Return a JSON list."""
+        value = self._json(column)
+        if isinstance(value, list):
+            return value
+        return [] if value is _NOTED else self._stand_in(column, 'is not a JSON list like ["a", "b"]', [])
+
     def _json(self, column: str) -> Any:
         before = len(self._problems)
         text = self.text(column)

@@ -12,7 +12,7 @@ from lbr.database import adopted, copies
 from lbr.database.connection import connect, sentences
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
-from lbr.database.tokens import tokens
+from lbr.database.tokens import revoked
 from lbr.errors import InputError, LbrError
 
 SQLITE_SHARED_FIRST = 0x40000002
@@ -78,8 +78,7 @@ def _remains(path: Path) -> tuple[set[str], int]:
                 if file.exists():
                     shutil.copyfile(file, target)
             with sentences(copy), connect(copy) as connection:
-                revoked = {token.name for token in tokens(connection) if token.revoked_at is not None}
-                return revoked, adopted.revision(connection)
+                return revoked(connection), adopted.revision(connection)
     return set(), 0
 
 

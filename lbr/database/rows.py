@@ -9,6 +9,8 @@ from lbr.messages.system import Role, TokenRole
 
 Side = Literal["left", "right", "centre"]
 Restart = Literal["never", "on-failure", "always"]
+GoodFor = Literal["bus", "web", "both"]
+Argument = tuple[str, ...] | str
 
 
 class Problem(Struct, frozen=True):
@@ -95,13 +97,19 @@ class VerbRow(Struct, frozen=True, kw_only=True):
 
 
 class ExternalCommandRow(Struct, frozen=True, kw_only=True):
-    """A program started by name, without a shell."""
+    """A program started by name, without a shell.
+
+    `arguments` says for each argument that may be typed after the name which words it may be, or the regular
+    expression that all of it must fit.
+    """
 
     name: str
     argv: tuple[str, ...]
     blocking: bool = False
     enabled: bool = True
     help: str = ""
+    arguments: tuple[Argument, ...] = ()
+    role: Role = "operate"
 
 
 class PhraseRow(Struct, frozen=True, kw_only=True):
@@ -218,6 +226,11 @@ class TokenRow(Struct, frozen=True, kw_only=True):
     created_at: str
     revoked_at: str | None = None
     expires_at: str | None = None
+    good_for: GoodFor = "both"
+
+    def lets_in(self, door: Literal["bus", "web"]) -> bool:
+        """Say whether it is one for that way in."""
+        return self.good_for in {"both", door}
 
     def has_expired(self, now: datetime) -> bool:
         """Say whether its time is over; one whose end cannot be read is over."""

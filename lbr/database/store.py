@@ -24,7 +24,7 @@ from lbr.database.migrate import bring_up_to_date
 from lbr.database.models import CALIBRATION, MOTION, MOTION_STEP, ROBOT
 from lbr.database.reader import shown
 from lbr.database.resources import robot_db_sql
-from lbr.database.rows import AuditRow, RevisionRow, RobotRows, TokenRow
+from lbr.database.rows import AuditRow, GoodFor, RevisionRow, RobotRows, TokenRow
 from lbr.database.tables import TABLES, RawTables, read_tables
 from lbr.errors import InputError, RowError
 from lbr.messages.faces import EditCommand
@@ -230,9 +230,17 @@ class Database:
         hash: str,  # noqa: A002
         expires_at: str | None = None,
         created_at: str | None = None,
+        good_for: GoodFor = "both",
     ) -> None:
         """Write a token's hash down, durably; InputError if the name is taken by a token that is not revoked."""
-        row = TokenRow(name=name, role=role, hash=hash, created_at=created_at or self._now(), expires_at=expires_at)
+        row = TokenRow(
+            name=name,
+            role=role,
+            hash=hash,
+            created_at=created_at or self._now(),
+            expires_at=expires_at,
+            good_for=good_for,
+        )
         with self._writing(durable=True) as connection:
             tokens.add(connection, row)
 

@@ -14,6 +14,11 @@ def tokens(connection: Connection) -> tuple[TokenRow, ...]:
     return tuple(TokenRow(**row) for row in rows)
 
 
+def revoked(connection: Connection) -> set[str]:
+    """Return the names of those that were revoked; of a database of any schema, because no newer column is read."""
+    return set(connection.scalars(select(USER_TOKEN.c.name).where(USER_TOKEN.c.revoked_at.is_not(None))))
+
+
 def add(connection: Connection, row: TokenRow) -> None:
     """Write a token down; one of this name that was revoked makes room, a valid one is an InputError."""
     revoked = (USER_TOKEN.c.name == row.name) & USER_TOKEN.c.revoked_at.is_not(None)
@@ -22,7 +27,12 @@ def add(connection: Connection, row: TokenRow) -> None:
         raise InputError(f"there is a token '{row.name}' already: name another, or revoke it first")
     connection.execute(
         insert(USER_TOKEN).values(
-            name=row.name, role=row.role, hash=row.hash, created_at=row.created_at, expires_at=row.expires_at
+            name=row.name,
+            role=row.role,
+            hash=row.hash,
+            created_at=row.created_at,
+            expires_at=row.expires_at,
+            good_for=row.good_for,
         )
     )
 

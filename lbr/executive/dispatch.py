@@ -44,6 +44,11 @@ class _Speaker(NamedTuple):
     sent_s: float
     afar: bytes = b""
 
+    @property
+    def told(self) -> str:
+        """Who it is, for the audit trail."""
+        return f"{self.source} on another machine" if self.afar else self.source
+
     def holder(self, capability: str) -> tuple[str, str, bool]:
         """Return whose motion of what it is: a name from another machine is never that of somebody here."""
         return capability, self.source, bool(self.afar)
@@ -99,13 +104,13 @@ class Dispatcher:
     def _run(self, parsed: Parsed, by: _Speaker) -> ConsoleResult:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
-        needed: Role = parsed.verb.role if isinstance(parsed, VerbCall) else "operate"
+        needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
         if RANKS[by.role] < RANKS[needed]:
             return ConsoleResult(code=FAILED, text=f"this needs the role '{needed}', and you have '{by.role}'")
         if isinstance(parsed, ExternalStop):
-            return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name))
+            return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told))
         if isinstance(parsed, ExternalCall):
-            return self._robot.run_external(parsed)
+            return self._robot.run_external(parsed, by.told)
         if parsed.capability == "executive":
             return self._built_in[parsed.command](parsed, by.source)
         return self._ask(parsed, by)

@@ -179,20 +179,23 @@ class Executive:
         """Start a capability anew."""
         self._main.call(lambda: self._restart(name))
 
-    def run_external(self, call: ExternalCall) -> ConsoleResult:
-        """Start an external command, and wait for a blocking one."""
+    def run_external(self, call: ExternalCall, who: str) -> ConsoleResult:
+        """Start an external command, and wait for a blocking one; who asked for what is written down before."""
         row = call.command
+        argv = json.dumps([*row.argv, *call.arguments], ensure_ascii=False)
+        self.note("external", f"'{row.name}' is started by {who}: {argv}")
         popen = self._main.call(lambda: self._external.start(row, call.arguments))
-        self.note("external", f"'{row.name}' started (pid {popen.pid})")
         if not row.blocking:
             says = f"it writes to {home.directory('logs') / f'{row.name}.log'}, and 'stop {row.name}' ends it"
             return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {popen.pid}); {says}")
         code, output = self._external.wait(row, popen)
         return ConsoleResult(code=DONE if code == 0 else FAILED, text=output or f"'{row.name}' ended with {code}")
 
-    def stop_external(self, name: str) -> str:
-        """End an external command."""
-        return self._external.stop(name)
+    def stop_external(self, name: str, who: str) -> str:
+        """End an external command; who asked for that is written down."""
+        told = self._external.stop(name)
+        self.note("external", f"'{name}' was ended by {who}")
+        return told
 
     def note(self, kind: str, text: str) -> None:
         """Write down an event of the executive's own, before anything else."""

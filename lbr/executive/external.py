@@ -1,4 +1,7 @@
-"""External commands: programs started by name from the console, one of each at a time, none outliving the executive."""
+"""External commands: programs started by name from the console, one of each at a time, none outliving the executive.
+
+Each gives up what every process of the robot does (capability/confine.py).
+"""
 
 import contextlib
 import os
@@ -9,6 +12,7 @@ import sys
 import time
 from pathlib import Path
 
+from lbr import home
 from lbr.bus.session import leaf_environment
 from lbr.capability.tether import tethered
 from lbr.database.rows import ExternalCommandRow
@@ -48,7 +52,7 @@ class ExternalCommands:
         with contextlib.ExitStack() as stack:
             out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
             popen = subprocess.Popen(
-                tethered((*_program(row.argv), *arguments)),
+                tethered((*_program(row.argv), *arguments), within=str(home.home())),
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,

@@ -36,10 +36,10 @@ class Robot(Protocol):
     def restart(self, name: str) -> None:
         """Start a capability anew."""
 
-    def run_external(self, call: ExternalCall) -> ConsoleResult:
+    def run_external(self, call: ExternalCall, who: str) -> ConsoleResult:
         """Start an external command."""
 
-    def stop_external(self, name: str) -> str:
+    def stop_external(self, name: str, who: str) -> str:
         """End one."""
 
     def note(self, kind: str, text: str) -> None:

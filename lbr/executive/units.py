@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 from msgspec import Struct
@@ -102,7 +102,7 @@ def unit(
         if "motor" in kind.rows
         else (),
         buttons=tuple(_button(row) for row in rows.buttons) if "button" in kind.rows else (),
-        users=_users(rows, site) if "user_token" in kind.rows else (),
+        users=_users(rows, site, "web") if "user_token" in kind.rows else (),
         release_key=site.seal(keys.estop_release(robot, row.name)),
     )
     return Unit(
@@ -148,7 +148,7 @@ def with_lan(
     config = LanConfig(
         listen=tuple(kinds[unit.name].parse(bytes(unit.config.settings)).listen),
         link=site.credentials(f"@{unit.name}"),
-        users=_users(rows, site),
+        users=_users(rows, site, "bus"),
         streams=streams_of(robot, others),
         stops=tuple(key for key, role in (here | away).items() if role == "view"),
         commands={key: role for key, role in here.items() if role != "view"},
@@ -237,16 +237,18 @@ def _button(row: ButtonRow) -> Button:
     return Button(id=row.id, name=row.name, button=row.button, motion=row.motion or None, builtin=row.builtin)
 
 
-def _users(rows: RobotRows, site: Site) -> tuple[LanUser, ...]:
+def _users(rows: RobotRows, site: Site, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:
+    """Return who may come in there; whose token is for the other way in is not even known to who opens this one."""
     return tuple(
         LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
         for t in rows.tokens
+        if t.lets_in(door)
     )
 
 
 def _guest(host: str, name: str, rows: RobotRows, site: Site) -> Credentials | None:
     """Return how a process on another machine proves itself: void with the token of its host."""
-    token = next((one for one in rows.tokens if one.name == host and one.role == "host"), None)
+    token = next((one for one in rows.tokens if one.name == host and one.role == "host" and one.lets_in("bus")), None)
     if token is None:
         return None
     password = site.seal(f"password of {name} on {host} since {token.created_at}")

@@ -15,6 +15,7 @@ def verb(pattern: str, target: str, payload: dict | None = None) -> VerbRow:
 
 
 CLOCK = ExternalCommandRow(name="clock", argv=("/bin/date",), blocking=True)
+BEAM = ExternalCommandRow(name="beam", argv=("/bin/echo",), arguments=(("left", "right"), "[0-9]+ cm|-1"))
 SONG_SCHEMA = {
     "type": "object",
     "properties": {"song": {"type": "string", "maxLength": 20}, "times": {"type": "integer", "minimum": 1}},
@@ -36,7 +37,7 @@ VOCABULARY = Vocabulary(
         verb("/report/all", "executive.report", {"name": "*"}),
         verb("Shutdown", "executive.shutdown"),
     ],
-    [CLOCK, ExternalCommandRow(name="gone", argv=("/bin/true",), enabled=False)],
+    [CLOCK, BEAM, ExternalCommandRow(name="gone", argv=("/bin/true",), enabled=False)],
     {"drive.command": DriveCommand, "drive.stop": StopCommand, "dance.play": SONG_SCHEMA},
 )
 
@@ -125,10 +126,33 @@ def test_bad_input_gets_one_line_that_says_what_is_allowed(line, complaint):
     assert str(err.value).isprintable()
 
 
-def test_an_external_command_takes_arguments_and_is_stopped_by_name():
-    assert VOCABULARY.parse("clock -u '+%H %M'") == ExternalCall(command=CLOCK, arguments=("-u", "+%H %M"))
+def test_an_external_command_takes_what_its_row_allows_and_is_stopped_by_name():
+    assert VOCABULARY.parse("beam left '12 cm'") == ExternalCall(command=BEAM, arguments=("left", "12 cm"))
+    assert VOCABULARY.parse("beam") == ExternalCall(command=BEAM)
     assert VOCABULARY.parse("/clock") == ExternalCall(command=CLOCK)
     assert VOCABULARY.parse("Stop clock") == ExternalStop(command=CLOCK)
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ("clock -f /etc/passwd", "'clock' takes no arguments; the row's column 'arguments' says what may follow it"),
+        ("clock ''", "'clock' takes no arguments"),
+        ("beam up", "'beam' takes as its first argument left or right, not 'up'"),
+        ("beam left -1", "'beam' takes as its second argument what fits [0-9]+ cm|-1, not '-1'"),
+        ("beam left '1 cm' more", "'beam' takes at most 2 arguments"),
+    ],
+)
+def test_an_argument_that_the_row_does_not_allow_is_refused(line, complaint):
+    with pytest.raises(InputError) as err:
+        VOCABULARY.parse(line)
+    assert complaint in str(err.value)
+
+
+def test_help_tells_the_arguments_that_a_program_takes():
+    assert "beam [left or right] [what fits [0-9]+ cm|-1]" in VOCABULARY.help()
+    (entry,) = (entry for entry in VOCABULARY.entries() if entry["word"] == "beam")
+    assert [field["choices"] for field in entry["fields"]] == [["left", "right"], []]
 
 
 def test_python_and_empty_lines_are_told_apart():
@@ -158,7 +182,10 @@ def test_entries_tell_completion_the_fields_and_their_choices():
     }
     assert next(entry for entry in entries if entry["word"] == "report")["choices"] == ["battery", "drive"]
     assert entries[-1] == {
-        "word": "clock", "pattern": "clock", "role": "operate", "help": "", "target": "external",
+        "word": "beam", "pattern": "beam", "role": "operate", "help": "", "target": "external", "fields": [
+            {"name": "argument_1", "hint": "left or right", "choices": ["left", "right"]},
+            {"name": "argument_2", "hint": "what fits [0-9]+ cm|-1", "choices": []},
+        ],
     }  # fmt: skip
 
 

@@ -67,4 +67,6 @@ def test_tokens_of_the_first_schema_never_expire(tmp_path):
         connection.execute("INSERT INTO user_token (name, role, hash) VALUES ('phone', 'view', ?)", ("h" * 64,))
         connection.commit()
     with Database.open(tmp_path / "old.db") as database:
-        assert [(token.name, token.expires_at) for token in database.tokens()] == [("phone", None)]
+        assert [(token.name, token.expires_at, token.good_for) for token in database.tokens()] == [
+            ("phone", None, "both")
+        ]

@@ -8,6 +8,18 @@ from lbr.errors import InputError, RowError
 HASH = "h" * 64
 
 
+def test_a_token_is_good_for_both_ways_in_unless_it_says_which(database):
+    for good_for in ("bus", "web", "both"):
+        database.add_token(good_for, "view", HASH, good_for=good_for)
+    database.add_token("phone", "view", HASH)
+    assert {one.name: (one.lets_in("bus"), one.lets_in("web")) for one in database.tokens()} == {
+        "bus": (True, False),
+        "web": (False, True),
+        "both": (True, True),
+        "phone": (True, True),
+    }
+
+
 def test_a_token_is_told_to_other_programs_while_this_one_runs(database, path):
     database.add_token("phone", "operate", HASH, "2027-01-01T00:00:00.000Z")
     with Database.open(path) as other:

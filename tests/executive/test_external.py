@@ -40,3 +40,10 @@ def test_a_program_by_its_path_is_started_as_it_is(commands):
 def test_a_program_learns_which_robot_called_it_and_by_which_name(commands):
     script = "import os; print(os.environ['LBR_ROBOT'], os.environ['LBR_NAME'])"
     assert said(commands, "python", "-c", script) == (0, "lbr probe")
+
+
+def test_a_program_has_no_privileges_and_gains_none(commands):
+    script = "print(open('/proc/self/status').read())"
+    _code, text = said(commands, "python", "-c", script)
+    status = dict(line.split(":\t", 1) for line in text.splitlines() if ":\t" in line)
+    assert (status["CapEff"], status["NoNewPrivs"], status["Umask"]) == ("0" * 16, "1", "0077")

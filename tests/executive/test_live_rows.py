@@ -88,6 +88,8 @@ def test_an_external_command_is_a_row_and_ends_with_it(robot):
     )
     until(lambda: robot.line("nap")["code"] == 0)
     assert "runs already" in robot.line("nap")["text"]
+    texts = [event["text"] for event in robot.events() if event["kind"] == "external"]
+    assert any(text.startswith("'nap' is started by ") and '["/bin/sleep", "60"]' in text for text in texts), texts
     ended = robot.line("stop nap")
     assert (ended["code"], ended["text"], ended["hold"]) == (0, "'nap' has ended", None)
     assert robot.line("nap")["code"] == 0

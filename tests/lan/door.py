@@ -132,7 +132,7 @@ def opened(home: Path, address: str = "127.0.0.1", *, prefix: tuple[str, ...] = 
         yield door
 
 
-def add_token(home: Path, name: str, role: str, expires_at: str | None = None) -> Token:
+def add_token(home: Path, name: str, role: str, expires_at: str | None = None, good_for: str = "both") -> Token:
     """Make a token as `lbr token add` does, and faster."""
     before = os.environ.get("LBR_HOME")
     os.environ["LBR_HOME"] = str(home)
@@ -141,7 +141,7 @@ def add_token(home: Path, name: str, role: str, expires_at: str | None = None) -
         secret = credentials.token_secret(credentials.token_key(), name, created_at)
         certificate = credentials.bus_certificate()[1].read_text()
         with store.Database.open(home / "robot.db") as database:
-            database.add_token(name, role, tokens.hashed(secret), expires_at, created_at)  # type: ignore[arg-type]
+            database.add_token(name, role, tokens.hashed(secret), expires_at, created_at, good_for)  # type: ignore[arg-type]
     finally:
         os.environ.pop("LBR_HOME") if before is None else os.environ.update(LBR_HOME=before)
     return Token(name=name, secret=secret, fingerprint=tokens.fingerprint(ssl.PEM_cert_to_DER_cert(certificate)))

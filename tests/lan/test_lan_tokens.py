@@ -18,7 +18,7 @@ from lbr import cli
 from lbr.bus import tokens
 from lbr.commands import token as token_command
 from lbr.errors import InputError
-from tests.lan.door import Door, answer
+from tests.lan.door import Door, add_token, answer
 from tests.robot import lbr, until
 
 pytestmark = pytest.mark.timeout(30)
@@ -69,13 +69,16 @@ def test_tokens_are_made_listed_and_revoked_where_no_robot_runs(home: Path, monk
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
     assert token.secret in path.read_text()
     (listed,) = json.loads(said(0, "list", "--json"))
-    assert (listed["name"], listed["role"], listed["state"]) == ("phone", "view", "valid")
+    assert (listed["name"], listed["role"], listed["state"], listed["good_for"]) == ("phone", "view", "valid", "bus")
     assert not any(token.secret.encode() in path.read_bytes() for path in home.rglob("*") if path.is_file())
     assert "there is a token 'phone' already" in said(2, "add", "phone")
     assert said(0, "revoke", "phone") == ""
     assert "revoked" in said(0, "list")
     assert "there is no token 'phone'" in said(2, "revoke", "phone")
     assert "'soon' is no time from now" in said(2, "add", "x", "--expires", "soon")
+    assert "--for both" in said(2, "add", "kitchen", "--role", "host", "--for", "web")
+    assert "console --connect" not in said(0, "add", "page", "--for", "web")
+    assert "page   operate web  valid" in said(0, "list")
     again = tokens.parse(said(0, "add", "phone").splitlines()[0])
     assert again.secret != token.secret
 
@@ -92,6 +95,13 @@ def test_a_written_file_lets_a_client_in_although_its_first_address_leads_nowher
 
 def refused(door: Door, name: str) -> bool:
     return "Unable to connect" in door.refuses(name)
+
+
+def test_a_token_for_the_web_alone_opens_no_bus(door: Door):
+    door.tokens["page"] = add_token(door.robot.home, "page", "admin", good_for="web")
+    door.tokens["tool"] = add_token(door.robot.home, "tool", "view", good_for="bus")
+    until(lambda: door.refuses("tool") == "", what="the token for the bus is let in")
+    assert refused(door, "page")
 
 
 def test_who_is_revoked_is_out_within_a_second_and_stays_out(door: Door):

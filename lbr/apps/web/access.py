@@ -46,7 +46,9 @@ class Access:
         user = self._users.get(token.name)
         right = secrets.compare_digest(token.secret.encode(), (user.secret if user else "").encode())
         if user is None or not right or not self._is_proven(user):
-            raise _no_token("this token is not known here, or was revoked")
+            raise _no_token(
+                "this token is not known here, was revoked, or is not for the web (`lbr token add NAME --for web`)"
+            )
         return Client(address, name=user.name, role="view" if user.role == "host" else user.role)
 
     def _is_proven(self, user: LanUser) -> bool:

@@ -1,0 +1,66 @@
+"""What may be typed after the name of an external command. Pure."""
+
+import re
+from collections.abc import Sequence
+
+from lbr.database.rows import Argument
+
+MOST = 16
+LONGEST = 200
+"""Of an argument and of a pattern: room for a path, and none for what a regular expression would think about long."""
+
+
+def fault(allowed: Sequence[object]) -> str:
+    """Return what is wrong with the column `arguments` as decoded JSON, or nothing."""
+    if len(allowed) > MOST:
+        return f"allows more than {MOST} arguments"
+    return next((text for number, one in enumerate(allowed, start=1) if (text := _fault(number, one))), "")
+
+
+def refusal(allowed: Sequence[Argument], given: Sequence[str]) -> str:
+    """Return why arguments are not taken, as the end of a sentence; nothing if they are."""
+    if len(given) > len(allowed):
+        most = f"at most {len(allowed)} argument{'' if len(allowed) == 1 else 's'}" if allowed else "no arguments"
+        return f"takes {most}"
+    for number, (one, word) in enumerate(zip(allowed, given, strict=False), start=1):
+        if not _takes(one, word):
+            return f"takes as its {_ordinal(number)} argument {told(one)}, not '{_shown(word)}'"
+    return ""
+
+
+def told(one: Argument) -> str:
+    """Return what an argument may be, for people."""
+    return f"what fits {one}" if isinstance(one, str) else " or ".join(one)
+
+
+def _takes(one: Argument, word: str) -> bool:
+    """Say whether an argument is taken; what a program may read as an option is taken only if the row lists it."""
+    if not isinstance(one, str):
+        return word in one
+    if word.startswith("-") or len(word) > LONGEST or not word.isprintable():
+        return False
+    return re.fullmatch(one, word, re.ASCII) is not None
+
+
+def _fault(number: int, one: object) -> str:
+    if isinstance(one, list) and one and all(_is_word(word) for word in one):
+        return ""
+    if not isinstance(one, str) or not _is_word(one):
+        return f'entry {number} is neither a list of words, such as ["left", "right"], nor a regular expression'
+    try:
+        re.compile(one, re.ASCII)
+    except (re.error, OverflowError, RecursionError) as err:
+        return f"entry {number} is no regular expression: {err}"
+    return ""
+
+
+def _is_word(word: object) -> bool:
+    return isinstance(word, str) and 0 < len(word) <= LONGEST and word.isprintable()
+
+
+def _ordinal(number: int) -> str:
+    return {1: "first", 2: "second", 3: "third"}.get(number, f"{number}th")
+
+
+def _shown(word: str) -> str:
+    return "".join(c if c.isprintable() else "?" for c in word[:40]) + ("…" if len(word) > 40 else "")

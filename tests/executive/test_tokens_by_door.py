@@ -1,0 +1,37 @@
+"""Which tokens a process gets to know: those that are good for the way in which it opens, and no others."""
+
+from typing import get_args
+
+import pytest
+from msgspec.structs import replace
+
+from lbr.bus.tokens import hashed
+from lbr.database import store
+from lbr.database.rows import GoodFor, TokenRow
+from lbr.executive import plan as plans
+from lbr.executive.profile import Profile
+from lbr.executive.site import Site
+
+SITE = Site(home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",))
+
+
+@pytest.fixture
+def plan(tmp_path):
+    store.create(tmp_path / "robot.db")
+    tokens = tuple(
+        TokenRow(name=door, role="operate", hash=hashed("x"), created_at="2026-01-01T00:00:00.000Z", good_for=door)
+        for door in get_args(GoodFor)
+    )
+    with store.Database.open(tmp_path / "robot.db") as database:
+        rows = replace(database.load("uxa90"), tokens=tokens)
+    made, problems = plans.make(rows, Profile(robot="uxa90", simulate=True), SITE)
+    assert made is not None, problems
+    return made
+
+
+def test_the_web_server_does_not_know_a_token_for_the_bus(plan):
+    assert {user.name for user in plan.units["web"].config.users} == {"web", "both"}
+
+
+def test_the_door_to_other_machines_does_not_know_a_token_for_the_web(plan):
+    assert {user.name for user in plan.units["lan"].config.lan.users} == {"bus", "both"}
