@@ -24,6 +24,7 @@ from urllib.parse import urlsplit
 from benchmarks.bench import temporary_home
 from benchmarks.figures import Promise, Report, Results, machine, table
 from lbr.bus import keys, stamp, wire
+from tests import programs
 from tests.robot import Robot, environment, running, until
 
 FPS, WIDTH, HEIGHT, BYTES = 15, 640, 360, 30_000
@@ -159,7 +160,7 @@ def _robot(*, simulated: bool) -> Iterator[Robot]:
 
 @contextmanager
 def _navcam(robot: Robot) -> Iterator[str]:
-    popen = subprocess.Popen(
+    popen = programs.start(
         [sys.executable, "-P", "-m", "lbr.apps.navcam", "--port", "0"],
         env=environment(robot.home) | {"LBR_ROBOT": robot.name},
         stdout=subprocess.PIPE,

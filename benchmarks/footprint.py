@@ -19,6 +19,7 @@ import psutil
 from benchmarks.bench import Bench, let_go, processes_of, temporary_home
 from benchmarks.clients import idle
 from lbr.bus.session import leaf_environment
+from tests import programs
 from tests.robot import Robot, start
 
 READY_HARD_S = 3.0
@@ -100,7 +101,7 @@ def _bare(count: int) -> Iterator[list[psutil.Process]]:
 
 
 def _idle(mode: str, endpoint: str) -> "subprocess.Popen[str]":
-    popen = subprocess.Popen(
+    popen = programs.start(
         [sys.executable, idle.__file__, mode, endpoint],
         env=leaf_environment() if mode == "client" else None,
         stdin=subprocess.PIPE,

@@ -23,6 +23,7 @@ from benchmarks.promises import PROMISES
 from benchmarks.queues import TwoHops, two_hops
 from benchmarks.trace import Line
 from lbr.bus import keys, stamp, wire
+from tests import programs
 
 HARD_MS = 250.0
 STEPS = (0.35, 0.30, 0.25, 0.20, 0.15, 0.10)
@@ -164,7 +165,7 @@ def _ratio(ours: list[float], theirs: list[float]) -> str:
 @contextmanager
 def _echo(under_test: Bench) -> Iterator[None]:
     endpoint = under_test.robot.endpoints[0]
-    popen = subprocess.Popen(
+    popen = programs.start(
         [sys.executable, echo.__file__, endpoint], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
     assert popen.stdout is not None

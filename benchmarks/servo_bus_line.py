@@ -11,6 +11,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
+from tests import programs
+
 SERVOS = 18
 FLOOR = Path(__file__).with_name("servo_bus_floor.c")
 
@@ -19,7 +21,7 @@ class Process:
     """A process that answers each line with a line of JSON."""
 
     def __init__(self, *argv: str) -> None:
-        self._popen = subprocess.Popen(argv, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self._popen = programs.start(argv, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.answer()
 
     def tell(self, line: str) -> None:
@@ -76,7 +78,7 @@ class Line:
         if kind != "floor":
             return self.start(kind, seconds).answer()
         argv = [str(self._floor), self.path, str(seconds), str(SERVOS)]
-        found: dict[str, Any] = json.loads(subprocess.run(argv, check=True, capture_output=True).stdout)
+        found: dict[str, Any] = json.loads(programs.run(argv, check=True, capture_output=True).stdout)
         return found
 
     def _start(self, *module_and_arguments: str) -> Process:
@@ -98,5 +100,5 @@ def compiled(folder: Path) -> Path | None:
     if compiler is None:
         return None
     program = folder / "floor"
-    subprocess.run([compiler, "-O2", "-Wall", "-Wextra", "-o", str(program), str(FLOOR)], check=True)
+    programs.run([compiler, "-O2", "-Wall", "-Wextra", "-o", str(program), str(FLOOR)], check=True)
     return program

@@ -11,7 +11,6 @@ import os
 import pty
 import random
 import select
-import subprocess
 import sys
 import tempfile
 import time
@@ -35,6 +34,7 @@ from lbr.drivers.uxa90.packets import position_rad
 from lbr.drivers.uxa90.trust import TOLERANCE
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
+from tests import programs
 
 SERVOS = range(25)
 API_MOTORS = [servo for servo in SERVOS if servo not in (20, 21)]
@@ -269,7 +269,7 @@ def _peer(*words: str) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="lbr-") as folder:
         path = Path(folder) / "tty"
         argv = [sys.executable, "-m", "benchmarks.uxa90_line", words[0], str(path), *words[1:]]
-        process = subprocess.Popen(argv)
+        process = programs.start(argv)
         try:
             while not path.exists():
                 time.sleep(0.01)

@@ -1,17 +1,109 @@
-"""Fixtures that start whole robots; the heavy one is shared by all tests of a module that leave it as it was."""
+"""A place of its own for each process that runs tests, time-outs that end one test alone, and whole robots.
+
+The heavy robot is shared by all tests of a module that leave it as it was.
+"""
 
 import os
 import signal
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from tests import machine, sweep
 from tests.robot import Robot, prepare, running
 
+PLACE = sweep.enter()
 os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = "unix:path=/nonexistent"  # no test may power this machine off
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
+
+NOTE, LEFT = "machine", "left"
+ENDS_S = 2.0
+"""What was told to end may take so long after the last test."""
+AGAIN_S = 0.5
+CACHE = ".cache"
+
+left_over = pytest.StashKey[list[str]]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[left_over] = []
+
+
+@pytest.hookimpl(tryfirst=True, optionalhook=True)
+def pytest_timeout_set_timer(item: Any, settings: Any) -> bool | None:
+    """Fail the test alone when this machine has given it its time; `faulthandler_timeout` ends what hears no signal."""
+    if settings.method != "signal":
+        return None
+    watch = machine.Stopwatch()
+
+    def ring(*_: object) -> None:
+        left_s = settings.timeout - watch.given_s
+        if left_s > 0.0:
+            signal.setitimer(signal.ITIMER_REAL, max(AGAIN_S, left_s))
+        else:
+            pytest.fail(f"not done within {settings.timeout:g} s ({watch})")
+
+    def cancel() -> None:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+
+    item.cancel_timeout = cancel
+    signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, settings.timeout)
+    return True
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Iterator[None]:
+    """Send what is to be told at the end of the run along with the test's report."""
+    report = yield
+    report.user_properties += [(NOTE, text) for text in machine.notes]
+    machine.notes.clear()
+    return report
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail the run if something that a test has started still runs."""
+    sweep.ended(PLACE, ENDS_S)
+    left = [f"process {pid}: {argv}" for pid, argv in sweep.processes(PLACE).items()]
+    home = Path(os.environ["HOME"])
+    files = [path.relative_to(home) for path in home.rglob("*") if path.is_file()]
+    left += [f"file in the home: {path}" for path in files if path.parts[0] != CACHE]  # OpenGL keeps its shaders there
+    sweep.kill(PLACE)
+    session.config.stash[left_over] += left
+    output = getattr(session.config, "workeroutput", None)
+    if output is not None:
+        output[LEFT] = left
+    elif session.config.stash[left_over] and not session.exitstatus:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    """Take over what a worker has found left."""
+    node.config.stash[left_over] += getattr(node, "workeroutput", {}).get(LEFT, [])
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    reports = [report for group in terminalreporter.stats.values() for report in group]
+    told = [
+        (report.nodeid, text)
+        for report in reports
+        for name, text in getattr(report, "user_properties", ())
+        if name == NOTE
+    ]
+    for title, lines in (
+        ("measured more than once", [f"{where}: {text}" for where, text in dict.fromkeys(told)]),
+        ("left behind by tests", config.stash[left_over]),
+    ):
+        if lines:
+            terminalreporter.section(title)
+            for line in lines:
+                terminalreporter.line(line)
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ import socket
 import sqlite3
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import Any, TypeVar
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS, Credentials
 from lbr.database import store
+from tests import machine, programs
 
 T = TypeVar("T")
 LBR = [sys.executable, "-m", "lbr.cli"]
@@ -26,10 +26,11 @@ BASE = ("motors", "ranges", "drive", "world")
 """What most tests need of the robot; the rest would only make every start slower."""
 
 
-def prepare(home: Path, *also: str, edits: tuple[str, ...] = ()) -> Path:
+def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = False) -> Path:
     """Make a home with the shipped rows, whose world traces its motor outputs; the base runs, `also`, and after `edits`.
 
-    Other robots than lbr run whole, unless an edit says otherwise (`only`). What is served has a port of its own.
+    `whole` leaves lbr as it ships. Other robots run whole, unless an edit says otherwise (`only`). What is served has a
+    port of its own.
     """
     home.mkdir(mode=0o700, parents=True, exist_ok=True)
     store.create(home / "robot.db")
@@ -39,7 +40,8 @@ def prepare(home: Path, *also: str, edits: tuple[str, ...] = ()) -> Path:
             "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE robot = 'lbr' AND name = 'world'",
             (trace,),
         )
-        database.execute(only("lbr", *BASE, *also))
+        if not whole:
+            database.execute(only("lbr", *BASE, *also))
         database.execute(
             "UPDATE capability SET settings = json_set(settings, '$.port', ?, '$.announce', json('false'))"
             " WHERE kind = 'web'",
@@ -137,20 +139,21 @@ class Robot:
         self.popen.stdout.close()
         try:
             return self.popen.wait(8.0)
-        except subprocess.TimeoutExpired:
+        except BaseException:  # also when the time of the test is over
             self.popen.kill()
+            self.popen.wait()
             raise
 
 
 def until(look: Callable[[], T], *, limit_s: float = 5.0, what: str = "") -> T:
-    """Look again and again until it is truthy; fail with the last look."""
-    end = time.monotonic() + limit_s
+    """Look again and again until it is truthy; fail with the last look. The limit is for what the machine gives."""
+    watch = machine.Stopwatch()
     while True:
         seen = look()
         if seen:
             return seen
-        if time.monotonic() > end:
-            raise AssertionError(f"not within {limit_s} s: {what or look}; last seen {seen!r}")
+        if watch.elapsed_s > limit_s and watch.given_s > limit_s:
+            raise AssertionError(f"not within {limit_s} s ({watch}): {what or look}; last seen {seen!r}")
         select.select([], [], [], 0.01)
 
 
@@ -163,7 +166,7 @@ def start(
 ) -> Robot:
     """Run a robot, by the program `prefix` if there is one, and wait for its ready line."""
     with (home / "stderr.txt").open("ab") as errors:
-        popen = subprocess.Popen(
+        popen = programs.start(
             [*prefix, *LBR, "run", profile, "--no-console", *arguments],
             env=environment(home),
             stdin=subprocess.DEVNULL,
@@ -171,24 +174,27 @@ def start(
             stderr=errors,
             text=True,
         )
-    assert popen.stdout is not None
-    readable, _, _ = select.select([popen.stdout], [], [], limit_s)
-    line = popen.stdout.readline() if readable else ""
-    if not line:
+    try:
+        until(lambda: select.select([popen.stdout], [], [], 0.1)[0], limit_s=limit_s, what="its ready line")
+        line = popen.stdout.readline()
+        assert line, f"no ready line: {(home / 'stderr.txt').read_text()[-2000:]}"
+        return Robot(home, popen, json.loads(line))
+    except BaseException:  # also when the time of the test is over
         popen.kill()
-        raise AssertionError(f"no ready line: {(home / 'stderr.txt').read_text()[-2000:]}")
-    return Robot(home, popen, json.loads(line))
+        popen.wait()
+        popen.stdout.close()
+        raise
 
 
 def lbr(home: Path, *arguments: str, stdin: str = "", limit_s: float = 9.0) -> "subprocess.CompletedProcess[str]":
     """Run an `lbr` command to its end."""
-    return subprocess.run(
+    return programs.run(
         [*LBR, *arguments],
         env=environment(home),
         input=stdin,
         capture_output=True,
         text=True,
-        timeout=limit_s,
+        timeout=limit_s / machine.LEAST_SHARE,
         check=False,
     )
 

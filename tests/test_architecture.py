@@ -2,13 +2,15 @@
 
 import ast
 import json
+import re
 import statistics
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+
+from tests import programs
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "lbr"
@@ -190,9 +192,7 @@ def test_the_console_uses_of_the_database_only_its_light_rows_and_patterns(path)
 def loaded_after(*modules: str) -> list[str]:
     script = "import sys, json, importlib\nfor name in json.loads(sys.argv[1]): importlib.import_module(name)\n"
     script += "print(json.dumps(sorted({name.split('.')[0] for name in sys.modules})))"
-    done = subprocess.run(
-        [sys.executable, "-c", script, json.dumps(modules)], capture_output=True, text=True, check=True
-    )
+    done = programs.run([sys.executable, "-c", script, json.dumps(modules)], capture_output=True, text=True, check=True)
     return json.loads(done.stdout)
 
 
@@ -239,5 +239,19 @@ def test_every_registered_kind_carries_its_own_name():
     script = "from lbr.capability.registry import find; from pathlib import Path; import sys, json\n"
     script += "print(json.dumps({name: find(name, Path('/nowhere')).name for name in json.loads(sys.argv[1])}))"
     names = sorted(registered())
-    done = subprocess.run([sys.executable, "-c", script, json.dumps(names)], capture_output=True, text=True, check=True)
+    done = programs.run([sys.executable, "-c", script, json.dumps(names)], capture_output=True, text=True, check=True)
     assert json.loads(done.stdout) == {name: name for name in names}
+
+
+def test_what_tests_and_benchmarks_start_ends_with_them():
+    free = {ROOT / "tests" / "programs.py", ROOT / "tests" / "sweep.py"}
+    starts = re.compile(r"\bsubprocess\.(Popen|run|call|check_call|check_output)\(|\bos\.(fork|system)\(|\bpty\.fork\(")
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for folder in ("tests", "benchmarks")
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        if path not in free
+        for number, line in enumerate(path.read_text().splitlines(), 1)
+        if starts.search(line)
+    ]
+    assert not found, f"start it by tests.programs: {found}"

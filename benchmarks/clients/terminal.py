@@ -2,7 +2,6 @@
 
 import os
 import select
-import subprocess
 import sys
 import threading
 import time
@@ -10,6 +9,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from tests import programs
 from tests.robot import environment
 
 WHERE_IS_THE_CURSOR, CURSOR_IS_HERE = b"\x1b[6n", b"\x1b[1;1R"
@@ -22,7 +22,7 @@ class OnTerminal:
     def __init__(self, home: Path, argv: Sequence[str]) -> None:
         self.said = b""
         self._master, slave = os.openpty()
-        self.popen = subprocess.Popen(
+        self.popen = programs.start(
             [sys.executable, "-c", TAKE_TERMINAL, *argv],
             env=environment(home) | {"TERM": "xterm"},
             stdin=slave,

@@ -17,6 +17,7 @@ from benchmarks.fuzzing.lines import PROGRAM, line
 from benchmarks.fuzzing.mutation import noise
 from benchmarks.fuzzing.oracle import Verdict, judge
 from benchmarks.trace import Output
+from tests import programs
 from tests.robot import LBR, environment
 
 TERMINAL_SHARE = 20
@@ -49,7 +50,7 @@ class Piped:
 
     def __init__(self, home: Path) -> None:
         self._count = 0
-        self.popen = subprocess.Popen(
+        self.popen = programs.start(
             [*LBR, "console"],
             env=environment(home),
             stdin=subprocess.PIPE,

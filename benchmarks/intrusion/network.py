@@ -6,6 +6,7 @@ import sys
 
 from benchmarks.bench import Bench, let_go, temporary_home
 from benchmarks.figures import Results
+from tests import programs
 from tests.lan.netns import Network, network, why_not
 from tests.robot import start
 
@@ -49,8 +50,8 @@ def silence(results: Results, seconds: float) -> None:
     """Run a robot on a machine of its own and drive it; listen for `seconds`, then knock at every port."""
     with network() as net, temporary_home() as home:
         for place in (net.robot, net.client):
-            subprocess.run([*place, "sh", "-c", NO_IPV6], check=False)
-        subprocess.run([*net.robot, "ip", "route", "add", "default", "via", net.client_address], check=True)
+            programs.run([*place, "sh", "-c", NO_IPV6], check=False)
+        programs.run([*net.robot, "ip", "route", "add", "default", "via", net.client_address], check=True)
         Bench.pass_time(SETTLE_S)
         capture = _python(net, CAPTURE)
         assert capture.stdout is not None
@@ -61,7 +62,7 @@ def silence(results: Results, seconds: float) -> None:
             mover = under_test.drive()
             under_test.pass_time(seconds)
             mover.cease()
-            subprocess.run([*net.robot, sys.executable, "-c", SPEAK, net.client_address], check=True)
+            programs.run([*net.robot, sys.executable, "-c", SPEAK, net.client_address], check=True)
             under_test.pass_time(SETTLE_S)
             results.check("A1", _packets(json.loads(capture.communicate("\n")[0])))
             open_ports = json.loads(_python(net, SCAN, net.address, str(PORTS + 1)).communicate()[0])
@@ -90,10 +91,10 @@ def _sockets(net: Network) -> list[str]:
 
 
 def _read(net: Network, table: str) -> list[str]:
-    done = subprocess.run([*net.robot, "cat", f"/proc/net/{table}"], capture_output=True, text=True, check=False)
+    done = programs.run([*net.robot, "cat", f"/proc/net/{table}"], capture_output=True, text=True, check=False)
     return done.stdout.splitlines()
 
 
 def _python(net: Network, program: str, *arguments: str) -> "subprocess.Popen[str]":
     command = [*net.client, sys.executable, "-c", program, *arguments]
-    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    return programs.start(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from benchmarks.figures import Results
 from lbr.bus import wire
 from lbr.console import target
 from lbr.errors import BusError
+from tests import programs
 from tests.robot import LBR, Robot, environment, lbr
 
 END_S = 20.0
@@ -90,7 +90,7 @@ def _piped_into_the_robot(results: Results, home: Path, line: str, canary: Path)
 
 def _at_the_terminal(results: Results, home: Path, line: str, canary: Path) -> None:
     _typed(home, ["run", "lbr-sim"], line, end="Shutdown")
-    audited = subprocess.run(
+    audited = programs.run(
         [*LBR, "db", "audit"], env=environment(home), capture_output=True, text=True, check=False, timeout=END_S
     ).stdout
     results.check("A10", [] if canary.exists() else ["the robot's own terminal: it was not executed"])

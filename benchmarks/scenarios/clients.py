@@ -11,6 +11,7 @@ from benchmarks.clients import plain
 from benchmarks.clients.terminal import OnTerminal
 from benchmarks.figures import Results
 from benchmarks.mover import POWER
+from tests import programs
 from tests.robot import LBR, environment
 
 AFTERMATH_S = 0.3
@@ -119,7 +120,7 @@ def _angle(under_test: Bench) -> float:
 def plain_client(under_test: Bench) -> "subprocess.Popen[str]":
     """Start a client that imports nothing but zenoh and json, and drives until it is told to end."""
     robot = under_test.robot
-    return subprocess.Popen(
+    return programs.start(
         [sys.executable, plain.__file__, robot.endpoints[0], robot.name, str(_angle(under_test))],
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
@@ -128,7 +129,7 @@ def plain_client(under_test: Bench) -> "subprocess.Popen[str]":
 
 
 def _send(under_test: Bench) -> "subprocess.Popen[bytes]":
-    return subprocess.Popen(
+    return programs.start(
         [*LBR, "send", f"/r/{POWER}/{_angle(under_test):g}"],
         env=environment(under_test.robot.home),
         stdin=subprocess.DEVNULL,

@@ -6,7 +6,6 @@ The clock of the machine is left alone: a library that `cc` makes stands between
 import os
 import random
 import shutil
-import subprocess
 import tempfile
 import threading
 from collections.abc import Iterator
@@ -17,6 +16,7 @@ from benchmarks.bench import Bench, bench
 from benchmarks.figures import Results
 from benchmarks.scenarios import clients, estop
 from benchmarks.scenarios.load import steadiness
+from tests import programs
 
 SHIFT = Path(__file__).parent.parent / "clients" / "shifted_clock.c"
 HOUR_S = 3600
@@ -53,7 +53,7 @@ def _jumping_clock() -> Iterator[None]:
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
         library, offset = Path(place) / "clock.so", Path(place) / "offset"
         offset.write_bytes(bytes(8))
-        subprocess.run(["cc", "-O1", "-shared", "-fPIC", "-o", library, SHIFT, "-ldl"], check=True)
+        programs.run(["cc", "-O1", "-shared", "-fPIC", "-o", library, SHIFT, "-ldl"], check=True)
         over = threading.Event()
         thread = threading.Thread(target=_jump, args=(offset, over), daemon=True)
         os.environ |= {"LD_PRELOAD": str(library), "SHIFTED_CLOCK": str(offset)}

@@ -15,6 +15,7 @@ import psutil
 from benchmarks.bench import Bench, let_go, prepare, processes_of
 from benchmarks.figures import Results
 from lbr.database.store import Database
+from tests import programs
 from tests.robot import LBR, environment, start
 
 SMALL = "6m"
@@ -29,7 +30,7 @@ def can_mount() -> bool:
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
         made = _mount(place)
         if made:
-            subprocess.run(["umount", place], check=True)
+            programs.run(["umount", place], check=True)
         return made
 
 
@@ -105,7 +106,7 @@ def _told(under_test: Bench, why: str) -> bool:
 
 
 def _starts_or_says_why(results: Results, home: Path) -> None:
-    with subprocess.Popen(
+    with programs.start(
         [*LBR, "run", "lbr-sim", "--no-console"],
         env=environment(home),
         stdin=subprocess.DEVNULL,
@@ -149,11 +150,11 @@ def _small_disk() -> Iterator[Path]:
         try:
             yield disk
         finally:
-            subprocess.run(["umount", "-l", str(disk)], check=True)
+            programs.run(["umount", "-l", str(disk)], check=True)
 
 
 def _mount(place: str) -> bool:
-    made = subprocess.run(
+    made = programs.run(
         ["mount", "-t", "tmpfs", "-o", f"size={SMALL},mode=700", "tmpfs", place], check=False, capture_output=True
     )
     return made.returncode == 0

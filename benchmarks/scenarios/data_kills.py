@@ -11,6 +11,7 @@ from pathlib import Path
 
 from benchmarks.figures import Results
 from lbr.database.store import Database, create
+from tests import programs
 
 LONGEST_S = 0.03
 OWN_SHARE = 0.1
@@ -69,7 +70,7 @@ def kills(results: Results, n: int, dice: random.Random) -> None:
 
 def _killed(program: str, path: Path, since: int, dice: random.Random) -> int:
     """Let a writer begin, kill it a moment later; return what it acknowledged last."""
-    with subprocess.Popen(
+    with programs.start(
         [sys.executable, "-c", program, str(path), str(since)], stdout=subprocess.PIPE, text=True
     ) as writer:
         assert writer.stdout is not None

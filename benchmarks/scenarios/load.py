@@ -15,6 +15,7 @@ from benchmarks.clients import flood
 from benchmarks.figures import Results
 from benchmarks.scenarios import clients, estop, kills
 from benchmarks.trace import Line
+from tests import programs
 from tests.robot import Robot
 
 BUSY_LOOPS = 4
@@ -75,7 +76,7 @@ def intervals_ms(under_test: Bench, since_ns: int) -> list[float]:
 @contextmanager
 def busy_loops(n: int = BUSY_LOOPS) -> Iterator[None]:
     """Keep the machine busy, each loop in a session of its own, as somebody's programs would be."""
-    loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"], start_new_session=True) for _ in range(n)]
+    loops = [programs.start([sys.executable, "-c", "while True: pass"], start_new_session=True) for _ in range(n)]
     try:
         yield
     finally:
@@ -88,7 +89,7 @@ def floods(robot: Robot) -> Iterator[None]:
     share = FLOOD_MESSAGES // len(FLOODED)
     program = [sys.executable, flood.__file__, robot.endpoints[0]]
     popens = [
-        subprocess.Popen(
+        programs.start(
             [*program, f"{robot.name}/{key}", str(share)], stdout=subprocess.PIPE, start_new_session=True, text=True
         )
         for key in FLOODED

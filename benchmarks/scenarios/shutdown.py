@@ -15,6 +15,7 @@ import psutil
 from benchmarks.bench import Bench, let_go, processes_of, say, temporary_home
 from benchmarks.figures import Results
 from lbr import home as homes
+from tests import programs
 from tests.robot import LBR, Robot, environment, start, until
 
 GONE_HARD_MS, GONE_FROZEN_HARD_MS = 3000.0, 5000.0
@@ -103,7 +104,7 @@ def _name(process: psutil.Process) -> str:
 def _with_console(home: Path) -> Robot:
     """Run a robot whose console reads from a pipe."""
     with (home / "stderr.txt").open("ab") as errors:
-        popen = subprocess.Popen(
+        popen = programs.start(
             [*LBR, "run", "lbr-sim"],
             env=environment(home),
             stdin=subprocess.PIPE,

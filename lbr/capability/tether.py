@@ -29,6 +29,8 @@ def main() -> None:
     if home:
         _confine(home)
     signal.pthread_sigmask(signal.SIG_SETMASK, [])
+    for ignored in (signal.SIGPIPE, signal.SIGXFSZ):  # by Python, and the program would inherit that
+        signal.signal(ignored, signal.SIG_DFL)
     try:
         os.execvp(argv[0], argv)  # noqa: S606 - no shell is the point
     except OSError as err:

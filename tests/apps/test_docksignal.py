@@ -11,6 +11,7 @@ from lbr.bus import codec, session, wire
 from lbr.errors import InputError
 from lbr.messages.dock import DockHeard
 from lbr.messages.leases import CommandReply
+from tests import programs
 from tests.robot import environment
 
 
@@ -33,7 +34,7 @@ def test_anything_else_is_refused_with_what_is_allowed(words):
 
 
 def program(place, *words: str) -> "subprocess.Popen[str]":
-    return subprocess.Popen(
+    return programs.start(
         [sys.executable, "-m", "lbr.apps.docksignal", *words],
         env=environment(place),
         stdout=subprocess.PIPE,

@@ -19,6 +19,7 @@ from lbr import home
 from lbr.apps.http.names import is_ours
 from lbr.bus import session, wire
 from lbr.messages.camera import CameraState, JpegFrame
+from tests import programs
 from tests.robot import environment, until
 
 BEGINNING = 1 << 20
@@ -69,7 +70,7 @@ class Page:
 
     def __init__(self, folder: Path, *arguments: str) -> None:
         self.folder = folder
-        self.popen = subprocess.Popen(
+        self.popen = programs.start(
             [sys.executable, "-P", "-m", "lbr.apps.navcam", "--port", "0", *arguments],
             env=environment(folder) | {"LBR_ROBOT": "lbr"},
             stdout=subprocess.PIPE,
@@ -378,7 +379,7 @@ def test_from_other_machines_it_is_reached_by_tls_alone_and_ends_at_once_while_t
 
 def test_a_port_that_is_taken_is_told(cameras):
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        done = subprocess.run(
+        done = programs.run(
             [sys.executable, "-P", "-m", "lbr.apps.navcam", "--port", str(taken.getsockname()[1])],
             env=environment(home.home()),
             capture_output=True,

@@ -15,6 +15,7 @@ import zenoh
 
 from lbr.bus import session, wire
 from lbr.bus.access import Limits
+from tests import programs
 from tests.robot import until
 
 QUESTIONS = 500
@@ -107,7 +108,7 @@ def endpoint(tmp_path: Path, port: int) -> Iterator[str]:
 def program(text: str, *arguments: str) -> Iterator["subprocess.Popen[bytes]"]:
     """Run a program that says when it is ready."""
     pipe = subprocess.PIPE
-    popen = subprocess.Popen(
+    popen = programs.start(
         [sys.executable, "-c", text, *arguments], stdin=pipe, stdout=pipe, env=session.leaf_environment()
     )
     try:

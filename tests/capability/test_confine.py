@@ -1,7 +1,6 @@
 """What every process of a robot has given up, and who alone holds devices and rows."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pytest
 
 from benchmarks.bench import processes_of
 from lbr.capability import confine as confined
+from tests import programs
 from tests.robot import Robot, until
 
 CONFINED = """
@@ -26,7 +26,7 @@ def field(status: str, name: str) -> str:
 
 
 def held(*places: str) -> int:
-    done = subprocess.run([sys.executable, "-c", CONFINED, *places], capture_output=True, text=True, check=True)
+    done = programs.run([sys.executable, "-c", CONFINED, *places], capture_output=True, text=True, check=True)
     return int(field(done.stdout, "CapEff"), 16)
 
 

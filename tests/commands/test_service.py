@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from lbr.commands import placing, service_checks, unitfiles
 from lbr.commands.service import command
 from lbr.commands.unitfiles import RULES, SYSUSERS, UNIT, Site
 from lbr.errors import InputError
+from tests import programs
 
 EXPOSURE_TENTHS = 25
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("dialout", "video", "i2c"))
@@ -45,7 +45,7 @@ def unit(tmp_path: Path) -> Path:
 
 @analyze
 def test_systemd_understands_the_unit_without_a_word(unit):
-    done = subprocess.run(
+    done = programs.run(
         ["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, check=False, timeout=9
     )
     said = [line for line in done.stderr.splitlines() if unit.name in line]
@@ -55,7 +55,7 @@ def test_systemd_understands_the_unit_without_a_word(unit):
 @analyze
 def test_the_unit_exposes_little(unit):
     words = ["systemd-analyze", "security", "--offline=yes", f"--threshold={EXPOSURE_TENTHS}", "--no-pager", unit]
-    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=9)
+    done = programs.run(words, capture_output=True, text=True, check=False, timeout=9)
     if "unrecognized option" in done.stderr:
         pytest.skip("this systemd-analyze knows no --offline")
     assert done.returncode == 0, done.stdout[-300:]

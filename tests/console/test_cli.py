@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests import programs
+
 LBR = Path(sys.executable).with_name("lbr")
 
 
@@ -15,7 +17,7 @@ LBR = Path(sys.executable).with_name("lbr")
 def lbr(tmp_path):
     def run(*arguments: str, **options) -> "subprocess.CompletedProcess[str]":
         environment = os.environ | {"LBR_HOME": str(tmp_path / "home")}
-        return subprocess.run(
+        return programs.run(
             [str(LBR), *arguments], env=environment, capture_output=True, text=True, timeout=9, check=False, **options
         )
 
@@ -95,12 +97,12 @@ def test_the_doctor_runs_without_a_robot(lbr):
 
 
 def test_a_reader_that_leaves_early_is_no_error(lbr):
-    done = subprocess.run(f"{LBR} --help | true", shell=True, capture_output=True, text=True, timeout=9, check=False)
+    done = programs.run(["sh", "-c", f"{LBR} --help | true"], capture_output=True, text=True, timeout=9, check=False)
     assert done.stderr == ""
 
 
 def test_starting_is_light():
     heavy = ["sqlalchemy", "mujoco", "numpy", "prompt_toolkit", "rich", "zenoh", "lbr.executive"]
     code = f"import sys, lbr.cli; print([name for name in {heavy} if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=9, check=True)
+    done = programs.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=9, check=True)
     assert done.stdout.strip() == "[]"

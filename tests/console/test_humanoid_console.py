@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests import programs
 from tests.robot import LBR, environment, prepare, running, until
 
 NEEDED = ("servos", "joints", "motions", "world")
@@ -33,9 +34,7 @@ def torque_on(robot):
 
 
 def send(robot, line, **more):
-    return subprocess.Popen(
-        [*LBR, "send", line], env=environment(robot.home), stdout=subprocess.PIPE, text=True, **more
-    )
+    return programs.start([*LBR, "send", line], env=environment(robot.home), stdout=subprocess.PIPE, text=True, **more)
 
 
 def test_torque_comes_first_and_goes_only_when_it_is_meant(bioloid):

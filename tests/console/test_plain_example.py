@@ -2,17 +2,18 @@
 
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from tests import programs
+
 SCRIPT = Path(__file__).parents[2] / "docs" / "examples" / "drive_with_plain_zenoh.py"
 
 
 def run(home: Path, *arguments: str) -> str:
-    done = subprocess.run(
+    done = programs.run(
         [sys.executable, str(SCRIPT), *arguments],
         env=os.environ | {"LBR_HOME": str(home)},
         capture_output=True,

@@ -17,6 +17,7 @@ from lbr.database.restore import restore
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, RowError
+from tests import programs
 
 HASH = "h" * 64
 
@@ -193,7 +194,7 @@ def opened_elsewhere(path: Path, then: str = "pass") -> Iterator[None]:
         f" {then}; print('open', flush=True); sys.stdin.read()"
     )
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-c", program], text=True, **pipes) as held:
+    with programs.start([sys.executable, "-c", program], text=True, **pipes) as held:
         try:
             assert held.stdout is not None
             assert held.stdout.readline() == "open\n"

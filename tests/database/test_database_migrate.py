@@ -3,7 +3,6 @@
 import shutil
 import signal
 import sqlite3
-import subprocess
 import sys
 import threading
 from contextlib import closing
@@ -15,6 +14,7 @@ from lbr.database import migrate
 from lbr.database.resources import robot_db_sql
 from lbr.database.store import Database, create
 from lbr.errors import LbrError, RowError
+from tests import programs
 
 SHIPPED = migrate.MIGRATIONS
 NEXT = '''
@@ -149,7 +149,7 @@ def test_a_process_killed_in_the_middle_leaves_the_old_schema(path, newer):
         "migrate.MIGRATIONS, migrate.HEAD = pathlib.Path(sys.argv[2]), '0008'\n"
         "store.Database.open(pathlib.Path(sys.argv[1]))\n"
     )
-    done = subprocess.run([sys.executable, "-c", program, path, migrate.MIGRATIONS], check=False)
+    done = programs.run([sys.executable, "-c", program, path, migrate.MIGRATIONS], check=False)
     assert done.returncode == -signal.SIGKILL
     assert stamp(path) == [("0007",)]
     assert columns(path, "motion") == [

@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 import sqlite3
-import subprocess
 
 import pytest
 from sqlalchemy import create_engine, inspect
@@ -12,6 +11,7 @@ from sqlalchemy import create_engine, inspect
 from lbr.database.models import CONFIGURATION, METADATA
 from lbr.database.resources import launch_profiles, robot_db_sql
 from lbr.database.store import Database
+from tests import programs
 
 TABLE = re.compile(r"CREATE TABLE (\w+) \((.*?)\n\) STRICT", re.DOTALL)
 MODELS = METADATA.tables
@@ -89,7 +89,7 @@ def test_launch_profiles_are_found():
 @pytest.mark.skipif(shutil.which("sqlite3") is None, reason="needs the sqlite3 program")
 def test_the_sqlite3_program_builds_the_same(tmp_path):
     file = tmp_path / "robot.db"
-    subprocess.run(["sqlite3", file], input=robot_db_sql().read_bytes(), check=True, capture_output=True)
+    programs.run(["sqlite3", file], input=robot_db_sql().read_bytes(), check=True, capture_output=True)
     file.chmod(0o600)
     with Database.open(file) as database:
         assert database.load("lbr").problems == ()

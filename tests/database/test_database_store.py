@@ -3,7 +3,6 @@
 import math
 import signal
 import sqlite3
-import subprocess
 import sys
 import threading
 from contextlib import closing
@@ -18,6 +17,7 @@ from lbr.database.store import Database
 from lbr.database.tables import TABLES
 from lbr.errors import RowError
 from lbr.messages.system import Event
+from tests import programs
 
 
 def test_rows_come_as_they_stand(database, client):
@@ -60,7 +60,7 @@ def test_the_latch_outlives_its_process_killed_right_after(path):
         "Database.open(pathlib.Path(sys.argv[1])).set_estop('lbr', engaged=True, reason='smoke')\n"
         "os.kill(os.getpid(), signal.SIGKILL)\n"
     )
-    done = subprocess.run([sys.executable, "-c", program, str(path)], check=False)
+    done = programs.run([sys.executable, "-c", program, str(path)], check=False)
     assert done.returncode == -signal.SIGKILL
     with Database.open(path) as database:
         robot = database.load("lbr").robot

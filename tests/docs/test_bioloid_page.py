@@ -2,13 +2,13 @@
 
 import json
 import re
-import subprocess
 import sys
 
 import pytest
 
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database.store import Database, create
+from tests import programs
 from tests.docs.pages import ROOT, said
 
 PAGE = ROOT / "docs" / "robots" / "bioloid.md"
@@ -45,7 +45,7 @@ def test_the_script_shows_angles_and_their_bounds_so_far():
     states[0]["joints"]["neck"] = {"id": 19, "position_rad": None, "reason": "servo 19 does not answer"}
     script = ROOT / "docs" / "examples" / "joint_angles.py"
     given = "".join(json.dumps(state) + "\n" for state in states)
-    done = subprocess.run([sys.executable, str(script)], input=given, capture_output=True, text=True, check=True)
+    done = programs.run([sys.executable, str(script)], input=given, capture_output=True, text=True, check=True)
     lines = done.stdout.splitlines()
     assert "servo 19 does not answer" in lines[2]
     assert lines[-1].split() == ["left_elbow", "6", "512", "-14.3", "-28.6", "0.0", "-0.500", "0.000"]

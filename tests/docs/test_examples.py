@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from lbr.bus import wire
+from tests import programs
 from tests.docs.pages import ROOT
 from tests.docs.ready import measured
 from tests.robot import Robot, prepare, running, until
@@ -54,7 +55,7 @@ def ready(robot: Robot, name: str) -> Callable[[], bool]:
 
 def drive_elsewhere(endpoint: str, *prefix: str, seconds: str = "1.0") -> "subprocess.CompletedProcess[str]":
     environment = {key: value for key, value in os.environ.items() if not key.startswith("LBR_")}
-    return subprocess.run(
+    return programs.run(
         [*prefix, sys.executable, str(SCRIPT), endpoint, seconds],
         env=environment,
         capture_output=True,
@@ -79,7 +80,7 @@ def test_a_plain_client_drives_reads_ranges_and_stops(robot):
 
 def test_a_plain_client_that_is_killed_leaves_the_robot_standing(robot):
     measured(robot)
-    client = subprocess.Popen([sys.executable, str(SCRIPT), robot.endpoints[0], "9"], stdout=subprocess.PIPE, text=True)
+    client = programs.start([sys.executable, str(SCRIPT), robot.endpoints[0], "9"], stdout=subprocess.PIPE, text=True)
     assert client.stdout is not None
     client.stdout.readline()
     until(lambda: robot.ask("drive/state")["moving"], what="the robot moves")

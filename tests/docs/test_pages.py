@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from tests import programs
 from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
 from tests.docs.ready import measured
 from tests.robot import Robot, prepare, running
@@ -71,7 +72,7 @@ def test_every_fenced_block_says_its_language(page):
 
 def generate(*arguments: str) -> "subprocess.CompletedProcess[str]":
     command = [sys.executable, str(ROOT / "docs" / "generate.py"), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return programs.run(command, capture_output=True, text=True, check=False)
 
 
 def test_reference_pages_are_fresh():
@@ -88,7 +89,7 @@ def test_a_stale_reference_page_is_noticed(tmp_path):
         shutil.copy(page, copy / "docs" / "reference")
     with (copy / "docs" / "reference" / "rows.md").open("a") as file:
         file.write("an afterthought\n")
-    done = subprocess.run(
+    done = programs.run(
         [sys.executable, str(copy / "docs" / "generate.py"), "--check"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 1
@@ -203,7 +204,7 @@ class Newcomer:
         return self.shell(command, errors=subprocess.STDOUT).stdout
 
     def shell(self, script: str, errors: int = subprocess.PIPE) -> "subprocess.CompletedProcess[str]":
-        return subprocess.run(
+        return programs.run(
             ["bash", "-uo", "pipefail", "-ec", script],
             env=self.environment,
             cwd=ROOT,
@@ -295,7 +296,7 @@ def test_the_first_command_of_the_readme_starts_a_robot_in_a_new_home(tmp_path):
     command = next(b.text for b in blocks(ROOT / "README.md") if b.marker == "<!-- run-command -->").split(" && ")[-1]
     arguments = command.strip().split("/lbr ")[1].split()
     environment = {key: value for key, value in os.environ.items() if key != "LBR_HOME"} | {"HOME": str(tmp_path)}
-    done = subprocess.run(
+    done = programs.run(
         [sys.executable, "-m", "lbr.cli", *arguments],
         env=environment,
         input="status\nShutdown\n",

@@ -1,6 +1,5 @@
 import os
 import signal
-import subprocess
 import sys
 import time
 from contextlib import suppress
@@ -17,6 +16,7 @@ from lbr.drivers.dynamixel.table import position_rad
 from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
+from tests import programs
 
 SETTINGS = '{"device": "servos", "guard": false, "reply_margin_s": 0.03, "sweep_hz": 250}'
 
@@ -450,7 +450,7 @@ while True:
 def driving(chain, hold_s):
     """A driver in a process of its own, whose servos are on their way."""
     environment = {**os.environ, "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[2]}"}
-    process = subprocess.Popen([sys.executable, "-c", DRIVER, str(chain.path), str(hold_s)], env=environment)
+    process = programs.start([sys.executable, "-c", DRIVER, str(chain.path), str(hold_s)], env=environment)
     until(lambda: all(servo.torque and servo.goal == 512 for servo in chain.servos.values()), 8.0)
     for servo in chain.servos.values():
         servo.stuck = 540

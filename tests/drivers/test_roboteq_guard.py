@@ -15,6 +15,7 @@ from lbr.drivers.roboteq.guard import PROGRAM
 from lbr.drivers.roboteq.protocol import STOP
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
+from tests import programs
 
 ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 DRIVER = """
@@ -38,7 +39,7 @@ while True:
 def driver(peer):
     """A driver in a process of its own, driving; and its guard's pid."""
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
-    process = subprocess.Popen(
+    process = programs.start(
         [sys.executable, "-c", DRIVER, str(peer.path)], stdout=subprocess.PIPE, text=True, env=environment
     )
     guard = int(process.stdout.readline())
@@ -106,10 +107,10 @@ def test_the_guard_says_why_before_it_kills():
     setraw(line)
     beats, alive = os.pipe()
     said, words = os.pipe()
-    victim = subprocess.Popen(["/bin/sleep", "60"])
+    victim = programs.start(["/bin/sleep", "60"])
     driver = os.pidfd_open(victim.pid)
     program = [sys.executable, "-I", "-S", str(PROGRAM), str(line), str(beats), str(driver), "60", STOP.hex()]
-    guard = subprocess.Popen([*program, str(words), b"why".hex()], pass_fds=(line, beats, driver, words))
+    guard = programs.start([*program, str(words), b"why".hex()], pass_fds=(line, beats, driver, words))
     os.write(alive, b"m")
     assert victim.wait(2.0) == -signal.SIGKILL
     assert os.read(said, 16) == b"why"

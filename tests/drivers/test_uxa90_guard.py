@@ -10,6 +10,7 @@ from peers import until
 from uxa90_peers import Board
 
 from lbr.errors import DeviceError
+from tests import programs
 
 DRIVER = """
 import json, sys, time
@@ -43,7 +44,7 @@ while True:
 def driving(board, row, play=""):
     """A driver in a process of its own, whose servos are on their way; or it has the main board play."""
     environment = {**os.environ, "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[2]}"}
-    process = subprocess.Popen(
+    process = programs.start(
         [sys.executable, "-c", DRIVER, str(board.path), row, play], env=environment, stdout=subprocess.PIPE
     )
     assert process.stdout.readline() == b"guarded\n"

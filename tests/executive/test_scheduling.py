@@ -1,18 +1,18 @@
 """What moves the robot outranks what uses it, as far as this user may say so."""
 
 import os
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from lbr.executive import scheduling
+from tests import programs
 from tests.robot import running, until
 
 
 @pytest.fixture
 def sleeper():
-    process = subprocess.Popen(["/bin/sleep", "60"], start_new_session=True)
+    process = programs.start(["/bin/sleep", "60"], start_new_session=True)
     yield process
     process.kill()
     process.wait()

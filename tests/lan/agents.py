@@ -10,6 +10,7 @@ from pathlib import Path
 
 from benchmarks.trace import Trace
 from lbr.bus.tokens import Token
+from tests import programs
 from tests.lan.door import add_token
 from tests.robot import LBR, Robot, free_port, prepare, running, until
 
@@ -61,7 +62,7 @@ class Two:
         if not token:
             del environment["LBR_TOKEN"]
         with self.said.open("ab") as said:
-            return subprocess.Popen(
+            return programs.start(
                 [*self.elsewhere, *LBR, "agent", host, "--connect", self.endpoint],
                 env=environment,
                 stdin=subprocess.DEVNULL,

@@ -20,6 +20,7 @@ from lbr.bus.tokens import Token
 from lbr.database import store
 from lbr.errors import BusError
 from lbr.executive import credentials
+from tests import programs
 from tests.robot import LBR, Robot, free_port, running, until
 
 PLAIN = Path(__file__).with_name("plain.py")
@@ -61,7 +62,7 @@ class Door:
     def lbr(self, *arguments: str, token: str = "", stdin: str = "") -> "subprocess.CompletedProcess[str]":
         """Run `lbr` on another machine, against this robot."""
         environment = os.environ | {"LBR_HOME": str(self.away), **({"LBR_TOKEN": token} if token else {})}
-        return subprocess.run(
+        return programs.run(
             [*self.elsewhere, *LBR, *arguments, "--connect", self.endpoint],
             env=environment,
             input=stdin,
@@ -78,7 +79,7 @@ class Door:
     @contextmanager
     def plain(self, name: str, manner: str) -> Iterator["subprocess.Popen[str]"]:
         """Run the client with nothing but Zenoh, on another machine."""
-        popen = subprocess.Popen(
+        popen = programs.start(
             [*self.elsewhere, sys.executable, str(PLAIN), str(self.file(name)), manner],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

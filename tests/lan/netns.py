@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
+from tests import programs, sweep
+
 OTHER_BOOT = "0badb007"
 _numbers = count()
 
@@ -25,6 +27,8 @@ class Network:
     def open(self) -> None:
         """Make it."""
         self.close()
+        sweep.note_namespace(self._robot)
+        sweep.note_namespace(self._client)
         for arguments in (
             ("netns", "add", self._robot),
             ("netns", "add", self._client),
@@ -58,6 +62,7 @@ def why_not() -> str:
     if os.geteuid() != 0 or shutil.which("ip") is None:
         return "needs root and the program ip"
     name = f"lbrt{os.getpid()}"
+    sweep.note_namespace(name)
     made = _ip("netns", "add", name)
     _ip("netns", "delete", name)
     return f"no network namespaces here: {made.stderr.strip()}" if made.returncode else ""
@@ -82,9 +87,9 @@ def another_clock(place: Path, ahead_s: int = 5000) -> tuple[str, ...]:
     boot.write_text(f"{OTHER_BOOT}-0000-4000-8000-000000000000")
     mount = f'mount --bind {boot} /proc/sys/kernel/random/boot_id && exec "$@"'
     prefix = ("unshare", "--time", "--monotonic", str(ahead_s), "--mount", "sh", "-c", mount, "sh")
-    tried = subprocess.run([*prefix, "cat", "/proc/sys/kernel/random/boot_id"], capture_output=True, check=False)
+    tried = programs.run([*prefix, "cat", "/proc/sys/kernel/random/boot_id"], capture_output=True, check=False)
     return prefix if tried.stdout == boot.read_bytes() else ()
 
 
 def _ip(*arguments: str) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(["ip", *arguments], capture_output=True, text=True, check=False)
+    return programs.run(["ip", *arguments], capture_output=True, text=True, check=False)

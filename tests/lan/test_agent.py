@@ -1,7 +1,6 @@
 """Two machines, one robot: what the profile places on the other one runs there, and stops when contact is lost."""
 
 import os
-import subprocess
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from lbr.bus import stamp, wire
+from tests import programs
 from tests.lan import netns
 from tests.lan.agents import Two, end, placed
 from tests.lan.netns import Network
@@ -94,5 +94,5 @@ def test_edits_stops_and_the_end_of_the_robot_reach_the_other_machine(two: Two):
 
 
 def _runs(pid: int) -> bool:
-    found = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False).stdout
+    found = programs.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False).stdout
     return os.path.exists(f"/proc/{pid}") and not found.startswith("Z")  # noqa: PTH110

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests import programs
 from tests.lan import netns
 from tests.lan.door import Door
 from tests.lan.netns import Network
@@ -44,7 +45,7 @@ def test_our_tools_reach_the_robot_from_another_machine(far_door: Door):
 
 def test_the_example_drives_from_another_machine_by_its_file_alone(far_door: Door):
     command = [*far_door.elsewhere, sys.executable, str(EXAMPLE), str(far_door.file("phone")), "0.5"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=9, check=False)
+    done = programs.run(command, capture_output=True, text=True, timeout=9, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "stopped"
 
@@ -86,7 +87,7 @@ def test_a_client_that_is_killed_leaves_the_motors_standing(far_door: Door):
 @pytest.mark.slow_start
 def test_a_robot_as_it_comes_cannot_be_reached_and_says_nothing_to_the_network(home: Path, network: Network):
     with netns.network() as alone, running(home, prefix=alone.robot) as robot:
-        listening = subprocess.run([*alone.robot, "ss", "-Hlntu"], capture_output=True, text=True, check=True)
+        listening = programs.run([*alone.robot, "ss", "-Hlntu"], capture_output=True, text=True, check=True)
         assert listening.stdout == ""
         before = said_to_the_network(alone)
         robot.line("/r/0.1/90")
@@ -96,7 +97,7 @@ def test_a_robot_as_it_comes_cannot_be_reached_and_says_nothing_to_the_network(h
 
 def said_to_the_network(network: Network) -> list[str]:
     """Count what programs on the robot's machine have sent."""
-    text = subprocess.run([*network.robot, "cat", "/proc/net/snmp"], capture_output=True, text=True, check=True).stdout
+    text = programs.run([*network.robot, "cat", "/proc/net/snmp"], capture_output=True, text=True, check=True).stdout
     rows = [line.split() for line in text.splitlines() if line.startswith(("Ip:", "Tcp:", "Udp:"))]
     found = {
         f"{names[0]}{name}": value

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 
 import pytest
 
+from tests import programs
 from tests.lan.door import Door
 from tests.robot import LBR, until
 
@@ -133,9 +134,7 @@ def test_a_terminal_is_asked_for_the_token_once_and_shows_none_of_it(door: Door,
     environment = {name: value for name, value in os.environ.items() if name != "LBR_TOKEN"} | {"LBR_HOME": str(away)}
     ours, theirs = pty.openpty()
     command = [*LBR, "send", "stop", "--connect", door.endpoint]
-    popen = subprocess.Popen(
-        command, env=environment, stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True
-    )
+    popen = programs.start(command, env=environment, stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True)
     os.close(theirs)
     shown = b""
 
@@ -153,7 +152,7 @@ def test_a_terminal_is_asked_for_the_token_once_and_shows_none_of_it(door: Door,
     os.close(ours)
     assert door.tokens["eye"].secret.encode() not in shown
     assert stat.S_IMODE(saved.stat().st_mode) == 0o600
-    again = subprocess.run(
+    again = programs.run(
         command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
     )
     assert again.stdout == "stopped\n", again.stderr

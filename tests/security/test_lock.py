@@ -1,10 +1,9 @@
 """What is released is locked by hash, and the lock is what the project asks for."""
 
-import subprocess
-
 import pytest
 
 from benchmarks.intrusion.dependencies import LOCK, ROOT, problems
+from tests import programs
 
 PROJECT = (ROOT / "pyproject.toml").read_text()
 
@@ -31,6 +30,6 @@ def test_a_new_dependency_must_be_locked():
 
 
 def test_what_is_made_from_the_lock_says_what_it_makes():
-    done = subprocess.run([ROOT / "requirements" / "make"], capture_output=True, text=True, check=False)
+    done = programs.run([ROOT / "requirements" / "make"], capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "sbom" in done.stderr

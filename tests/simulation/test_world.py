@@ -1,7 +1,6 @@
 """The running world as a driver and a bus client meet it: real ttys, real time."""
 
 import json
-import subprocess
 import sys
 import time
 
@@ -15,6 +14,7 @@ from lbr.simulation import KIND
 from lbr.simulation.capability import World
 from lbr.simulation.requests import FaultRequest, PictureRequest
 from lbr.simulation.twins import TWINS
+from tests import programs
 
 
 @pytest.fixture
@@ -228,7 +228,7 @@ def test_it_opens_again_after_closing(bench):
 
 def test_the_kind_is_light_and_leads_to_the_world():
     code = "import sys, lbr.simulation as s; s.KIND.parse('{}'); print([m for m in ('mujoco', 'numpy', 'PIL') if m in sys.modules])"
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    result = programs.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
     assert KIND.load() is World
 

@@ -21,6 +21,7 @@ from lbr.executive.logs import open_log
 from lbr.executive.units import Unit
 from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.dynamixel import DynamixelTwin
+from tests import programs
 from tests.robot import until
 
 KEY = "5e" * 32
@@ -164,7 +165,7 @@ class Stage:
             return False
         before = self.twin.joint("left_knee")[1]
         target = -1.9 if before > -1.0 else 0.0
-        self.client = subprocess.Popen([sys.executable, "-c", CLIENT, self.endpoint, str(target)])
+        self.client = programs.start([sys.executable, "-c", CLIENT, self.endpoint, str(target)])
         until(lambda: self.client.poll() is not None or abs(self.twin.joint("left_knee")[1] - before) > 0.03)
         return self.client.poll() is None
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from tests import programs
 from tests.robot import Robot, prepare, running, until
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
@@ -64,7 +65,7 @@ def robot():
 @contextmanager
 def plays(robot: Robot, **command: Any) -> "Iterator[subprocess.Popen[str]]":
     arguments = [sys.executable, "-c", PLAYER, json.dumps(robot.endpoints), json.dumps(command)]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as popen:
+    with programs.start(arguments, stdout=subprocess.PIPE, text=True) as popen:
         assert popen.stdout is not None
         reply = json.loads(popen.stdout.readline())
         assert reply["accepted"], reply

@@ -10,6 +10,8 @@ import pytest
 from dbus_fast import BusType, Message, MessageType
 from dbus_fast.aio import MessageBus
 
+from tests import programs
+
 CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
  "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
 <busconfig>
@@ -33,7 +35,7 @@ class Logind:
         self.address = f"unix:path={place / 'bus'}"
         config.write_text(CONFIG.format(path=place / "bus"))
         words = ["dbus-daemon", f"--config-file={config}", "--nofork", "--nopidfile", "--print-address=1"]
-        self._daemon = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        self._daemon = programs.start(words, stdout=subprocess.PIPE, text=True)
         assert self._daemon.stdout is not None
         assert self._daemon.stdout.readline().startswith("unix:")
         self._loop = asyncio.new_event_loop()

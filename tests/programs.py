@@ -1,0 +1,27 @@
+"""Programs that tests and benchmarks start: the kernel kills each when the process that started it is gone."""
+
+import subprocess
+import threading
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any
+
+from lbr.capability.tether import tethered
+
+Argv = Sequence["str | PathLike[str]"]
+
+
+def start(argv: Argv, **options: Any) -> "subprocess.Popen[Any]":
+    """Start a program, as `subprocess.Popen` does."""
+    return subprocess.Popen(_argv(argv), **options)
+
+
+def run(argv: Argv, **options: Any) -> "subprocess.CompletedProcess[Any]":
+    """Run a program to its end, as `subprocess.run` does."""
+    return subprocess.run(_argv(argv), **options)  # noqa: PLW1510 - the caller says `check`
+
+
+def _argv(argv: Argv) -> list[str]:
+    """Return what to start; from another thread than the main one nothing is tethered, because it would die with that."""
+    words = tuple(str(word) for word in argv)
+    return tethered(words) if threading.current_thread() is threading.main_thread() else list(words)

@@ -1,0 +1,126 @@
+"""The suite itself: what a test process started ends with it, a slow test fails alone, nothing is left unseen."""
+
+import json
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import psutil
+import pytest
+
+from tests import programs
+from tests.robot import until
+
+pytestmark = pytest.mark.timeout(40)
+
+ROOT = Path(__file__).parents[2]
+
+DIES = """
+import json, os, signal
+from pathlib import Path
+from tests import programs, sweep
+from tests.robot import start
+
+def test_is_killed(home):
+    robot = start(home)
+    programs.start(["/bin/sleep", "60"])
+    place = Path(os.environ[sweep.MARK])
+    Path(NOTE).write_text(json.dumps([str(place), *sweep.processes(place)]))
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+SLOW = """
+import select
+import pytest
+
+@pytest.mark.timeout(0.3)
+def test_that_is_slow():
+    select.select([], [], [], 60.0)
+
+def test_after_it():
+    pass
+"""
+STUCK = """
+import pytest
+import zenoh
+
+@pytest.mark.timeout(0.3)
+def test_that_waits_for_an_answer():
+    config = zenoh.Config()
+    config.insert_json5("scouting/multicast/enabled", "false")
+    config.insert_json5("listen/endpoints", "[]")
+    with zenoh.open(config) as bus:
+        bus.declare_subscriber("a/b").recv()
+
+def test_after_it():
+    pass
+"""
+LEAVES = """
+import os
+from pathlib import Path
+
+def test_leaves_a_process_and_a_file():
+    os.posix_spawn("/bin/sleep", ["/bin/sleep", "60"], os.environ)
+    (Path.home() / "left.txt").touch()
+"""
+TELLS = """
+from tests import machine
+
+def test_measures_again():
+    machine.notes.append("measured again, 7 ms")
+"""
+
+
+def run(tmp_path: Path, text: str, *arguments: str) -> tuple[int, str]:
+    """Run a file of tests by a pytest of its own, with this suite's settings."""
+    file = tmp_path / "test_it.py"
+    file.write_text(text)
+    settings = ["-p", "tests.conftest", "-c", str(ROOT / "pyproject.toml"), "-p", "no:cacheprovider"]
+    argv = [sys.executable, "-m", "pytest", *settings, "--basetemp", str(tmp_path / "b"), *arguments, str(file)]
+    done = programs.run(argv, cwd=ROOT, capture_output=True, text=True, check=False, timeout=38)
+    return done.returncode, done.stdout + done.stderr
+
+
+def running(pids: list[int]) -> list[str]:
+    found = []
+    for pid in pids:
+        with suppress(psutil.Error):
+            process = psutil.Process(pid)
+            found += [] if process.status() == psutil.STATUS_ZOMBIE else [" ".join(process.cmdline())]
+    return found
+
+
+def test_nothing_of_a_killed_test_process_is_left(tmp_path):
+    note = tmp_path / "note.json"
+    code, said = run(tmp_path, f"NOTE = {str(note)!r}\n{DIES}")
+    assert code == -9, said
+    place, *pids = json.loads(note.read_text())
+    assert len(pids) > 5
+    until(lambda: not running(pids), limit_s=1.5, what="by the kernel, before the sweeper")
+    until(lambda: not Path(place).exists(), limit_s=9.0, what="by the sweeper")
+
+
+@pytest.mark.parametrize("text", [SLOW, STUCK])
+def test_a_slow_test_fails_alone(tmp_path, text):
+    code, said = run(tmp_path, text, "-n", "1")
+    assert code == 1, said
+    assert "1 failed, 1 passed" in said
+    assert "not done within 0.3 s" in said
+    assert "crashed" not in said
+
+
+@pytest.mark.parametrize("arguments", [(), ("-n", "1")])
+def test_what_a_test_leaves_behind_fails_the_run(tmp_path, arguments):
+    code, said = run(tmp_path, LEAVES, *arguments)
+    assert "1 passed" in said
+    assert code == 1
+    assert "left behind by tests" in said
+    assert "/bin/sleep 60" in said
+    assert "file in the home: left.txt" in said
+
+
+@pytest.mark.parametrize("arguments", [(), ("-n", "1")])
+def test_what_was_measured_again_is_told(tmp_path, arguments):
+    code, said = run(tmp_path, TELLS, *arguments)
+    assert code == 0
+    assert "measured more than once" in said
+    assert "test_measures_again: measured again, 7 ms" in said
