@@ -37,21 +37,21 @@ ANGLES = (90.0, 270.0)
 """Spinning on the spot needs no room, so a robot may be driven for as long as it takes."""
 
 
-def prepare(home: Path, *victims: str, edits: tuple[str, ...] = ()) -> Path:
-    """Make a home for tests, with the named victims' kinds in it."""
+def prepare(home: Path, *victims: str, edits: tuple[str, ...] = (), whole: bool = False) -> Path:
+    """Make a home for tests, with the named victims' kinds in it; lbr runs its base alone unless it is to be whole."""
     kinds = home / "capabilities"
     kinds.mkdir(mode=0o700, parents=True)
     for victim in victims:
         shutil.copy(VICTIMS / f"{victim}.py", kinds / f"{victim}.py")
         (kinds / f"{victim}.py").chmod(0o600)
-    return prepare_base(home, edits=edits)
+    return prepare_base(home, edits=edits, whole=whole)
 
 
 @contextmanager
-def temporary_home(*victims: str, edits: tuple[str, ...] = ()) -> Iterator[Path]:
+def temporary_home(*victims: str, edits: tuple[str, ...] = (), whole: bool = False) -> Iterator[Path]:
     """Give a prepared home with a short path, because the names of sockets are bounded."""
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-        yield prepare(Path(place) / "h", *victims, edits=edits)
+        yield prepare(Path(place) / "h", *victims, edits=edits, whole=whole)
 
 
 class Bench:
@@ -74,6 +74,7 @@ class Bench:
                 self.wait_for_motion(1.5)
                 return mover
             mover.cease()
+            self.results.repeated.append("a start of both motors: they did not come to 40 % in 1.5 s")
         mover = self._start()
         self.wait_for_motion()
         return mover
@@ -227,7 +228,7 @@ class Bench:
 @contextmanager
 def bench(results: Results, *victims: str, edits: tuple[str, ...] = (), profile: str = "lbr-sim") -> Iterator[Bench]:
     """Run a robot to be measured, or what a scenario put in its place; check its outputs' limits, let no process be left."""
-    with temporary_home(*victims, edits=edits) as home:
+    with temporary_home(*victims, edits=edits, whole=results.whole) as home:
         under_test = Bench(start(home, profile=profile), results)
         try:
             yield under_test

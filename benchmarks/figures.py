@@ -4,26 +4,35 @@ import math
 import os
 import platform
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Literal
 
 import msgspec
-from msgspec import Struct, field
+from msgspec import Struct, field, structs
 
 Verdict = Literal["met", "missed", "broken"]
 Statistic = Literal["max", "p99", "p95", "p50"]
 STATISTICS: tuple[Statistic, ...] = ("p50", "p99", "max")
 
 
-class Promise(Struct, frozen=True, kw_only=True):
-    """A figure: `target` is graded by `statistic`, `hard` by the maximum; a violation breaks it whatever the time."""
+BASE, WHOLE = "base", "whole"
+"""Which robot was measured: motors, ranges, drive and world of lbr, or lbr as it ships."""
+
+
+class Promise(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A figure: `target` is graded by `statistic`, `hard` by the maximum; a violation breaks it whatever the time.
+
+    `robot` is what ran; empty where none did, or where `what` says it.
+    """
 
     what: str
     unit: str = "ms"
     target: float | None = None
     statistic: Statistic = "max"
     hard: float | None = None
+    robot: str = ""
 
 
 class Result(Struct, kw_only=True):
@@ -59,6 +68,8 @@ class Report(Struct, kw_only=True):
     started: str
     took_s: float
     results: list[Result]
+    repeated: list[str] = []
+    disturbed: list[str] = []
 
     def write(self, path: Path) -> None:
         """Write it as JSON, one figure to a line."""
@@ -72,6 +83,12 @@ class Report(Struct, kw_only=True):
                 print(f"BROKEN {result.figure}: {text}", file=sys.stderr)
         return 1 if broken else 0
 
+    def tell_repeated(self) -> None:
+        """Say on standard error what counts although it was not the first try, and what does not count."""
+        for title, texts in (("measured again", self.repeated), ("not counted", self.disturbed)):
+            for text, times in Counter(texts).items():
+                print(f"{title}: {text}{f' ({times} times)' if times > 1 else ''}", file=sys.stderr)
+
 
 def machine() -> str:
     """Return what this machine is."""
@@ -80,17 +97,25 @@ def machine() -> str:
 
 
 class Results:
-    """Collects what scenarios measure, by figure; `disturbed` are tries in which nothing moved before the fault."""
+    """Collects what scenarios measure, by figure, on the base or on whole robots.
 
-    def __init__(self, promises: dict[str, Promise]) -> None:
+    `disturbed` are tries that do not count, because nothing moved before the fault; `repeated` says what was tried again.
+    """
+
+    def __init__(self, promises: dict[str, Promise], *, whole: bool = False) -> None:
         self.by_figure: dict[str, Result] = {}
         self.disturbed: list[str] = []
+        self.repeated: list[str] = []
         self.promises = promises
+        self.whole = whole
 
     def of(self, figure: str) -> Result:
         """Return the result of a figure, empty at first."""
         if figure not in self.by_figure:
-            self.by_figure[figure] = Result(figure=figure, promise=self.promises[figure])
+            promise = self.promises[figure]
+            if self.whole and promise.robot == BASE:
+                promise = structs.replace(promise, robot=WHOLE)
+            self.by_figure[figure] = Result(figure=figure, promise=promise)
         return self.by_figure[figure]
 
     def sample(self, figure: str, value: float) -> None:
@@ -107,14 +132,15 @@ class Results:
         """Return a view for scenarios under a load: `S1` counts as `S1 H`; a time that has no such figure is let go."""
         return _Loaded(self, load)
 
-    def add(self, results: Iterable[Result], disturbed: Iterable[str] = ()) -> None:
+    def add(self, results: Iterable[Result], disturbed: Iterable[str] = (), repeated: Iterable[str] = ()) -> None:
         """Take in what was measured elsewhere."""
         for found in results:
-            own = self.of(found.figure)
+            own = self.by_figure.setdefault(found.figure, Result(figure=found.figure, promise=found.promise))
             own.samples += found.samples
             own.checks += found.checks
             own.violations += found.violations
         self.disturbed += disturbed
+        self.repeated += repeated
 
     def ordered(self) -> list[Result]:
         """Return the results in the order of the promises."""
@@ -127,8 +153,9 @@ class Results:
 
 class _Loaded(Results):
     def __init__(self, results: Results, load: str) -> None:
-        super().__init__(results.promises)
+        super().__init__(results.promises, whole=results.whole)
         self.disturbed = results.disturbed
+        self.repeated = results.repeated
         self._results = results
         self._load = load
 
@@ -190,15 +217,25 @@ def summary(result: Result, measured: str = "") -> Summary:
 
 def rows(summaries: Iterable[Summary], anchor: Callable[[str], str] | None = None) -> str:
     """Return a Markdown table; the bound is what N tries without a failure leave possible, at 95 %."""
-    head = ["figure", "what", "N", "p50", "p99", "max", "target", "hard", "fails at most", "anchor", "verdict", "load"]
-    lines = ["| " + " | ".join(head) + " |", "|---|---|--:|--:|--:|--:|---|---|--:|---|---|---|"]
+    head = ["figure", "what", "robot", "N", "p50", "p99", "max", "target", "hard", "fails at most", "anchor", "verdict"]
+    head.append("load")
+    lines = ["| " + " | ".join(head) + " |", "|---|---|---|--:|--:|--:|--:|---|---|--:|---|---|---|"]
     for found in summaries:
         promise = found.promise
         numbers = ["" if value is None else _number(value) for value in (found.p50, found.p99, found.max)]
         target = f"{promise.statistic} {promise.target:g} {promise.unit}" if promise.target is not None else ""
         zero = "" if found.max is not None else "0 violations"
         hard = f"{promise.hard:g} {promise.unit}" if promise.hard is not None else zero
-        cells = [found.figure, promise.what, str(found.n), *numbers, target.strip(), hard.strip(), _bound(found)]
+        cells = [
+            found.figure,
+            promise.what,
+            promise.robot,
+            str(found.n),
+            *numbers,
+            target.strip(),
+            hard.strip(),
+            _bound(found),
+        ]
         verdict = found.verdict + (f": {found.failures} of {found.n}" if found.failures else "")
         cells += [anchor(found.figure) if anchor else "", verdict, _load(found.figure)]
         lines.append("| " + " | ".join(cells) + " |")

@@ -16,10 +16,12 @@ BEGIN, END = "<!-- figures:begin -->", "<!-- figures:end -->"
 FAMILIES = "SEFTPDZABK"
 ABOUT = """Times are in milliseconds unless the target says otherwise. *Target* is graded, *hard* may never be passed, *fails
 at most* is what so many tries without a failure leave possible (3/N, 95 %), *anchor* is the best figure known of others.
+*Robot* is what ran: *base* are the capabilities motors, ranges, drive and world of lbr-sim and no others, *whole* is
+lbr-sim as it ships; where it is empty, no whole robot ran, or the line says which.
 Load: *I* nothing else, *H* four busy loops, *G* these and floods of 20,000 messages, *clock* a wall clock that jumps.
 
 `python -m benchmarks.safety --gate` tries all of it in under five minutes, as CI does; `--full --minutes 120` measures in
-rounds as much as fits. `python -m benchmarks.soak --minutes 30` lets a robot live, with a fault a minute. What any
+rounds as much as fits, `--whole` on whole robots. `python -m benchmarks.soak --minutes 30` lets a robot live, with a fault a minute. What any
 benchmark writes with `--json FILE` gets into this table by `python -m benchmarks.safety --merge FILE --write-docs`."""
 
 
@@ -35,7 +37,8 @@ class Ledger(Struct, kw_only=True):
 
     def merge(self, report: Report) -> None:
         """Take in a report: what it has measured anew replaces what was there."""
-        measured = f"{report.started} on {report.machine}; {report.load}"
+        again = f"; {len(report.repeated)} measured again" if report.repeated else ""
+        measured = f"{report.started} on {report.machine}; {report.load}{again}"
         new = [summary(result, measured) for result in report.results]
         names = {found.figure for found in new}
         self.figures = sorted([*(old for old in self.figures if old.figure not in names), *new], key=_order)

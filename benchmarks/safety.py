@@ -5,9 +5,13 @@
 in ten rounds, `--minutes 120` as many of them as fit. `--merge FILE` keeps what any benchmark has written with `--json`
 in benchmarks/results.json, and `--write-docs` makes the table in docs/safety.md of that. Exit code 1 if a hard value
 is broken.
+
+Most scenarios run the base of lbr alone: motors, ranges, drive and world. With `--whole` they run lbr-sim as it ships.
+What was measured more than once, because it was too much for the machine among others, is told and kept with the result.
 """
 
 import argparse
+import ctypes
 import multiprocessing
 import signal
 import sys
@@ -25,6 +29,8 @@ from benchmarks.figures import Report, Result, Results, machine, table
 from benchmarks.ledger import Ledger
 from benchmarks.promises import PROMISES
 from benchmarks.schedule import FIGURE_OF, SCENARIOS
+from lbr.capability.tether import PR_SET_PDEATHSIG
+from tests.machine import Stopwatch
 
 ROUNDS = 10
 GATE_JOBS = 4
@@ -35,6 +41,7 @@ class Run(NamedTuple):
 
     name: str
     n: int
+    whole: bool = False
 
 
 def main() -> int:
@@ -45,7 +52,13 @@ def main() -> int:
     arguments = _arguments()
     if arguments.merge or arguments.write_docs:
         return _keep(arguments.merge, write_docs=arguments.write_docs)
-    report = measure(_rounds(arguments), arguments.load, jobs=arguments.jobs or (GATE_JOBS if arguments.gate else 1))
+    report = measure(
+        _rounds(arguments),
+        arguments.load,
+        jobs=arguments.jobs or (GATE_JOBS if arguments.gate else 1),
+        whole=arguments.whole,
+    )
+    report.tell_repeated()
     if arguments.json:
         report.write(arguments.json)
     if arguments.table or not arguments.json:
@@ -53,20 +66,28 @@ def main() -> int:
     return report.tell_broken()
 
 
-def measure(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1) -> Report:
+def measure(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1, whole: bool = False) -> Report:
     """Run all rounds; with several jobs, what need not be alone runs beside others."""
-    results = Results(PROMISES)
+    results = Results(PROMISES, whole=whole)
     began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
-    for runs in rounds:
+    watch = Stopwatch()
+    for plan in rounds:
+        runs = [run._replace(whole=whole) for run in plan]
         shared = [run for run in runs if not SCENARIOS[run.name].alone] if jobs > 1 else []
         _together(results, shared, jobs)
         for run in runs:
             if run not in shared:
                 _take(results, run_alone(run))
-    for text in results.disturbed:
-        print(f"not counted: {text}", file=sys.stderr)
     took_s = round(time.monotonic() - began, 1)
-    return Report(machine=machine(), load=load, started=started, took_s=took_s, results=results.ordered())
+    return Report(
+        machine=machine(),
+        load=f"{load}; no program waited for {watch.share:.0%} of the time",
+        started=started,
+        took_s=took_s,
+        results=results.ordered(),
+        repeated=results.repeated,
+        disturbed=results.disturbed,
+    )
 
 
 class Outcome(Struct, frozen=True):
@@ -74,6 +95,7 @@ class Outcome(Struct, frozen=True):
 
     results: list[Result]
     disturbed: list[str]
+    repeated: list[str]
     gave_up: bool
 
     @property
@@ -82,10 +104,22 @@ class Outcome(Struct, frozen=True):
         broken = [result for result in self.results if result.verdict == "broken"]
         return self.gave_up or (bool(broken) and not any(result.violations for result in broken))
 
+    @property
+    def why(self) -> str:
+        """Say what was wrong."""
+        broken = [result for result in self.results if result.verdict == "broken"]
+        texts = [
+            f"{result.figure} {max(result.samples):.0f} {result.promise.unit}, at most {result.promise.hard:g}"
+            if result.samples and not result.violations
+            else f"{result.figure}: {', '.join(result.violations[:1]) or 'nothing measured'}"
+            for result in broken
+        ]
+        return "; ".join(texts)
+
 
 def run_alone(run: Run) -> bytes:
     """Run a scenario; one that cannot go on counts as a violation. Returns an encoded Outcome."""
-    results = Results(PROMISES)
+    results = Results(PROMISES, whole=run.whole)
     since = time.monotonic()
     gave_up = False
     try:
@@ -96,28 +130,35 @@ def run_alone(run: Run) -> bytes:
         figure = FIGURE_OF.get(run.name) or next(figure for figure in PROMISES if figure.split()[0] == run.name)
         results.check(figure, [f"the scenario could not go on: {err}"])
     print(f"{run.name}: {run.n}, {time.monotonic() - since:.0f} s", file=sys.stderr, flush=True)
-    return msgspec.json.encode(Outcome(results.ordered(), results.disturbed, gave_up))
+    return msgspec.json.encode(Outcome(results.ordered(), results.disturbed, results.repeated, gave_up))
 
 
 def _together(results: Results, runs: list[Run], jobs: int) -> None:
-    """Run several at a time; what may be the machine's fault is tried again by itself, and that counts."""
+    """Run several at a time; what may be the machine's fault is tried again by itself, that counts, and it is told."""
     if not runs:
         return
     again: list[Run] = []
-    with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_end_with_parent) as pool:
         for run, encoded in zip(runs, pool.map(run_alone, runs), strict=True):
-            if msgspec.json.decode(encoded, type=Outcome).may_be_the_machine:
+            outcome = msgspec.json.decode(encoded, type=Outcome)
+            if outcome.may_be_the_machine:
                 again.append(run)
+                results.repeated.append(f"{run.name}, by itself: beside {jobs - 1} others {outcome.why}")
             else:
                 _take(results, encoded)
     for run in again:
-        print(f"{run.name}: too much for this machine among others, once more", file=sys.stderr, flush=True)
         _take(results, run_alone(run))
 
 
 def _take(results: Results, encoded: bytes) -> None:
     outcome = msgspec.json.decode(encoded, type=Outcome)
-    results.add(outcome.results, outcome.disturbed)
+    results.add(outcome.results, outcome.disturbed, outcome.repeated)
+
+
+def _end_with_parent() -> None:
+    """Have the kernel kill a process of the pool, and so what it has started, when this benchmark is killed."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _rounds(arguments: argparse.Namespace) -> Iterator[list[Run]]:
@@ -164,6 +205,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no round of --full that ends later")
     parser.add_argument("--jobs", type=int, default=0, help=f"scenarios at a time ({GATE_JOBS} for --gate, else 1)")
     parser.add_argument("--only", type=_names, metavar="S1,S3", help=f"of {', '.join(SCENARIOS)}")
+    parser.add_argument("--whole", action="store_true", help="on lbr-sim as it ships, not on its base")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result")
     parser.add_argument("--table", action="store_true", help="print a Markdown table")
     parser.add_argument("--load", default="nothing else running", help="what else the machine does, for the record")

@@ -1,25 +1,29 @@
-"""B3 and B4: listeners that are stopped or slow cost nobody anything; what the robot costs at rest."""
+"""B3 and B4: listeners that are stopped or slow cost nobody anything; what whole robots cost at rest."""
 
 import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 import psutil
 
-from benchmarks.bench import Bench, bench, processes_of
+from benchmarks.bench import Bench, bench, let_go, processes_of, temporary_home
 from benchmarks.clients import listener
 from benchmarks.figures import Results, percentile
 from benchmarks.scenarios import estop
-from tests.robot import Robot
+from tests import programs
+from tests.robot import Robot, start
 
 FROZEN, SLOW = 5, 5
 PRESSES = 5
-SETTLE_S = 2.0
+SETTLE_S = 4.0
+READY_S = 30.0
 LISTEN_S = 8.0
 SIMULATION = "world"
+ROBOTS = ("lbr", "bioloid", "uxa90")
 
 
 def slow_listeners(results: Results, n: int) -> None:
@@ -30,15 +34,36 @@ def slow_listeners(results: Results, n: int) -> None:
 
 
 def at_rest(results: Results, n: int) -> None:
-    """B4, for `n` seconds; the simulation is left out of the CPU, a real robot has none."""
-    with bench(results) as under_test:
-        under_test.pass_time(SETTLE_S)
-        processes = processes_of(under_test.robot.home)
-        counted = [process for process in processes if process.pid != under_test.pid(SIMULATION)]
-        before = _cpu_s(counted)
-        under_test.pass_time(float(n))
-        results.sample("B4 CPU", (_cpu_s(counted) - before) / n * 100)
-        results.sample("B4", sum(process.memory_info().rss for process in processes) / 2**20)
+    """B4, each robot as it ships for `n` seconds; what it costs without its simulation too, for a real robot has none."""
+    for name in ROBOTS:
+        with temporary_home(whole=True) as home:
+            robot = start(home, profile=f"{name}-sim", limit_s=READY_S)
+            try:
+                _at_rest(results, robot, n)
+            finally:
+                let_go(robot)
+
+
+def _at_rest(results: Results, robot: Robot, seconds: int) -> None:
+    Bench.pass_time(SETTLE_S)
+    processes = processes_of(robot.home)
+    world = psutil.Process(robot.capability(SIMULATION)["pid"])
+    simulation = {world.pid, *(process.pid for process in world.children(recursive=True))}
+    before, began = [_cpu_s(process) for process in processes], time.monotonic()
+    Bench.pass_time(float(seconds))
+    spent_s = time.monotonic() - began
+    cpu = {
+        process.pid: (_cpu_s(process) - cpu_s) / spent_s * 100 for process, cpu_s in zip(processes, before, strict=True)
+    }
+    memory = {process.pid: process.memory_full_info() for process in processes}
+    figure = f"B4 {robot.name}"
+    results.sample(figure, sum(each.pss for each in memory.values()) / 2**20)
+    results.sample(f"{figure} private", sum(each.uss for each in memory.values()) / 2**20)
+    results.sample(f"{figure} RSS", sum(each.rss for each in memory.values()) / 2**20)
+    results.sample(f"{figure} real", sum(each.pss for pid, each in memory.items() if pid not in simulation) / 2**20)
+    results.sample(f"{figure} CPU", sum(each for pid, each in cpu.items() if pid not in simulation))
+    results.sample(f"{figure} CPU all", sum(cpu.values()))
+    results.sample(f"{figure} processes", len(processes))
 
 
 def memory_mib(robot: Robot) -> dict[int, float]:
@@ -79,7 +104,7 @@ def _press_many(under_test: Bench) -> float:
 def _listeners(robot: Robot) -> Iterator[None]:
     program = [sys.executable, listener.__file__, robot.endpoints[0], robot.name]
     popens = [
-        subprocess.Popen([*program, str(0.0 if n < FROZEN else 1.0)], stdout=subprocess.PIPE, text=True)
+        programs.start([*program, str(0.0 if n < FROZEN else 1.0)], stdout=subprocess.PIPE, text=True)
         for n in range(FROZEN + SLOW)
     ]
     try:
@@ -95,6 +120,6 @@ def _listeners(robot: Robot) -> Iterator[None]:
             popen.communicate()
 
 
-def _cpu_s(processes: list[psutil.Process]) -> float:
-    times = [process.cpu_times() for process in processes]
-    return float(sum(spent.user + spent.system for spent in times))
+def _cpu_s(process: psutil.Process) -> float:
+    spent = process.cpu_times()
+    return float(spent.user + spent.system)
