@@ -32,21 +32,28 @@ def _seal(key: bytes, payload: bytes, seq: int, mono_ns: int, boot: str) -> byte
     return hashlib.blake2b(sealed, key=key, digest_size=16).hexdigest().encode()
 
 
-def make(source: str, seq: int, payload: bytes = b"", key: bytes = b"", *, sent_s: float | None = None) -> bytes:
+def make(
+    source: str, seq: int, payload: bytes = b"", key: bytes = b"", *, sent_s: float | None = None, token: str = ""
+) -> bytes:
     """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it.
 
-    `sent_s` is when what is passed on was sent first, on this machine's monotonic clock; now, if it is not given.
+    `token` names the token whose secret is the key, for the door of a robot elsewhere. `sent_s` is when what is passed on was sent first, on this machine's monotonic clock; now, if it is not given.
     """
     mono_ns = time.monotonic_ns() if sent_s is None else int(sent_s * 1e9)
     seal = _seal(key, payload, seq, mono_ns, boot_id()).decode() if key else ""
-    stamp = Stamp(source=source, seq=seq, mono_ns=mono_ns, wall_ns=time.time_ns(), boot=boot_id(), seal=seal)
+    stamp = Stamp(
+        source=source, seq=seq, mono_ns=mono_ns, wall_ns=time.time_ns(), boot=boot_id(), seal=seal, token=token
+    )
     return _encoder.encode(stamp)
 
 
-def passed_on(attachment: bytes, via: str) -> bytes:
-    """Return the attachment of a message from another machine as it goes on from the door `via`: never sealed."""
+def passed_on(attachment: bytes, via: str, token: str = "") -> bytes:
+    """Return the attachment of a message from another machine as it goes on from the door `via`: never sealed.
+
+    `token` is whose it was proven to be.
+    """
     found = read(attachment) or Stamp(source="", seq=0, mono_ns=0, wall_ns=0)
-    return _encoder.encode(replace(found, seal="", via=via))
+    return _encoder.encode(replace(found, seal="", via=via, token=token))
 
 
 def read(attachment: bytes | None) -> Stamp | None:

@@ -13,6 +13,7 @@ import zenoh
 
 from lbr.bus import keys
 from lbr.bus import stamp as stamps
+from lbr.bus.access import Credentials
 from lbr.errors import BusError
 from lbr.messages.camera import JpegFrame
 
@@ -241,7 +242,10 @@ class Served:
 
 
 class Question:
-    """A query under way; its answers arrive on Zenoh's thread. `attachment` passes on a stamp instead of our own."""
+    """A query under way; its answers arrive on Zenoh's thread. `attachment` passes on a stamp instead of our own.
+
+    `proof` is the token by which we came in at a robot's door: it tells there who asks.
+    """
 
     def __init__(
         self,
@@ -252,8 +256,10 @@ class Question:
         timeout_s: float,
         source: str,
         attachment: bytes = b"",
+        proof: Credentials | None = None,
         wake: Callable[[], None] = lambda: None,
     ) -> None:
+        user, secret = (proof.user, proof.password.encode()) if proof is not None else ("", b"")
         self.key = key
         self.replies: list[Raw] = []
         self.done = False
@@ -264,7 +270,7 @@ class Question:
                 zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
                 payload=payload,
                 encoding=JSON,
-                attachment=attachment or stamps.make(source, 0),
+                attachment=attachment or stamps.make(source, 0, payload, secret, token=user),
                 timeout=timeout_s,
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 priority=zenoh.Priority.REAL_TIME,

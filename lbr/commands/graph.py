@@ -40,7 +40,9 @@ def _elsewhere(whom: Whom) -> "Graph":
 
     found = target.find(*whom)
     with target.connected(found) as bus:
-        said = operator.BusOperator(bus, found.robot, target.source("lbr graph"), role=found.role, listen=False)
+        said = operator.BusOperator(
+            bus, found.robot, target.source("lbr graph"), role=found.role, proof=found.proof, listen=False
+        )
         result = said.submit("/report/wiring")
     if result.code != 0:
         raise BusError(result.text)

@@ -44,7 +44,9 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
 
     found = target.find(*whom)
     with target.connected(found) as bus:
-        said = operator.BusOperator(bus, found.robot, target.source("lbr send"), role=found.role, listen=False)
+        said = operator.BusOperator(
+            bus, found.robot, target.source("lbr send"), role=found.role, proof=found.proof, listen=False
+        )
         try:
             with interruptible():
                 result, code, ending = lines.say_once(said, line, hold_s=hold_s, announce=announce)

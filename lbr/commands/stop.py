@@ -33,7 +33,9 @@ def command(whom: Whom) -> int:
         click.echo(f"robot '{found.robot}' has shut down")
         return 0
     with target.connected(found) as bus:
-        said = operator.BusOperator(bus, found.robot, target.source("lbr stop"), role=found.role, listen=False)
+        said = operator.BusOperator(
+            bus, found.robot, target.source("lbr stop"), role=found.role, proof=found.proof, listen=False
+        )
         result = said.submit("Shutdown")
     click.echo(result.text, err=result.code != 0)
     return result.code

@@ -58,7 +58,9 @@ def leave() -> None:
 def run_remote(found: target.Target, *, hold_s: float | None = None) -> int:
     """Run a console on a robot, until it is left; the robot runs on."""
     with target.connected(found) as bus, target.connected(found) as streams:
-        operator = BusOperator(bus, found.robot, target.source("console"), role=found.role, streams=streams)
+        operator = BusOperator(
+            bus, found.robot, target.source("console"), role=found.role, proof=found.proof, streams=streams
+        )
         return _run(operator, local=False, hold_s=hold_s)
 
 

@@ -8,6 +8,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from msgspec import Struct
 
 from lbr.bus import keys, wire
+from lbr.bus.access import Credentials
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console.hold import Ending, Holder, stop
@@ -80,7 +81,8 @@ def is_stop(line: str) -> bool:
 class BusOperator:
     """An operator over the bus; a console in the robot's own process passes `submit` to say its lines directly.
 
-    `streams` may be a second session, so that what the robot says never delays what is said to it.
+    `streams` may be a second session, so that what the robot says never delays what is said to it. `proof` is the token
+    by which the session came in: lines are sealed with it, so that the robot knows whose they are.
     """
 
     def __init__(
@@ -90,6 +92,7 @@ class BusOperator:
         source: str,
         *,
         role: Role = "operate",
+        proof: Credentials | None = None,
         submit: Callable[[str], ConsoleResult] | None = None,
         streams: Session | None = None,
         listen: bool = True,
@@ -101,6 +104,7 @@ class BusOperator:
         self._session = session
         self._source = source
         self._role = role
+        self._proof = proof
         self._submit = submit or self._ask
         self._lock = threading.Lock()
         self._said = 0
@@ -208,6 +212,7 @@ class BusOperator:
             line.encode(),
             timeout_s=LINE_TIMEOUT_S,
             source=self._source,
+            proof=self._proof,
             wake=answered.set,
         )
         while not (question.done or question.replies):

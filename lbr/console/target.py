@@ -32,6 +32,11 @@ class Target(Struct, frozen=True, kw_only=True):
     role: Role = "operate"
     running: home.Running | None = None
 
+    @property
+    def proof(self) -> Credentials | None:
+        """Return the token that tells a robot elsewhere who we are."""
+        return self.credentials if self.certificate else None
+
 
 def source(what: str) -> str:
     """Return who this process is to a robot: `console@host:pid`."""

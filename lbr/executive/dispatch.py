@@ -10,8 +10,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from lbr import home
-from lbr.bus import codec, keys, wire
+from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
+from lbr.console.printable import clean
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
 from lbr.errors import InputError, LbrError
 from lbr.executive import reports
@@ -28,6 +29,7 @@ MAX_RUN_S = 30.0
 BOUNDED_RUN_S = 86_400.0
 """What knows its own end is held until then, unless its capability sets a limit."""
 MOST_LEASES = 256
+MOST_RECORDED = 200
 LEASED = (DriveCommand, TurnCommand, HeadingCommand, JointsCommand, JointMove, PlayCommand)
 """Commands that are held: whoever says one goes on saying it under its lease."""
 
@@ -46,8 +48,12 @@ class _Speaker(NamedTuple):
 
     @property
     def told(self) -> str:
-        """Who it is, for the audit trail."""
-        return f"{self.source} on another machine" if self.afar else self.source
+        """Who it is, for the audit trail: from another machine with the token that the door saw proven."""
+        if not self.afar:
+            return self.source
+        found = stamp.read(self.afar)
+        proven = f"by token '{found.token}'" if found is not None and found.token else "token not told"
+        return f"{self.source} on another machine ({proven})"
 
     def holder(self, capability: str) -> tuple[str, str, bool]:
         """Return whose motion of what it is: a name from another machine is never that of somebody here."""
@@ -92,7 +98,7 @@ class Dispatcher:
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")
             said_s = time.monotonic() if sent_s is None else sent_s
-            return self._run(parsed, _Speaker(source, role, local, said_s, afar))
+            return self._run(parsed, _Speaker(source, role, local, said_s, afar), clean(line))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err))
         except LbrError as err:
@@ -101,12 +107,14 @@ class Dispatcher:
             traceback.print_exception(err)
             return ConsoleResult(code=FAILED, text=f"this word is broken: {type(err).__name__}: {err}")
 
-    def _run(self, parsed: Parsed, by: _Speaker) -> ConsoleResult:
+    def _run(self, parsed: Parsed, by: _Speaker, line: str) -> ConsoleResult:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
         if RANKS[by.role] < RANKS[needed]:
             return ConsoleResult(code=FAILED, text=f"this needs the role '{needed}', and you have '{by.role}'")
+        if by.afar and RANKS[needed] > RANKS["view"]:
+            self._robot.record("line", by.told, line[:MOST_RECORDED])
         if isinstance(parsed, ExternalStop):
             return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told))
         if isinstance(parsed, ExternalCall):

@@ -201,6 +201,10 @@ class Executive:
         """Write down an event of the executive's own, before anything else."""
         self._main.call(lambda: self._note(kind, text))
 
+    def record(self, kind: str, who: str, text: str) -> None:
+        """Put an entry into the audit trail, soon: no line, and no stop, waits for it."""
+        self._main.post(lambda: self._journal.record(kind, who, text))
+
     # -- opening and closing --------------------------------------------------------------------------------------
 
     def _open(self, bus: session.Session) -> None:

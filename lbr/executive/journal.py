@@ -110,6 +110,10 @@ class Journal:
             self._echoes.append(self._publisher.put(event))
             self._keep(event, EXECUTIVE, allowed=True)
 
+    def record(self, kind: str, who: str, text: str) -> None:
+        """Put into the audit trail what is no event; so often at most as others' events."""
+        self._audit(Event(kind=kind, subject="console", text=text), who, allowed=self._budget >= 1)
+
     def step(self, now: float) -> None:
         """Take in what others said and write it down when it is time."""
         self._budget = min(OTHERS_AT_ONCE, self._budget + (now - self._budget_at) * OTHERS_PER_S)

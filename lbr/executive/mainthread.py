@@ -38,6 +38,11 @@ class MainThread:
         except (FutureTimeout, CancelledError):
             raise LbrError("the executive is busy or ends; try again") from None
 
+    def post(self, do: Callable[[], object]) -> None:
+        """Run `do` there, soon, and return at once."""
+        self._calls.put((do, Future()))
+        self.wake()
+
     def wake(self) -> None:
         """Let its wait return; from any thread."""
         with contextlib.suppress(BlockingIOError):

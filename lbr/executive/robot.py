@@ -44,3 +44,6 @@ class Robot(Protocol):
 
     def note(self, kind: str, text: str) -> None:
         """Write down an event."""
+
+    def record(self, kind: str, who: str, text: str) -> None:
+        """Put an entry into the audit trail, soon; returns at once."""

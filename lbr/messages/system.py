@@ -17,7 +17,8 @@ class Stamp(Struct, frozen=True, kw_only=True):
     """Who published, the how-many-eth since it started, and when by its monotonic and its wall clock.
 
     `boot` tells whether two monotonic times can be compared: same boot, same clock. `seal` proves the writer of a
-    setpoint. `via` names the door through which it came from another machine.
+    setpoint. `via` names the door through which it came from another machine, and `token` who came in there: its
+    sender claims it and proves it by a seal, the door passes on what is proven.
     """
 
     source: str
@@ -27,6 +28,7 @@ class Stamp(Struct, frozen=True, kw_only=True):
     boot: str = ""
     seal: str = ""
     via: str = ""
+    token: str = ""
 
 
 class Event(Struct, frozen=True, kw_only=True):

@@ -7,9 +7,12 @@ from collections import deque
 from pathlib import Path
 
 from lbr.apps.lan import LanSettings, rights
+from lbr.apps.lan.doorman import Doorman
+from lbr.apps.lan.passage import Passage, Standstill
 from lbr.apps.lan.relay import Relay
 from lbr.bus import keys, session, tokens, wire
 from lbr.bus.access import Credentials
+from lbr.bus.library_log import ACCEPTED, LibraryLog
 from lbr.bus.links import Coming, Links
 from lbr.bus.session import Router, Session, Tls
 from lbr.capability.base import Capability
@@ -19,8 +22,10 @@ from lbr.errors import BusError, DeviceError
 
 ROUTES_WITHIN_S = 1.0
 ASK_AGAIN_S = 0.02
-STUCK_S = 1.0
-SILENT_S = 2.5
+STUCK_ROUNDS = 30
+"""So many rounds of the main loop, ten a second, in which another thread did none: a machine that is too busy for the one
+is so for the other."""
+ASKED_S = 1.0
 
 
 class Lan(Capability[LanSettings]):
@@ -36,21 +41,26 @@ class Lan(Capability[LanSettings]):
         self._lan: LanConfig = ctx.config.lan
         self._users = _proven(self._lan)
         self._sessions: list[Session] = []
+        self._question: wire.Question | None = None
         self._relay: Relay | None = None
         self._too_much: deque[str] = deque(maxlen=64)
+        self._doorman = Doorman(LibraryLog(ACCEPTED), ctx.clock)
 
     def open(self) -> None:
         """Listen, and serve what the relay passes on."""
         password = secrets.token_hex(16)
         router = self._open_router(password)
+        self._doorman.watch(frozenset(int(endpoint.rpartition(":")[2]) for endpoint in self._lan.listen))
         inside = self._opened(
             session.open_client([self._lan.inside], Credentials(user=rights.RELAY, password=password))
         )
         self._wait_until_it_routes(inside)
         robot_side = self._opened(session.open_client(self.ctx.config.endpoints, self.ctx.config.credentials))
+        self._inside = inside
         self._inner = wire.Subscription(inside, keys.status(self.ctx.robot))
         self._outer = wire.Subscription(robot_side, keys.status(self.ctx.robot))
-        self._inner_at = self._outer_at = self.ctx.clock()
+        self._passage, self._question = Passage(), None
+        self._still = Standstill()
         self._links = Links(router, ("tls", "tcp"))
         self._relay = Relay(
             inside,
@@ -58,6 +68,7 @@ class Lan(Capability[LanSettings]):
             self.ctx.robot,
             tuple(self._lan.commands),
             via=self.ctx.name,
+            secrets={name: user.secret.encode() for name, user in self._users.items()},
             refused=self._too_much.append,
         )
         self._says = f"at {', '.join(self._lan.listen)}{self._certified()}, tokens: {len(self._users)}"
@@ -66,7 +77,10 @@ class Lan(Capability[LanSettings]):
 
     def step(self) -> None:
         """Tell what happened; end if messages do not pass."""
-        self.ctx.ready(self._says)
+        refused = self._doorman.refused
+        self.ctx.ready(self._says + (f", wrong tokens: {refused}" if refused else ""))
+        for refusal in self._doorman.take():
+            self.ctx.event("login_refused", refusal.text, level="warning", data={"address": refusal.host})
         for one in self._links.take():
             self._tell_link(one)
         while self._too_much:
@@ -75,6 +89,7 @@ class Lan(Capability[LanSettings]):
 
     def close(self) -> None:
         """Let nobody in any more."""
+        self._doorman.close()
         if self._relay is not None:
             self._relay.close()
             self._relay = None
@@ -124,13 +139,19 @@ class Lan(Capability[LanSettings]):
 
     def _check(self) -> None:
         """The robot's status comes every second on both sides of the door, and the relay goes round."""
-        now = self.ctx.clock()
-        self._inner_at = now if self._inner.take() else self._inner_at
-        self._outer_at = now if self._outer.take() else self._outer_at
-        if self._outer_at - self._inner_at > SILENT_S:
+        self._passage.heard(outside=bool(self._outer.take()), inside=bool(self._inner.take()))
+        if self._question is not None and (self._question.replies or self._question.done):
+            self._passage.asked(answered=bool(self._question.replies))
+            self._question = None
+        if self._passage.broken:
             raise BusError("nothing passes from the robot through the door any more")
-        if self._relay is not None and not now - self._relay.turned_at < STUCK_S:
-            raise BusError("the relay stands still")
+        if self._passage.doubtful and self._question is None:
+            self._question = wire.Question(
+                self._inside, keys.status(self.ctx.robot), b"", timeout_s=ASKED_S, source=self.ctx.name
+            )
+        for name, turns in (("relay", self._relay.turns if self._relay else 0), ("doorman", self._doorman.rounds)):
+            if self._still.see(name, turns) > STUCK_ROUNDS:
+                raise BusError(f"the {name} stands still")
 
     def _certified(self) -> str:
         if not any(endpoint.startswith("tls/") for endpoint in self._lan.listen):

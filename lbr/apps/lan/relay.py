@@ -6,7 +6,7 @@ must know that, so such messages never pass from router to router. Stops and eme
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import get_args
 
 from lbr.apps.http.rates import Bucket
@@ -44,7 +44,10 @@ class Lane:
 
 
 class Relay:
-    """Works in a thread of its own, in which nothing waits; `refused(text)` hears what was too much."""
+    """Works in a thread of its own, in which nothing waits; `turns` counts its rounds.
+
+    `secrets` are those of the tokens, by name; `refused(text)` hears what was too much.
+    """
 
     def __init__(
         self,
@@ -54,9 +57,11 @@ class Relay:
         commands: tuple[str, ...],
         *,
         via: str,
+        secrets: Mapping[str, bytes],
         refused: Callable[[str], None],
     ) -> None:
-        self.turned_at = time.monotonic()
+        self.turns = 0
+        self._secrets = secrets
         self._bus = robot_side
         self._via = via
         self._refused = refused
@@ -80,7 +85,8 @@ class Relay:
         while not self._closing:
             self._wake.wait(POLL_S)
             self._wake.clear()
-            self.turned_at = now = time.monotonic()
+            self.turns += 1
+            now = time.monotonic()
             for lane in self._lanes:
                 self._answer(lane)
                 for request in lane.served.take():
@@ -91,7 +97,7 @@ class Relay:
         if why_not:
             self._refuse(lane, request, why_not)
             return
-        attachment = stamp.passed_on(request.attachment, self._via)
+        attachment = stamp.passed_on(request.attachment, self._via, self._who(request))
         if not request.answerable:
             wire.pass_on(self._bus, request.key, request.payload, attachment)
             return
@@ -105,6 +111,13 @@ class Relay:
             wake=self._wake.set,
         )
         lane.under_way.append((request, question))
+
+    def _who(self, request: wire.Request) -> str:
+        """Return the token that a message's seal proves, if any: what a message says of itself proves nothing."""
+        found = stamp.read(request.attachment)
+        secret = self._secrets.get(found.token) if found is not None else None
+        proven = secret is not None and stamp.genuine(found, request.payload, secret)
+        return found.token if found is not None and proven else ""
 
     def _too_much(self, lane: Lane, request: wire.Request, now: float) -> str:
         if len(request.payload) > wire.MAX_COMMAND_BYTES:

@@ -1,0 +1,107 @@
+"""Looks at each new connection before the bus library may read it: hosts that showed wrong tokens wait.
+
+    accepted, held ──► welcome: released ──► the library looks at the token ──► its log: let in, or refused
+                  └──► its host has to wait: released later, or ended
+
+The library accepts and refuses by itself and asks nobody. So its listening sockets want a mebibyte before a connection
+counts as readable (socket(7), SO_RCVLOWAT, which connections inherit); a released connection wants a byte. What is let in
+never passes here again. A thread of its own does this, within a millisecond of the connection.
+"""
+
+import os
+import socket
+import stat
+import threading
+from collections import Counter, deque
+from collections.abc import Callable, Iterator
+
+from lbr.apps.lan.attempts import Attempts, Refusal, host_of
+from lbr.bus.library_log import LibraryLog
+
+HELD_BYTES = 1 << 20
+POLL_S = 0.05
+"""The longest that a new connection waits to be looked at; a look takes a fifth of a millisecond."""
+MOST_HELD = 4
+"""Connections of one host that wait at once; more are ended."""
+MOST_TOLD = 64
+
+
+class Doorman:
+    """Works from `watch` to `close`; `take` returns what it has to tell, `rounds` counts what it did."""
+
+    def __init__(self, library: LibraryLog, clock: Callable[[], float]) -> None:
+        self.rounds = 0
+        self._library = library
+        self._clock = clock
+        self._attempts = Attempts()
+        self._told: deque[Refusal] = deque(maxlen=MOST_TOLD)
+        self._closing = False
+        self._thread = threading.Thread(target=self._run, name="doorman", daemon=True)
+
+    @property
+    def refused(self) -> int:
+        """How many wrong tokens were shown in all."""
+        return self._attempts.refused
+
+    def watch(self, ports: frozenset[int]) -> None:
+        """Hold what comes to our listening sockets at these ports, and begin to let it in."""
+        for listening in _sockets():
+            if listening.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN) and listening.getsockname()[1] in ports:
+                listening.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, HELD_BYTES)
+        if not self._thread.is_alive():
+            self._thread.start()
+
+    def take(self) -> list[Refusal]:
+        """Return what there is to tell since the last call."""
+        return [self._told.popleft() for _ in range(len(self._told))]
+
+    def close(self) -> None:
+        """Let nobody in any more."""
+        self._closing = True
+        if self._thread.is_alive():
+            self._thread.join(2 * POLL_S)
+
+    def _run(self) -> None:
+        while not self._closing:
+            for line in self._library.wait(POLL_S):
+                refusal = self._attempts.read(line, self._clock())
+                if refusal is not None:
+                    self._told.append(refusal)
+            self._look(self._clock())
+            self.rounds += 1
+
+    def _look(self, now: float) -> None:
+        waiting: Counter[str] = Counter()
+        for connection in _sockets():
+            if not connection.getsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT) > 1:
+                continue
+            try:
+                address = _written(connection.getpeername())
+            except OSError:  # it listens, or is gone
+                continue
+            if self._attempts.knock(address, now):
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, 1)
+            else:
+                waiting[host_of(address)] += 1
+                if waiting[host_of(address)] > MOST_HELD:
+                    connection.shutdown(socket.SHUT_RDWR)
+
+
+def _sockets() -> Iterator[socket.socket]:
+    """Yield this process's TCP sockets, whoever in it opened them; each is good until the next."""
+    for name in os.listdir("/proc/self/fd"):  # noqa: PTH208 - names are all that is wanted
+        try:
+            if not stat.S_ISSOCK(os.fstat(int(name)).st_mode):
+                continue
+            found = socket.socket(fileno=os.dup(int(name)))
+        except OSError:  # it was closed meanwhile
+            continue
+        with found:
+            if found.family in {socket.AF_INET, socket.AF_INET6} and found.type == socket.SOCK_STREAM:
+                yield found
+
+
+def _written(peer: tuple[str, int]) -> str:
+    """Return an address as the library writes it."""
+    host, port = peer[:2]
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -1,0 +1,42 @@
+"""What the bus library writes into its log, as lines: some of what happens at a router it tells nowhere else."""
+
+import fcntl
+import os
+import select
+import sys
+
+import zenoh
+
+LOUDNESS = "RUST_LOG"
+F_SETPIPE_SZ = 1031
+PIPE_BYTES = 1 << 20
+ACCEPTED = "zenoh_link_tls=debug,zenoh_link_tcp=debug,zenoh_transport::unicast::establishment::accept=debug"
+"""The parts of the library that tell of connections, and of who was let in or not."""
+
+
+class LibraryLog:
+    """Turns this process's standard output, where the library writes, into a pipe; to be made once, before any session.
+
+    The library never waits for the reader: what does not fit into a mebibyte is lost.
+    """
+
+    def __init__(self, parts: str) -> None:
+        self._fd, write_end = os.pipe()
+        os.set_blocking(self._fd, False)
+        os.set_blocking(write_end, False)
+        fcntl.fcntl(write_end, F_SETPIPE_SZ, PIPE_BYTES)
+        sys.stdout.flush()
+        os.dup2(write_end, 1)
+        os.close(write_end)
+        self._rest = b""
+        wished = os.environ.get(LOUDNESS)
+        os.environ[LOUDNESS] = f"{wished},{parts}" if wished else parts
+        zenoh.try_init_log_from_env()
+
+    def wait(self, timeout_s: float) -> list[str]:
+        """Return the lines that came, waiting for the first."""
+        if not select.select([self._fd], [], [], timeout_s)[0]:
+            return []
+        *lines, rest = (self._rest + os.read(self._fd, PIPE_BYTES)).split(b"\n")
+        self._rest = rest[-PIPE_BYTES:]
+        return [line.decode(errors="replace") for line in lines]
