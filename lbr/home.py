@@ -4,16 +4,21 @@ import fcntl
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from hashlib import blake2b
 from pathlib import Path
 
 import msgspec
 from msgspec import Struct
 
+from lbr import ownership
 from lbr.errors import AlreadyRunningError, InputError
+from lbr.ownership import Fault
 
 LOOKERS_S = 0.1
+PUBLIC = ".crt"
+"""How a file below `credentials/` ends that everybody may read."""
 SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a suffix for its lock file
 
 
@@ -35,13 +40,14 @@ class Running(Struct, frozen=True, kw_only=True):
 
 
 def home() -> Path:
-    """Return the home, created for its owner alone if need be."""
+    """Return the home, created for its owner alone if need be; whose it is, is not looked at."""
     return _made(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute())
 
 
 def directory(name: str) -> Path:
-    """Return a subdirectory of the home, created for its owner alone if need be."""
-    return _made(home() / name)
+    """Return a subdirectory of the home, created for its owner alone if need be; InputError if others could change it."""
+    ownership.refuse(ownership.faults(home()))
+    return _ours(_made(home() / name))
 
 
 def default_database() -> Path:
@@ -56,13 +62,14 @@ def socket_path(robot: str, part: str = "") -> Path:
         return path
     mark = blake2b(str(path.parent).encode(), digest_size=6).hexdigest()
     short = Path(tempfile.gettempdir()) / f"lbr-{os.getuid()}-{mark}"
-    if _made(short).stat().st_uid != os.getuid():
-        raise InputError(f"{short} belongs to somebody else; set TMPDIR or LBR_HOME to a place of your own")
-    return short / f"{robot}{part}.sock"
+    return _ours(_made(short)) / f"{robot}{part}.sock"
 
 
 def credentials(make: Callable[[], Iterable[bytes]], *names: str) -> tuple[Path, ...]:
-    """Return files below `credentials/`; if one is missing all are made, by one process at a time, for the owner alone."""
+    """Return files below `credentials/`; if one is missing all are made, by one process at a time, for the owner alone.
+
+    InputError says which of them others could have read or changed, or has nothing in it.
+    """
     folder = directory("credentials")
     paths = tuple(folder / name for name in names)
     fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -73,7 +80,16 @@ def credentials(make: Callable[[], Iterable[bytes]], *names: str) -> tuple[Path,
                 write_private(path, content)
     finally:
         os.close(fd)
+    ownership.refuse(fault for path in paths for fault in key_faults(path))
     return paths
+
+
+def key_faults(path: Path) -> Iterator[Fault]:
+    """Yield what is wrong with a file below `credentials/`: who could read or change it, and that it is empty."""
+    yield from ownership.faults(path, secret=path.suffix != PUBLIC)
+    with suppress(OSError):
+        if path.stat().st_size == 0:
+            yield Fault(path=path, text="is empty (0 bytes)", do=f"`rm {path}`, and a new one is made")
 
 
 def write_private(path: Path, content: bytes) -> None:
@@ -89,7 +105,9 @@ def write_private(path: Path, content: bytes) -> None:
 def running() -> list[Running]:
     """Return the robots that run here, by name."""
     found = []
-    for path in sorted((home() / "run").glob("*.json")):
+    run = home() / "run"
+    ownership.refuse(ownership.faults(run, owners=_owner_of_home()))
+    for path in sorted(run.glob("*.json")):
         try:
             robot = msgspec.json.decode(path.read_bytes(), type=Running)
         except (OSError, msgspec.DecodeError):
@@ -134,6 +152,16 @@ def _made(path: Path) -> Path:
     except OSError as err:
         raise InputError(f"{path} cannot be made ({err.strerror}); set LBR_HOME to a directory of your own") from err
     return path
+
+
+def _ours(path: Path) -> Path:
+    ownership.refuse(ownership.faults(path))
+    return path
+
+
+def _owner_of_home() -> tuple[int, ...]:
+    """Return who else may have written down what runs: root may look at somebody's robots."""
+    return (home().stat().st_uid,) if os.geteuid() == 0 else ()
 
 
 def _locked_within(fd: int, limit_s: float) -> bool:

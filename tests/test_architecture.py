@@ -18,19 +18,20 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 GROUND = {"errors", "messages"}
 BUS = GROUND | {"bus"}
-CAPABILITY = BUS | {"capability"}
+CAPABILITY = BUS | {"capability", "ownership"}
 FLOORS = {
     "errors": set(),
     "messages": {"messages"},
-    "home": {"errors"},
+    "ownership": {"errors"},
+    "home": {"errors", "ownership"},
     "bus": BUS,
     "capability": CAPABILITY,
     "drivers": CAPABILITY | {"drivers"},
     "operations": CAPABILITY | {"operations"},
     "apps": CAPABILITY | {"apps", "home"},
     "simulation": CAPABILITY | {"simulation"},
-    "database": GROUND | {"database"},
-    "console": BUS | {"console", "database", "home"},
+    "database": GROUND | {"database", "ownership"},
+    "console": BUS | {"console", "database", "home", "ownership"},
     "executive": CAPABILITY | {"executive", "console", "database", "home"},
 }
 TOP = {"cli", "commands"}

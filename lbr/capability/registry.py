@@ -1,14 +1,13 @@
 """Which kinds there are: the installed ones by entry point, and the user's own files in `$LBR_HOME/capabilities`."""
 
 import importlib.util
-import os
 import re
-import stat
 import sys
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
+from lbr import ownership
 from lbr.capability.kind import Kind
 from lbr.errors import LbrError
 
@@ -71,11 +70,8 @@ def fingerprint(name: str, home: Path) -> str:
 
 
 def _refuse_if_others_may_write(path: Path) -> None:
-    real = path.resolve()
-    for place in (path, path.parent, real.parent):
-        found = place.stat()
-        if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid not in {os.getuid(), 0}:
-            raise KindError(f"{place} could be changed by others; 'chmod go-w {place}' and own it")
+    for fault in (*ownership.faults(path.parent), *ownership.faults(path)):
+        raise KindError(f"{path} could be changed by others: {fault}")
 
 
 @lru_cache(maxsize=64)

@@ -3,14 +3,13 @@
 import grp
 import importlib.util
 import os
-import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from importlib import metadata
 from pathlib import Path
 
-from lbr import home
+from lbr import home, ownership
 from lbr.commands import device_checks, power_checks, service_checks, web_checks
 from lbr.commands.finding import Finding
 from lbr.errors import LbrError
@@ -88,15 +87,15 @@ def _extras() -> Iterator[Finding]:
 
 def _home() -> Iterator[Finding]:
     place = home.home()
-    found = place.stat()
-    if found.st_uid != os.getuid():
-        yield Finding(about="home", level="bad", text=f"{place} belongs to somebody else", do="set LBR_HOME elsewhere")
-    elif found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-        text = f"{place} may be written by others, who could change the robot"
-        yield Finding(about="home", level="bad", text=text, do=f"chmod go-w {place}")
-    elif not os.access(place, os.W_OK | os.X_OK):
+    keys = sorted((place / "credentials").glob("*"))
+    found = [fault for name in (".", "run", "logs", "credentials") for fault in ownership.faults(place / name)]
+    found += [fault for key in keys for fault in home.key_faults(key)]
+    found += ownership.database_faults(home.default_database())
+    for fault in dict.fromkeys(found):
+        yield Finding(about="home", level="bad", text=f"{fault.path} {fault.text}", do=fault.do)
+    if not os.access(place, os.W_OK | os.X_OK):
         yield Finding(about="home", level="bad", text=f"{place} cannot be written", do=f"chmod u+rwx {place}")
-    else:
+    elif not found:
         yield Finding(about="home", level="good", text=str(place))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
-from lbr import home
+from lbr import home, ownership
 from lbr.bus import tokens
 from lbr.bus.tokens import Token
 from lbr.errors import InputError
@@ -60,8 +60,10 @@ def save(endpoint: str, token: Token) -> None:
 
 
 def _saved() -> dict[str, str]:
+    path = _path()
+    ownership.refuse(ownership.faults(path))
     try:
-        return msgspec.json.decode(_path().read_bytes(), type=dict[str, str])
+        return msgspec.json.decode(path.read_bytes(), type=dict[str, str])
     except (OSError, msgspec.DecodeError):
         return {}
 

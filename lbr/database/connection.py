@@ -13,6 +13,7 @@ from sqlalchemy import Connection, create_engine, event
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.pool import NullPool
 
+from lbr.database.files import check_owner, check_owners, check_side_files
 from lbr.errors import RowError
 
 BUSY_TIMEOUT_S = 2.0
@@ -34,12 +35,22 @@ _ROW_FAULT = re.compile(r"CHECK constraint failed in |\S+ value in ")
 def connect(path: Path, *, changing: bool = True) -> Connection:
     """Open an existing file; transactions begin as the option `begin` says.
 
-    Without `changing` it is only read, and must be one that nobody changes meanwhile, without a log beside it.
+    Without `changing` it is only read, and must be one that nobody changes meanwhile, without a log beside it. RowError
+    says which file or folder others could change; what SQLite opened beside the database is looked at once more.
     """
+    (check_owners if changing else check_owner)(path)
     mode = "mode=rw" if changing else "mode=ro&immutable=1"
     engine = create_engine("sqlite://", creator=lambda: _connect(path, mode), poolclass=NullPool)
     event.listen(engine, "begin", _begin)
-    return engine.connect()
+    connection = engine.connect()
+    try:
+        if changing:
+            run(connection, "SELECT count(*) FROM sqlite_schema")  # opens the log
+            check_side_files(path)
+    except BaseException:
+        connection.close()
+        raise
+    return connection
 
 
 def pragma(connection: Connection, text: str) -> Any:

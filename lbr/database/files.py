@@ -1,10 +1,13 @@
-"""Which database files lbr opens at all: regular, ours, and writable by nobody else."""
+"""Which database files lbr opens at all: regular, ours, and open to nobody else's changes."""
 
 import os
 import stat
+from collections.abc import Iterable
 from pathlib import Path
 
+from lbr import ownership
 from lbr.errors import InputError, RowError
+from lbr.ownership import Fault
 
 
 def check_file(path: Path) -> None:
@@ -17,19 +20,41 @@ def check_file(path: Path) -> None:
         raise InputError(f"database {path} cannot be reached ({err.strerror}): check the path") from err
     if not stat.S_ISREG(found.st_mode):
         raise InputError(f"database {path} is not a file: name another")
-    fault = _fault(path, found)
-    if fault:
+    check_owners(path)
+    if fault := _unwritable(path, found):
         raise RowError((f"database {path} {fault}",))
 
 
-def _fault(path: Path, found: os.stat_result) -> str:
-    if found.st_uid not in (os.geteuid(), 0):
-        return f"belongs to user {found.st_uid}, who could put anything into it: copy it, or `chown` it to yourself"
-    if found.st_mode & 0o022:
-        return f"may be changed by others (mode {found.st_mode & 0o777:04o}): `chmod go-w` it, having checked its rows"
-    folder = path.absolute().parent.stat()
-    if folder.st_mode & 0o002 and not folder.st_mode & stat.S_ISVTX:
-        return "is in a folder where anyone may replace it: `chmod o-w` the folder"
+def check_owners(path: Path) -> None:
+    """Raise RowError if others could change a database, by its file, the way to it or what SQLite keeps beside it."""
+    _refuse(path, ownership.database_faults(path))
+
+
+def check_owner(path: Path) -> None:
+    """Raise RowError if others could change a database that is read without what SQLite keeps beside it."""
+    _refuse(path, ownership.faults(path))
+
+
+def check_side_files(path: Path) -> None:
+    """Raise RowError if what SQLite has opened beside a database is not ours."""
+    _refuse(path, ownership.side_file_faults(Path(os.path.realpath(path))))
+
+
+def check_folder(path: Path) -> None:
+    """Raise RowError if others could put files of theirs where a database is to be built."""
+    _refuse(path, (*ownership.faults(path), *ownership.side_file_faults(Path(os.path.realpath(path)))))
+
+
+def _refuse(path: Path, faults: Iterable[Fault]) -> None:
+    told = tuple(
+        f"database {path} {fault.text}: {fault.do}" if fault.path == path else f"database {path} is not safe: {fault}"
+        for fault in faults
+    )
+    if told:
+        raise RowError(told)
+
+
+def _unwritable(path: Path, found: os.stat_result) -> str:
     if not found.st_mode & 0o200 or not os.access(path, os.R_OK | os.W_OK):
         return f"is read-only for you (mode {found.st_mode & 0o777:04o}): `chmod u+rw` it"
     if not os.access(path.absolute().parent, os.W_OK | os.X_OK):

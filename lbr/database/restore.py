@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lbr.database import adopted, copies
 from lbr.database.connection import connect, sentences
+from lbr.database.files import check_folder, check_side_files
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.database.tokens import revoked
@@ -25,6 +26,7 @@ def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
     Revoked tokens stay so, as far as the file can be read; the audit trail tells of it, and nothing is deleted. Raises InputError if the
     database is in use, or if there is no good copy.
     """
+    check_folder(path.with_name(f"{path.name}.restoring"))
     if _in_use(path):
         raise InputError(f"database {path} is in use: shut the robot down (`lbr stop`), close other programs")
     chosen = source or _newest_good(path)
@@ -74,9 +76,10 @@ def _remains(path: Path) -> tuple[set[str], int]:
     with tempfile.TemporaryDirectory(prefix="lbr-restore-") as place:
         copy = Path(place) / path.name
         with suppress(LbrError, OSError):
-            for file, target in zip((path, *_companions(path)[:1]), (copy, *_companions(copy)[:1]), strict=True):
-                if file.exists():
-                    shutil.copyfile(file, target)
+            shutil.copyfile(path, copy)
+            with suppress(LbrError, FileNotFoundError):
+                check_side_files(path)  # a stranger's log could make a revoked token good again
+                shutil.copyfile(_companions(path)[0], _companions(copy)[0])
             with sentences(copy), connect(copy) as connection:
                 return revoked(connection), adopted.revision(connection)
     return set(), 0

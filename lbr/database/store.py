@@ -19,7 +19,7 @@ from sqlalchemy.dialects.sqlite import insert
 from lbr.database import adopted, audit, edits, history, tokens
 from lbr.database.checks import check
 from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, flush_log, pragma, run, sentences, transaction
-from lbr.database.files import check_file
+from lbr.database.files import check_file, check_folder
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.models import CALIBRATION, MOTION, MOTION_STEP, ROBOT
 from lbr.database.reader import shown
@@ -44,7 +44,9 @@ def create(path: Path, sql: Path | None = None) -> None:
     building = path.with_name(f"{path.name}.new-{os.getpid()}")
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        os.close(os.open(building, os.O_CREAT | os.O_TRUNC | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
+        check_folder(path)
+        building.unlink(missing_ok=True)
+        os.close(os.open(building, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
         with sentences(path), closing(sqlite3.connect(building)) as connection:
             connection.executescript(source)
         path.hardlink_to(building)  # unlike a rename, never over a file that somebody else built meanwhile

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from lbr import home
 from lbr.bus import certificates, tokens
+from lbr.errors import InputError
 
 _KEY_BYTES = 32
 
@@ -16,7 +17,11 @@ _KEY_BYTES = 32
 def token_key() -> bytes:
     """Return the key of this home's tokens, made on first use."""
     (path,) = home.credentials(lambda: [secrets.token_bytes(_KEY_BYTES)], "token.key")
-    return path.read_bytes()
+    key = path.read_bytes()
+    if len(key) != _KEY_BYTES:
+        do = f"put your copy of it back, or `rm {path}`: a new one is made, and every token is void"
+        raise InputError(f"{path} has {len(key)} bytes, and a key has {_KEY_BYTES}: {do}")
+    return key
 
 
 def token_secret(key: bytes, name: str, created_at: str) -> str:

@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lbr.database import connection
+from lbr import ownership
+from lbr.database import connection, copies
+from lbr.database.restore import restore
 from lbr.database.store import Database, create
 from lbr.errors import InputError, LbrError, RowError
 from lbr.messages.system import Event
@@ -49,7 +51,7 @@ def test_a_path_through_a_file(path):
 @pytest.mark.parametrize("mode", [0o602, 0o620, 0o666])
 def test_a_file_that_others_may_change(path, mode):
     path.chmod(mode)
-    assert f"may be changed by others (mode {mode:04o}): `chmod go-w`" in refusal(path)
+    assert f"may be changed by others (mode {mode:04o}): `chmod go-w {path}`" in refusal(path)
 
 
 def test_a_file_that_others_may_read_is_taken(path):
@@ -60,7 +62,8 @@ def test_a_file_that_others_may_read_is_taken(path):
 
 def test_a_folder_where_others_may_replace_it(path):
     path.parent.chmod(0o777)
-    assert "anyone may replace it" in refusal(path)
+    text = f"{path.parent} is a folder where others may replace what is in it (mode 0777): `chmod go-w {path.parent}`"
+    assert text in refusal(path)
 
 
 def test_a_shared_folder_with_the_sticky_bit_is_taken(path):
@@ -71,7 +74,124 @@ def test_a_shared_folder_with_the_sticky_bit_is_taken(path):
 @AS_ROOT
 def test_a_file_of_somebody_else(path):
     os.chown(path, 4321, 4321)
-    assert "belongs to user 4321" in refusal(path)
+    assert "belongs to user 4321 (mode 0600)" in refusal(path)
+
+
+@AS_ROOT
+@pytest.mark.parametrize("mode", [0o700, 0o755, 0o1777, 0o777])
+@pytest.mark.parametrize("end", ownership.SIDE_FILES)
+def test_a_strangers_log_beside_a_database_is_not_taken_in(path, mode, end):
+    stranger = path.with_name(f"{path.name}{end}")
+    stranger.write_bytes(with_a_token_of_mine(path) if end == "-wal" else b"whatever")
+    os.chown(stranger, 4321, 4321)
+    path.parent.chmod(mode)
+    before = stranger.read_bytes()
+    text = " ".join(refusals(path))
+    assert f"{stranger} belongs to user 4321" in text
+    assert f"`sudo rm {stranger}`" in text
+    assert stranger.read_bytes() == before
+    stranger.unlink()
+    path.parent.chmod(0o700)
+    with Database.open(path) as database:
+        assert database.tokens() == ()
+
+
+@pytest.mark.parametrize("how", ["link", "hard link", "others may change it", "fifo"])
+def test_a_log_that_is_not_ours_alone(path, how):
+    log, other = path.with_name(f"{path.name}-wal"), path.with_name("other")
+    other.write_bytes(with_a_token_of_mine(path))
+    if how == "link":
+        log.symlink_to(other)
+    elif how == "hard link":
+        log.hardlink_to(other)
+    elif how == "fifo":
+        os.mkfifo(log, 0o600)
+    else:
+        log.write_bytes(other.read_bytes())
+        log.chmod(0o620)
+    assert f"{log} " in refusal(path)
+
+
+def test_a_log_that_comes_between_the_check_and_the_opening_is_not_taken_in(path, monkeypatch):
+    log, content = path.with_name(f"{path.name}-wal"), with_a_token_of_mine(path)
+    looked = connection.check_owners
+
+    def planted(database):
+        looked(database)
+        log.write_bytes(content)
+        log.chmod(0o666)
+
+    monkeypatch.setattr(connection, "check_owners", planted)
+    assert f"{log} may be changed by others" in refusal(path)
+
+
+def test_a_second_name_of_a_database(path):
+    path.with_name("second.db").hardlink_to(path)
+    assert f"`cp {path} {path}.own && mv {path}.own {path}`" in refusal(path)
+
+
+def test_the_name_under_which_it_was_built_is_no_second_one(path):
+    path.with_name(f"{path.name}.new-17").hardlink_to(path)
+    Database.open(path).close()
+
+
+@AS_ROOT
+@pytest.mark.parametrize("owner", [4321, 0])
+def test_a_folder_further_up_where_somebody_could_swap_the_way(tmp_path, owner):
+    folder = tmp_path / "shared" / "mine"
+    folder.mkdir(parents=True)
+    create(folder / "robot.db")
+    os.chown(tmp_path / "shared", owner, owner)
+    (tmp_path / "shared").chmod(0o755 if owner else 0o777)
+    assert f"{tmp_path / 'shared'} " in refusal(folder / "robot.db")
+
+
+@AS_ROOT
+def test_a_link_of_somebody_else_to_a_database_of_ours(path, tmp_path):
+    link = tmp_path / "link.db"
+    link.symlink_to(path)
+    Database.open(link).close()
+    os.chown(link, 4321, 4321, follow_symlinks=False)
+    assert "is a link of user 4321" in refusal(link)
+
+
+def test_no_database_is_built_where_others_may_replace_it(tmp_path):
+    tmp_path.chmod(0o775)
+    with pytest.raises(RowError, match="is a folder where others may replace what is in it"):
+        create(tmp_path / "robot.db")
+    assert list(tmp_path.iterdir()) == []
+
+
+@AS_ROOT
+def test_a_copy_of_somebody_else_is_no_good_copy(path):
+    copies.keep(path, digest_of(path))
+    good = path.with_name(f"{path.name}.good-1")
+    os.chown(good, 4321, 4321)
+    (kept,) = copies.kept(path)
+    assert "belongs to user 4321" in kept.fault
+    with pytest.raises(InputError, match="none of its 1 copies is good"):
+        restore(path)
+
+
+def with_a_token_of_mine(path) -> bytes:
+    """A log that belongs to the database, and would let in whoever wrote it."""
+    copy = path.with_name("copy.db")
+    copy.write_bytes(path.read_bytes())
+    row = ("mine", "admin", "x" * 40, "2026-01-01T00:00:00Z")
+    with closing(sqlite3.connect(copy, isolation_level=None)) as other:
+        other.execute("INSERT INTO user_token (name, role, hash, created_at) VALUES (?, ?, ?, ?)", row)
+        return copy.with_name(f"{copy.name}-wal").read_bytes()
+
+
+def refusals(path) -> tuple[str, ...]:
+    with pytest.raises(RowError) as err:
+        Database.open(path)
+    return err.value.problems
+
+
+def digest_of(path) -> str:
+    with Database.open(path) as database:
+        return database.load("lbr").digest
 
 
 def test_a_file_that_is_read_only(path):

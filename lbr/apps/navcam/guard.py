@@ -36,8 +36,6 @@ def token() -> str:
 
 
 def _read_private(path: Path) -> str:
-    if path.stat().st_mode & 0o077:
-        raise InputError(f"{path} could be read by others; remove it, and a new one is made")
     text = path.read_text(errors="replace").strip()
     if len(text) < 32 or not text.isascii():
         raise InputError(f"{path} holds no token; remove it, and a new one is made")

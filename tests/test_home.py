@@ -1,0 +1,169 @@
+"""The home and its keys: what others could change is refused, in a sentence with the command that mends it."""
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from lbr import home
+from lbr.apps.navcam import guard
+from lbr.commands import checks
+from lbr.console import wallet
+from lbr.database.store import create
+from lbr.errors import InputError
+from lbr.executive import credentials
+
+STRANGER = 4321
+AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root can act as somebody else")
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A home that was used before, with all its keys."""
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    home.directory("run")
+    credentials.token_key()
+    credentials.bus_certificate()
+    guard.token()
+    return home.home()
+
+
+@pytest.fixture
+def shared():
+    """A folder like /tmp, on a way that everybody may go."""
+    with tempfile.TemporaryDirectory(prefix="lbr-shared-") as name:
+        Path(name).chmod(0o1777)
+        yield Path(name)
+
+
+def as_a_stranger(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["/bin/sh", "-c", *words], user=STRANGER, group=STRANGER, extra_groups=(), umask=0, text=True, check=False,
+        capture_output=True, timeout=5,
+    )  # fmt: skip
+
+
+def doctors_findings() -> list[str]:
+    return [f"{one.text}: {one.do}" for one in checks._home() if one.level == "bad"]
+
+
+@pytest.mark.parametrize("folder", [".", "run", "credentials"])
+@pytest.mark.parametrize("mode", [0o770, 0o707, 0o1777])
+def test_a_folder_that_others_may_fill_is_refused(place, folder, mode):
+    (place / folder).chmod(mode)
+    with pytest.raises(InputError, match=rf"\(mode {mode:04o}\): `chmod go-w {place / folder}`"):
+        home.directory("credentials" if folder == "." else folder)
+    assert any(f"chmod go-w {place / folder}" in text for text in doctors_findings())
+
+
+@AS_ROOT
+@pytest.mark.parametrize("folder", [".", "run", "credentials"])
+def test_a_folder_of_somebody_else_is_refused(place, folder):
+    os.chown(place / folder, STRANGER, STRANGER)
+    with pytest.raises(InputError, match=r"belongs to user 4321 \(mode 0700\).*`sudo chown -h "):
+        home.directory("credentials" if folder == "." else folder)
+
+
+@AS_ROOT
+def test_root_looks_at_somebodys_robots_but_takes_no_record_of_a_third(place):
+    os.chown(place, STRANGER, STRANGER)
+    os.chown(place / "run", STRANGER, STRANGER)
+    assert home.running() == []
+    os.chown(place / "run", STRANGER + 1, STRANGER + 1)
+    with pytest.raises(InputError, match="belongs to user 4322"):
+        home.running()
+
+
+@AS_ROOT
+def test_a_folder_for_sockets_that_a_stranger_made_first_is_refused(place, shared, monkeypatch):
+    monkeypatch.setattr(home.tempfile, "gettempdir", lambda: str(shared))
+    monkeypatch.setattr(home, "SOCKET_PATH_LIMIT", 10)
+    short = home.socket_path("lbr").parent
+    short.rmdir()
+    assert not as_a_stranger(f"ln -s /etc {short}").returncode
+    with pytest.raises(InputError, match="is a link of user 4321"):
+        home.socket_path("lbr")
+
+
+@pytest.mark.parametrize(
+    ("name", "use"),
+    [
+        ("token.key", credentials.token_key),
+        ("bus.key", credentials.bus_certificate),
+        ("navcam.token", guard.token),
+    ],
+)
+@pytest.mark.parametrize("fault", ["read", "changed", "empty", "foreign"])
+def test_a_key_that_is_not_ours_alone_is_refused(place, name, use, fault):
+    path = place / "credentials" / name
+    if fault == "read":
+        path.chmod(0o640)
+        said = rf"{path} could be read by others \(mode 0640\): `chmod go= {path}`"
+    elif fault == "changed":
+        path.chmod(0o622)
+        said = rf"{path} may be changed by others \(mode 0622\): `chmod go-w {path}`"
+    elif fault == "empty":
+        path.write_bytes(b"")
+        said = rf"{path} is empty \(0 bytes\): `rm {path}`"
+    elif os.geteuid():
+        pytest.skip("only root can give files away")
+    else:
+        os.chown(path, STRANGER, STRANGER)
+        said = rf"{path} belongs to user 4321 \(mode 0600\)"
+    with pytest.raises(InputError, match=said):
+        use()
+    assert [text for text in doctors_findings() if str(path) in text]
+
+
+def test_saved_tokens_that_others_may_change_are_refused(place):
+    path = place / "credentials" / "robots.json"
+    home.write_private(path, b"{}")
+    assert list(wallet.offered("tls/x:1", None)) == []
+    path.chmod(0o622)
+    with pytest.raises(InputError, match=rf"{path} may be changed by others \(mode 0622\)"):
+        list(wallet.offered("tls/x:1", None))
+    path.chmod(0o640)
+    assert [text for text in doctors_findings() if "could be read by others" in text]
+
+
+def test_a_key_that_was_cut_is_no_key(place):
+    (place / "credentials" / "token.key").write_bytes(b"short")
+    with pytest.raises(InputError, match=r"token.key has 5 bytes, and a key has 32: .*every token is void"):
+        credentials.token_key()
+
+
+def test_a_certificate_may_be_read_by_everybody(place):
+    (place / "credentials" / "bus.crt").chmod(0o644)
+    credentials.bus_certificate()
+    assert doctors_findings() == []
+
+
+@AS_ROOT
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "--no-console", "--db"],
+        ["db", "check", "--db"],
+        ["db", "diff", "--db"],
+        ["db", "audit", "--db"],
+        ["token", "list", "--db"],
+        ["motion", "export", "wave", "--robot", "bioloid", "--db"],
+    ],
+    ids=" ".join,
+)
+def test_every_command_refuses_a_strangers_log(shared, tmp_path, monkeypatch, words):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    create(shared / "robot.db")
+    log = shared / "robot.db-wal"
+    assert not as_a_stranger(f"echo edits > {log}").returncode
+    done = subprocess.run(
+        [sys.executable, "-m", "lbr.cli", *words, str(shared / "robot.db")], capture_output=True, text=True, timeout=9,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert f"{log} belongs to user 4321 (mode 0666)" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert log.read_text() == "edits\n"
