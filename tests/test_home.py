@@ -15,6 +15,7 @@ from lbr.console import wallet
 from lbr.database.store import create
 from lbr.errors import InputError
 from lbr.executive import credentials
+from tests import programs
 
 STRANGER = 4321
 AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root can act as somebody else")
@@ -40,7 +41,7 @@ def shared():
 
 
 def as_a_stranger(*words: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
+    return programs.run(
         ["/bin/sh", "-c", *words], user=STRANGER, group=STRANGER, extra_groups=(), umask=0, text=True, check=False,
         capture_output=True, timeout=5,
     )  # fmt: skip
@@ -159,7 +160,7 @@ def test_every_command_refuses_a_strangers_log(shared, tmp_path, monkeypatch, wo
     create(shared / "robot.db")
     log = shared / "robot.db-wal"
     assert not as_a_stranger(f"echo edits > {log}").returncode
-    done = subprocess.run(
+    done = programs.run(
         [sys.executable, "-m", "lbr.cli", *words, str(shared / "robot.db")], capture_output=True, text=True, timeout=9,
         check=False,
     )  # fmt: skip

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 BOOTED = Path("/run/systemd/system")
 MACHINE = Path("/")
 TELL_S = 30.0
+RULED = ("tty", "usb", "usb-serial", "i2c-dev", "lirc")
+"""The subsystems that the device rules have something for; what is plugged in already is looked at again."""
 
 profile_argument = click.argument("profile", default="lbr")
 user_option = click.option(
@@ -108,7 +110,7 @@ def remove(root: Path, dry_run: bool, overwrite: bool) -> int:
 _RELOAD = (
     ("systemctl", "daemon-reload"),
     ("udevadm", "control", "--reload"),
-    ("udevadm", "trigger", "--subsystem-match=tty", "--subsystem-match=usb"),
+    ("udevadm", "trigger", *(f"--subsystem-match={name}" for name in RULED)),
 )
 
 

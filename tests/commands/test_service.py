@@ -64,7 +64,7 @@ def test_the_unit_exposes_little(unit):
 def test_the_unit_is_watched_restarted_slowly_and_without_any_capability(unit):
     lines = unit.read_text().splitlines()
     for line in (
-        "Type=notify", "NotifyAccess=main", "WatchdogSec=2", "Restart=on-failure", "KillMode=mixed", "UMask=0077",
+        "Type=notify", "NotifyAccess=main", "WatchdogSec=2", "TimeoutStartSec=120", "Restart=on-failure", "KillMode=mixed", "UMask=0077",
         "CapabilityBoundingSet=", "AmbientCapabilities=", "NoNewPrivileges=yes", "User=daemon",
     ):  # fmt: skip
         assert line in lines, line
