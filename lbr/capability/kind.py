@@ -1,6 +1,8 @@
 """Kinds: what a capability row may name. Declared once per driver, operation or app; light to import."""
 
+import contextlib
 import importlib
+import importlib.util
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -35,6 +37,7 @@ class Kind:
     `emulated` is what stands in for its device in a simulation: a tty, a socket (`unix:PATH`) or a folder.
     `calibrates` is the setting that names the device row whose calibration it gets, and may write back.
     `rows` are the tables whose rows it gets.
+    `extra` is the extra of the package without which it cannot run at all, and `package` what that brings to import.
     """
 
     name: str
@@ -56,6 +59,8 @@ class Kind:
     emulated: Emulation = "tty"
     calibrates: str = ""
     rows: tuple[Table, ...] = ()
+    extra: str = ""
+    package: str = ""
 
     def __post_init__(self) -> None:
         """Refuse ports that are not messages."""
@@ -67,6 +72,13 @@ class Kind:
     def role(self, command: str) -> Role:
         """Return the role that a command needs of whoever asks from another machine."""
         return self.roles.get(command, "view" if command == STOP else "operate")
+
+    def lacks(self) -> str:
+        """Return what has to be installed before it can run at all, and how; empty if nothing has."""
+        with contextlib.suppress(ImportError, ValueError):
+            if not self.package or importlib.util.find_spec(self.package) is not None:
+                return ""
+        return f"'{self.package}' is not installed: pip install 'lbr[{self.extra}]'"
 
     def parse(self, settings: str | bytes) -> Any:
         """Return the settings of a row, checked; raise msgspec.ValidationError naming the field."""

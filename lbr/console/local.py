@@ -96,7 +96,7 @@ def _wait_ready(operator: BusOperator, lines: Lines) -> None:
     until = time.monotonic() + READY_S
     while not lines.closing and time.monotonic() < until:
         status = operator.telemetry().status
-        if status is not None and status.ready:
+        if status is not None and (status.ready or any(one.phase == "failed" for one in status.capabilities)):
             return
         time.sleep(POLL_S)
 

@@ -9,6 +9,7 @@ import os
 import secrets
 import signal
 import time
+from collections.abc import Set as AbstractSet
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -22,8 +23,9 @@ from lbr.capability.confine import OWNER_ONLY
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import copies, store
+from lbr.database.rows import Problem, RobotRows
 from lbr.errors import LbrError
-from lbr.executive import hosting, scheduling, terminal, wiring
+from lbr.executive import hosting, machine, scheduling, terminal, wiring
 from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
 from lbr.executive.child import Child
@@ -45,6 +47,7 @@ from lbr.executive.notify import Notifier
 from lbr.executive.overview import Overview
 from lbr.executive.plan import Plan
 from lbr.executive.profile import Profile
+from lbr.executive.readiness import readiness
 from lbr.executive.service import Service
 from lbr.executive.site import Site
 from lbr.executive.supervisor import Supervisor
@@ -63,6 +66,7 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
     lock = home.RunLock(profile.robot)
     scheduling.rank(os.getpid(), scheduling.MOTION)  # it carries the router, and has no other thread yet
     os.umask(OWNER_ONLY)
+    machine.raise_limits()
     try:
         path = database or home.default_database()
         if database is None and not path.exists():
@@ -92,6 +96,7 @@ class Executive:
         self._code = 0
         self._status_due = 0.0
         self._ready = False
+        self._failed: AbstractSet[str] = frozenset()
         self._troubles = Troubles(self._happened)
         self._keeper = Keeper(database.path, self._troubles.tell)
         self._recent: list[Event] = []
@@ -104,7 +109,7 @@ class Executive:
         )
         self._rows = RowsInForce(
             database,
-            RowWatch(database, profile, self._site),
+            RowWatch(database, profile, self._site, machine.this_machine),
             self._keeper,
             happened=self._happened,
             take_over=self._change,
@@ -242,7 +247,7 @@ class Executive:
         self._edits = Edits(
             wire.Served(bus, keys.edit(robot), self._main.wake, puts=False, source="executive"),
             self._rows,
-            Written(self._database.path, robot, lambda rows: plans.make(rows, self._profile, self._site)),
+            Written(self._database.path, robot, self._planned),
             process=self._process,
             happened=self._happened,
             wake=self._main.wake,
@@ -317,7 +322,7 @@ class Executive:
                 self._status_out.put(status)
                 self._notifier.status(state_of(status)[1])
             if not self._ready and self._supervisor.settled():
-                self._became_ready(announce=announce)
+                self._settled(announce=announce)
             self._wait(max(0.0, min(due, rows_at - now, self._status_due - now, again - now)))
 
     def _wait(self, timeout_s: float) -> None:
@@ -339,6 +344,10 @@ class Executive:
         self._hosts.adopt(self.plan.units.values())
         self._supervisor.adopt(here, plans.only(change, here.keys() | self._supervisor.slots.keys()))
 
+    def _planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
+        """Plan for rows that are not written yet; from any thread."""
+        return plans.make(rows, self._profile, self._site, machine.this_machine(len(self.plan.here)))
+
     def _begun_elsewhere(self, name: str) -> None:
         self._emergency.forget(name)
 
@@ -357,19 +366,29 @@ class Executive:
             self._supervisor.slots[name].unit = self.plan.units[name]
         self._hosts.adopt(self.plan.units.values())
 
-    def _became_ready(self, *, announce: bool) -> None:
-        self._ready = True
-        self._keeper.touched(time.monotonic())
-        self._happened("ready", "executive", f"all up after {time.monotonic() - self._started_at:.1f} s", "info")
+    def _settled(self, *, announce: bool) -> None:
+        """Say that all is up, or what is not: once for each way of not being ready, until it is."""
+        found = readiness(self._capabilities())
+        if not found.ready and found.failed.keys() == self._failed:
+            return
+        self._ready, self._failed = found.ready, found.failed.keys()
+        text = found.words(time.monotonic() - self._started_at)
+        if found.ready:
+            self._keeper.touched(time.monotonic())
+            self._happened("ready", "executive", text, "warning" if found.degraded else "info")
+            self._notifier.ready()
+        else:
+            self._happened("not_ready", "executive", text, "error")
         self._status_out.put(self._status())
-        self._notifier.ready()
         if announce:
             said = {
-                "ready": True,
+                "ready": found.ready,
                 "robot": self.plan.robot,
                 "pid": os.getpid(),
                 "endpoints": [local_endpoint(self.plan.robot)],
                 "lan": list(self._lan()),
+                "failed": found.failed,
+                "degraded": found.degraded,
             }
             print(json.dumps(said), flush=True)
 
@@ -416,14 +435,15 @@ class Executive:
         return here + self._hosts.movers()
 
     def _status(self) -> Status:
+        capabilities = self._capabilities()
         return Status(
             robot=self.plan.robot,
             profile=self._profile_name,
-            ready=self._ready,
+            ready=self._ready and not any(one.phase == "failed" for one in capabilities),
             pid=os.getpid(),
             uptime_s=round(time.monotonic() - self._started_at, 1),
             estop=self._emergency.state(),
-            capabilities=self._capabilities(),
+            capabilities=capabilities,
             problems=(*self._rows.problems, *self._troubles.current),
             revision=self.plan.rows.revision,
         )

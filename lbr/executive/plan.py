@@ -12,8 +12,9 @@ from lbr.capability import registry
 from lbr.capability.kind import Kind
 from lbr.capability.registry import KindError
 from lbr.database.rows import CapabilityRow, Problem, RobotRows
-from lbr.executive import placement, rights
+from lbr.executive import machine, placement, rights
 from lbr.executive.devices import check_device_settings, check_devices
+from lbr.executive.machine import Machine
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 from lbr.executive.units import LAN, Unit, commands_of, edited_rows, measured, posed, streams_of, unit, with_lan
@@ -52,8 +53,10 @@ class Change(Struct, frozen=True, kw_only=True):
     restart: tuple[str, ...] = ()
 
 
-def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tuple[Problem, ...]]:
-    """Return the plan, or None and everything that is wrong with the rows."""
+def make(
+    rows: RobotRows, profile: Profile, site: Site, on: Machine = machine.ANY
+) -> tuple[Plan | None, tuple[Problem, ...]]:
+    """Return the plan, or None and everything that is wrong with the rows, and on this machine."""
     rows = _listening(rows, (*profile.listen, *site.listen))
     problems = list(rows.problems)
     kinds: dict[str, Kind] = {}
@@ -72,6 +75,7 @@ def make(rows: RobotRows, profile: Profile, site: Site) -> tuple[Plan | None, tu
     problems += check_device_settings(rows, kinds)
     problems += _check_profile(rows, profile)
     problems += placement.problems(rows, kinds, profile)
+    problems += machine.problems(rows.robot.name, chosen, kinds, profile, on)
     chosen = _after_the_world(chosen, kinds)
     if problems:
         return None, tuple(problems)

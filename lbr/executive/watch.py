@@ -1,6 +1,6 @@
 """Looks at the rows: the first plan, and every later one when somebody has edited rows or a capability's file."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from lbr.database.rows import RevisionRow, RobotRows
 from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
 from lbr.executive import plan as plans
+from lbr.executive.machine import Machine
 from lbr.executive.plan import Change, Plan
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
@@ -40,8 +41,10 @@ class News(Struct, frozen=True):
 class RowWatch:
     """Compares what the database says with what was planned last; cheap to call five times a second."""
 
-    def __init__(self, database: Database, profile: Profile, site: Site) -> None:
+    def __init__(self, database: Database, profile: Profile, site: Site, machine: Callable[[int], Machine]) -> None:
+        """Watch rows for a machine that has `machine(n)` when n of the robot's processes run on it."""
         self._database = database
+        self._machine = machine
         self._profile = profile
         self._site = site
         self._file = _identity(database.path)
@@ -53,7 +56,7 @@ class RowWatch:
         """Return the plan to start with; raise RowError with everything that is wrong."""
         self._version = self._database.data_version()
         rows = self._with_valid_tokens(loaded(self._database, [self._profile.robot])[self._profile.robot])
-        plan, problems = plans.make(rows, self._profile, self._site)
+        plan, problems = plans.make(rows, self._profile, self._site, self._machine(0))
         if plan is None:
             raise RowError(tuple(str(problem) for problem in problems))
         self._files = self._fingerprints(plan)
@@ -71,10 +74,11 @@ class RowWatch:
             self._version = UNKNOWN_VERSION
             return News(problems=(str(err),), unreadable=True)
         self._version, self._files = seen, files
-        new, problems = plans.make(rows, self._profile, self._site)
+        machine = self._machine(len(plan.here))
+        new, problems = plans.make(rows, self._profile, self._site, machine)
         said = tuple(str(problem) for problem in problems)
         if new is None and rows.tokens != plan.rows.tokens:
-            new, _ = plans.make(replace(plan.rows, tokens=rows.tokens), self._profile, self._site)
+            new, _ = plans.make(replace(plan.rows, tokens=rows.tokens), self._profile, self._site, machine)
         if new is None:
             return News(problems=said)
         change = plans.difference(plan, new)

@@ -12,7 +12,7 @@ os.environ.pop("MUJOCO_GL", None)  # the choice of a renderer that is not instal
 try:
     mujoco: Any = importlib.import_module("mujoco")  # its bindings carry no types
 except ImportError as err:
-    raise LbrError(f"the simulated world needs MuJoCo ({err}); install lbr with its extra 'sim'") from err
+    raise LbrError(f"the simulated world needs MuJoCo ({err}): pip install 'lbr[sim]'") from err
 
 _FILE = "model.mjb"
 

@@ -1,0 +1,48 @@
+"""What "ready" means: every capability is ready, or it is said in the same breath why not, and none has failed. Pure."""
+
+from collections.abc import Iterable
+
+from msgspec import Struct
+
+from lbr.messages.system import CapabilityStatus
+
+LONGEST_TEXT = 2000
+"""An event's text may have 4000 characters."""
+
+
+class Readiness(Struct, frozen=True):
+    """Who keeps the robot from being ready (`failed`), and who only has less than its all (`degraded`), with reasons."""
+
+    failed: dict[str, str] = {}
+    degraded: dict[str, str] = {}
+
+    @property
+    def ready(self) -> bool:
+        """Say whether the robot is ready."""
+        return not self.failed
+
+    def words(self, after_s: float) -> str:
+        """Return it in one line, once everything has come up or given up."""
+        first = f"all up after {after_s:.1f} s" if self.ready else f"not ready after {after_s:.1f} s"
+        return "; ".join([first, *_lines("", self.failed), *_lines("degraded: ", self.degraded)])[:LONGEST_TEXT]
+
+
+def readiness(capabilities: Iterable[CapabilityStatus]) -> Readiness:
+    """Return it for a robot whose capabilities have settled: what waits on this machine waits for what has failed.
+
+    Who waits for another machine, or ended as its restart policy allows, does without and says so.
+    """
+    failed: dict[str, str] = {}
+    degraded: dict[str, str] = {}
+    for one in capabilities:
+        if one.phase == "failed" or (one.phase == "waiting" and not one.host):
+            failed[one.name] = one.reason or one.phase
+        elif one.phase == "degraded":
+            degraded[one.name] = one.reason or one.phase
+        elif one.phase != "ready":
+            degraded[one.name] = f"{one.phase}: {one.reason}" if one.reason else one.phase
+    return Readiness(failed, degraded)
+
+
+def _lines(prefix: str, reasons: dict[str, str]) -> list[str]:
+    return [f"{prefix}{name}: {reason}" for name, reason in reasons.items()]

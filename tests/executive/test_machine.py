@@ -1,0 +1,68 @@
+"""What a machine has no room for is refused in words, before anything starts."""
+
+import resource
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lbr.capability.kind import Kind, NoSettings
+from lbr.database.rows import CapabilityRow
+from lbr.executive import machine
+from lbr.executive.machine import ANY, MOST_CAPABILITIES, Machine, this_machine
+from lbr.executive.profile import Profile
+
+KIND = Kind(name="k", summary="s", family="app", entry="nowhere:Nothing", settings=NoSettings)
+HERE = Profile(robot="r")
+
+
+def found(count: int, on: Machine = ANY, profile: Profile = HERE) -> list[str]:
+    rows = [CapabilityRow(name=f"c{n}", kind="k") for n in range(count)]
+    return [str(one) for one in machine.problems("r", rows, {row.name: KIND for row in rows}, profile, on)]
+
+
+@given(st.integers(0, 300), st.integers(0, 300))
+def test_no_more_run_than_there_is_room_for(count: int, most: int) -> None:
+    assert bool(found(count, Machine(most=most, bound="so it is"))) == (count > most)
+
+
+def test_the_refusal_says_how_many_and_what_the_bound_is() -> None:
+    assert found(300) == [
+        "capability 'r', enabled: 300 capabilities would run, but one machine runs at most 100; turn some off"
+    ]
+
+
+def test_what_other_machines_run_counts_there() -> None:
+    names = tuple(f"c{n}" for n in range(150))
+    assert found(200, profile=Profile(robot="r", hosts={"two": names[:90]})) == [
+        "capability 'r', enabled: 110 capabilities would run, but one machine runs at most 100; turn some off"
+    ]
+    assert "also the host 'two'" in found(200, profile=Profile(robot="r", hosts={"two": names}))[0]
+
+
+def test_few_files_or_little_memory_make_less_room_and_say_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr(resource, "getrlimit", lambda _what: (256, 256))
+        few = this_machine(0)
+    assert few.most == 13
+    assert few.bound == "this user may hold 256 files open, which is enough for 13 (see 'ulimit -Hn')"
+    with monkeypatch.context() as patch:
+        patch.setattr(machine.Path, "read_text", lambda _path, **_how: "MemAvailable: 65536 kB\nSwapFree: 0 kB\n")
+        assert this_machine(20).most == 24
+        assert this_machine(20).bound.startswith("64 MB of memory are free, which is enough for 24")
+
+
+def test_what_runs_already_has_room_however_little_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine.Path, "read_text", lambda _path, **_how: "MemAvailable: 0 kB\n")
+    assert found(20, this_machine(20)) == []
+
+
+def test_limits_are_raised_to_what_a_full_robot_needs_and_no_further(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    monkeypatch.setattr(resource, "setrlimit", lambda _what, limits: asked.append(limits))
+    for soft, hard in ((256, 512), (1024, 1_000_000), (4096, 4096), (1024, resource.RLIM_INFINITY)):
+        monkeypatch.setattr(resource, "getrlimit", lambda _what, limits=(soft, hard): limits)
+        machine.raise_limits()
+    wanted = machine.FILES_WANTED
+    assert asked == [(512, 512), (wanted, 1_000_000), (wanted, resource.RLIM_INFINITY)]
+    assert wanted == 100 + 12 * MOST_CAPABILITIES
