@@ -19,7 +19,11 @@ from lbr.commands.options import DEFAULT_PROFILE
 @click.option(
     "--listen", multiple=True, metavar="ENDPOINT", help="Also listen here, such as tls/0.0.0.0:7447; may be repeated."
 )
-@click.option("--no-console", is_flag=True, help="No prompt: print a JSON line when all is up, or what keeps the robot from being ready.")
+@click.option(
+    "--no-console",
+    is_flag=True,
+    help="No prompt: print a JSON line when all is up, or what keeps the robot from being ready.",
+)
 def command(profile: str, database: Path | None, listen: tuple[str, ...], no_console: bool) -> int:
     """Start a robot with launch profile PROFILE (default lbr-sim).
 
