@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from lbr.executive.readiness import LONGEST_TEXT, readiness
 from lbr.messages.system import CapabilityPhase, CapabilityStatus
-from tests.robot import LBR, Robot, environment, prepare, until
+from tests import programs
+from tests.robot import LBR, environment, prepare, running, until
 
 BROKEN = """
 from lbr.capability import Capability, Kind, NoSettings
@@ -89,45 +90,29 @@ def test_a_start_with_something_given_up_is_no_ready_line(tmp_path) -> None:
     home = prepare(tmp_path / "home", edits=(broken,))
     (home / "capabilities").mkdir(mode=0o700)
     (home / "capabilities" / "broken.py").write_text(BROKEN)
-    popen = subprocess.Popen(
-        [*LBR, "run", "lbr-sim", "--no-console"],
-        env=environment(home),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    robot = None
-    try:
-        first = line_of(popen)
-        robot = Robot(home, popen, first)
+    with running(home) as robot:
+        first = robot.ready
         assert not first["ready"]
         assert list(first["failed"]) == ["broken"]
         assert "nothing holds" in first["failed"]["broken"]
-        assert first["pid"] == popen.pid
-        assert first["endpoints"]
+        assert first["pid"] == robot.popen.pid
         assert not robot.status()["ready"]
-        assert robot.line("/report/health")["code"] == 0
         assert not [event for event in robot.events() if event["kind"] == "ready"]
         robot.edit("DELETE FROM capability WHERE name = 'broken'")
-        second = line_of(popen)
+        second = line_of(robot.popen)
         assert second["ready"]
         assert not second["failed"]
         assert robot.status()["ready"]
         robot.edit(broken)
         until(lambda: robot.capability("broken")["phase"] == "failed")
         assert not robot.status()["ready"]
-    finally:
-        if robot is not None:
-            robot.close()
-        popen.kill()
-        popen.wait()
 
 
 def test_a_simulation_without_its_extra_is_refused_in_one_line_before_anything_starts(tmp_path) -> None:
     home = prepare(tmp_path / "home")
     (tmp_path / "absent").mkdir()
     (tmp_path / "absent" / "sitecustomize.py").write_text(WITHOUT_MUJOCO)
-    ran = subprocess.run(
+    ran = programs.run(
         [*LBR, "run", "lbr-sim", "--no-console"],
         env=environment(home) | {"PYTHONPATH": os.pathsep.join([str(tmp_path / "absent"), str(Path.cwd())])},
         stdin=subprocess.DEVNULL,
