@@ -35,6 +35,7 @@ class Child:
 
     def __init__(self, unit: Unit, config: ProcessConfig, log: IO[bytes]) -> None:
         self.unit = unit
+        self.endpoint = next(iter(config.endpoints), "")
         self.reports_fd = -1
         self._buffer = b""
         self._popen = self._start_program(unit.program, config, log) if unit.program else self._start(config, log)

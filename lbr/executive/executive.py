@@ -40,6 +40,7 @@ from lbr.executive.hosts import Hosts
 from lbr.executive.inforce import RowsInForce
 from lbr.executive.journal import Journal
 from lbr.executive.keeper import Keeper
+from lbr.executive.lastresort import SIGNALS, LastResort
 from lbr.executive.latch import Latch, LatchKeeper
 from lbr.executive.logs import open_log, trim_all
 from lbr.executive.mainthread import MainThread
@@ -121,15 +122,17 @@ class Executive:
             lambda name: name in self._presence.names,
             calibrated=self._rows.calibrated,
             captured=self._rows.captured,
+            at_once=machine.at_once(),
         )
         self._overview = Overview(self._supervisor)
 
     def run(self, *, console: bool) -> int:
         """Open the bus, start everything, and stay until told to shut down."""
-        signal.set_wakeup_fd(self._main.wake_fd, warn_on_full_buffer=False)
-        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        self._last_resort = LastResort(self._main.wake, signals=SIGNALS)
+        signal.set_wakeup_fd(self._last_resort.signal_fd, warn_on_full_buffer=False)
+        for number in SIGNALS:
             signal.signal(number, lambda n, _frame: self._stop(f"signal {signal.Signals(n).name}"))
-        with closing(Doors(self.plan, self._site)) as self._doors, self._bus_again() as bus:
+        with closing(Doors(self.plan, self._site, self._main.wake)) as self._doors, self._bus_again() as bus:
             self._open(bus)
             try:
                 if console:
@@ -280,6 +283,8 @@ class Executive:
         self._take_over(plans.Change(start=tuple(self.plan.units)))
 
     def _close(self) -> None:
+        self._last_resort.begin()
+        self._last_resort.heard()
         self._notifier.stopping(self._stopping or "shutdown")
         self._happened("shutdown", "executive", self._stopping or "shutdown", "info")
         leaving = terminal.leave()
@@ -306,6 +311,7 @@ class Executive:
         while not self._stopping:
             now = time.monotonic()
             due = self._supervisor.step()
+            self._doors.tidy(child.endpoint for child in self._children())
             again = min(self._emergency.step(now), self._hosts.step(now))
             self._journal.step(now)
             self._keeper.step(now, self.plan.rows.digest)
@@ -327,8 +333,10 @@ class Executive:
 
     def _wait(self, timeout_s: float) -> None:
         self._notifier.beat()
-        children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
-        self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
+        self._main.wait(timeout_s, (fd for child in self._children() for fd in child.fds))
+
+    def _children(self) -> list[Child]:
+        return [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
 
     def _wait_and_answer(self, timeout_s: float) -> None:
         self._wait(timeout_s)
@@ -341,6 +349,7 @@ class Executive:
 
     def _take_over(self, change: plans.Change) -> None:
         here = self.plan.here
+        self._doors.adopt(self.plan)
         self._hosts.adopt(self.plan.units.values())
         self._supervisor.adopt(here, plans.only(change, here.keys() | self._supervisor.slots.keys()))
 
@@ -398,9 +407,11 @@ class Executive:
         if not self._hosts.restart(name):
             self._supervisor.restart(name)
 
-    def _start(self, unit: Unit) -> Child:
+    def _start(self, unit: Unit) -> Child | None:
+        place = self._doors.place(unit)
+        if place is None:
+            return None
         self._emergency.forget(unit.name)
-        place = self._doors.place(self.plan, unit)
         config = replace(unit.config, estop=self._emergency.state(), endpoints=(place.endpoint,))
         if config.lan is not None:
             bus_certificate()
@@ -468,6 +479,7 @@ class Executive:
 
     def _stop(self, why: str) -> None:
         self._stopping = self._stopping or why
+        self._last_resort.begin()
         self._main.wake()
 
     def _console_ended(self, code: int, why: str) -> None:

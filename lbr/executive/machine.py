@@ -19,6 +19,8 @@ FILES_EACH, FILES_BESIDE = 12, 100
 FILES_WANTED = FILES_BESIDE + FILES_EACH * MOST_CAPABILITIES
 MEMORY_EACH_MB = 16
 """What a driver or an operation has for itself; few capabilities have less."""
+STARTING_PER_CORE = 3
+"""More that start at a time are no sooner ready, and hold up what runs."""
 
 
 class Machine(Struct, frozen=True):
@@ -95,6 +97,6 @@ def _by_memory(running: int) -> tuple[int, str]:
     return MOST_CAPABILITIES, ""
 
 
-def cores() -> int:
-    """Return how many processors this process may use."""
-    return len(os.sched_getaffinity(0))
+def at_once() -> int:
+    """Return how many processes of a robot may start at a time on this machine."""
+    return STARTING_PER_CORE * len(os.sched_getaffinity(0))

@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from lbr.capability.config import Report
+from lbr.executive.starving import Look
 from lbr.executive.units import Unit
 from lbr.messages.system import CapabilityPhase
 
@@ -34,7 +35,8 @@ class Started(Protocol):
 class Slot:
     """`reason` is about now; `last_words` is what was said of an end to come; `last_end` how it last ended unasked.
 
-    `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
+    `suspect` is the first look at its threads in a silence, `look_at` when to look again, and `usual` the last look at
+    how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
     """
 
     def __init__(self, unit: Unit) -> None:
@@ -46,6 +48,9 @@ class Slot:
         self.deaths: tuple[float, ...] = ()
         self.started_at = 0.0
         self.beat_at = 0.0
+        self.suspect: Look | None = None
+        self.look_at = 0.0
+        self.usual: Look | None = None
         self.said: tuple[str, str] | None = None
         self.told = ("", "")
         self.settled_at = 0.0

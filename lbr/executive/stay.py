@@ -17,7 +17,7 @@ from lbr.capability import registry
 from lbr.console.remote import RefusedError
 from lbr.console.target import Target
 from lbr.errors import BusError, MalformedError
-from lbr.executive import hosting
+from lbr.executive import hosting, machine
 from lbr.executive import plan as plans
 from lbr.executive.child import Child
 from lbr.executive.hosting import HostReport, HostShare, Measured, Placed
@@ -78,6 +78,7 @@ class Stay:
             lambda name: name in self._presence.names,
             calibrated=self._calibrated,
             captured=self._captured,
+            at_once=machine.at_once(),
         )
         self._overview = Overview(self._supervisor)
         self._since = self._heard_at = time.monotonic()

@@ -9,10 +9,13 @@ from collections.abc import Callable, Mapping
 
 from lbr.capability.events import Throttle
 from lbr.errors import LbrError
+from lbr.executive import starving
+from lbr.executive.busy import Busy
 from lbr.executive.plan import Change
 from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide, ended_by
-from lbr.executive.scheduling import BACKGROUND, niceness
+from lbr.executive.scheduling import BACKGROUND, MOTION, niceness
 from lbr.executive.slot import Slot, Started
+from lbr.executive.starving import SUSPICIOUS_S, Look, verdict
 from lbr.executive.units import Unit
 from lbr.messages.joints import CapturedFrame
 
@@ -23,10 +26,15 @@ HANG_STARTING_S = 10.0
 HANG_DEGRADED_S = 4.0
 TERM_S = 0.8
 DEGRADED_PATIENCE_S = 1.5
+WAY_S = 0.02
+LOOK_AGAIN_S = 0.2
+LOAD_S, BUSY_SHARE = 3.0, 0.4
+"""Whose main thread has waited for so much of three seconds is late with everything; a start makes others wait for less."""
 SETTLING_S = 2.5
 """Until then after its first word, what a capability still waits for is no trouble: it is told if it lasts."""
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
+MACHINE = "machine"
 
 
 class Supervisor:
@@ -34,18 +42,22 @@ class Supervisor:
 
     `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
     `calibrated(name, values)` is told what a capability has measured on the device that it calibrates, and `captured(name, frame)` what
-    key frame it has made.
+    key frame it has made. `start(unit)` returns None while its way onto the bus is being opened. At most `at_once` start at a
+    time; what moves, drives a device or serves waits for no place among them.
     """
 
     def __init__(
         self,
-        start: Callable[[Unit], Started],
+        start: Callable[[Unit], Started | None],
         happened: Callable[[str, str, str, str], None],
         present: Callable[[str], bool] = lambda _name: True,
+        *,
         clock: Callable[[], float] = time.monotonic,
         dice: random.Random | None = None,
         calibrated: Callable[[str, dict[str, float]], None] = lambda _name, _values: None,
         captured: Callable[[str, CapturedFrame], None] = lambda _name, _frame: None,
+        at_once: int = 1000,
+        look: Callable[..., Look] = starving.look,
     ) -> None:
         self.slots: dict[str, Slot] = {}
         self._leaving: list[Slot] = []
@@ -55,6 +67,10 @@ class Supervisor:
         self._present = present
         self._calibrated = calibrated
         self._captured = captured
+        self._at_once = at_once
+        self._look = look
+        self._busy = Busy()
+        self._load_at = 0.0
         self._clock = clock
         self._dice = dice or random.Random()
 
@@ -105,8 +121,13 @@ class Supervisor:
             else:
                 self._watch(slot, child, now)
         self._leaving = [slot for slot in self._leaving if slot.child is not None]
+        if now >= self._load_at:
+            self._load_at = now + LOAD_S
+            self._look_at_load(now)
+        if text := self._busy.over(now):
+            self._happened("busy_over", MACHINE, text, "info")
         for slot in self.slots.values():
-            if slot.child is not None and slot.tell_at is not None and now >= slot.tell_at:
+            if slot.child is not None and slot.tell_at is not None and now >= slot.tell_at and not self._busy.on:
                 self._tell_phase(slot)
             if slot.child is None and slot.due_at is not None and now >= slot.due_at and self._may_start(slot):
                 self._launch(slot, now)
@@ -140,17 +161,26 @@ class Supervisor:
     def _may_start(self, slot: Slot) -> bool:
         if any(leaving.unit.name == slot.unit.name for leaving in self._leaving):
             return False
+        if niceness(slot.unit) != MOTION and self._starting() >= self._at_once:
+            return False
         return all(self.slots[need].phase in RUNNING for need in slot.unit.needs if need in self.slots)
 
+    def _starting(self) -> int:
+        return sum(slot.phase == "starting" for slot in self.slots.values())
+
     def _launch(self, slot: Slot, now: float) -> None:
-        slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
-        slot.told, slot.tell_at = ("", ""), None
-        slot.reason = slot.last_words = ""
         try:
-            slot.child = self._start(slot.unit)
+            child = self._start(slot.unit)
         except (OSError, ValueError, LbrError) as err:
             self._after_end(slot, End.CRASHED, f"could not be started: {err}", now)
             return
+        if child is None:
+            slot.due_at = now + WAY_S
+            return
+        slot.child = child
+        slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
+        slot.told, slot.tell_at = ("", ""), None
+        slot.reason = slot.last_words = ""
         slot.phase, slot.said = "starting", None
         if slot.unit.program is not None:
             slot.said = ("ready", "")
@@ -192,8 +222,8 @@ class Supervisor:
             if phase == "ready" and slot.child is not None:
                 slot.child.settle()
         slot.phase, slot.reason = phase, reason  # type: ignore[assignment]
-        if phase == "degraded" and now < slot.settled_at:
-            slot.tell_at = slot.settled_at
+        if phase == "degraded" and (now < slot.settled_at or self._busy.on):
+            slot.tell_at = max(now, slot.settled_at)
         elif phase in {"ready", "degraded"}:
             self._tell_phase(slot)
 
@@ -211,20 +241,51 @@ class Supervisor:
         if slot.kill_at is not None and now >= slot.kill_at:
             slot.kill_at = None
             child.kill()
-        elif slot.wanted and not slot.hung and (why := self._why_hung(slot, now)):
+        elif slot.wanted and not slot.hung and (why := self._why_hung(slot, child, now)):
             slot.hung, slot.last_words = True, why
             child.kill()
 
-    def _why_hung(self, slot: Slot, now: float) -> str:
+    def _why_hung(self, slot: Slot, child: Started, now: float) -> str:
         """Say why a process counts as hung, or nothing; a program is known by its token alone, if it has one."""
         if slot.unit.program is None:
-            return f"no heartbeat for {now - slot.beat_at:.1f} s" if now - slot.beat_at > _patience_s(slot) else ""
+            return f"no heartbeat for {now - slot.beat_at:.1f} s" if self._hangs(slot, child, now) else ""
         if slot.unit.program.ready == "start":
             return ""
         if self._present(slot.unit.name):
             slot.beat_at = now
-        patience_s = HANG_STARTING_S if slot.phase == "starting" else HANG_PROGRAM_S
-        return f"its liveliness token is missing for {patience_s:g} s" if now - slot.beat_at > patience_s else ""
+        missing = f"its liveliness token is missing for {now - slot.beat_at:.1f} s"
+        return missing if self._hangs(slot, child, now) else ""
+
+    def _hangs(self, slot: Slot, child: Started, now: float) -> bool:
+        """Say whether a silence is a hang; who is not given the processor does not hang."""
+        silent_s, patience_s = now - slot.beat_at, _patience_s(slot)
+        if not silent_s > SUSPICIOUS_S or now < slot.look_at:
+            return False
+        if slot.suspect is None or slot.suspect.at < slot.beat_at:
+            slot.suspect = self._look(child.pid, now)
+        if not silent_s > patience_s:
+            return False
+        said = verdict(silent_s, patience_s, slot.suspect, self._look(child.pid, now))
+        if said == "starved":
+            slot.look_at = now + LOOK_AGAIN_S
+            self._starved(slot, silent_s, now)
+        return said == "hung"
+
+    def _look_at_load(self, now: float) -> None:
+        """See who of those that run waits more for the processor than it has it; starting always takes a while."""
+        for slot, child in self.children():
+            before, slot.usual = slot.usual, None
+            if slot.phase not in RUNNING or niceness(slot.unit) == BACKGROUND:
+                continue
+            slot.usual = self._look(child.pid, now, all_threads=False)
+            waited_s = starving.waited_s(before, slot.usual) if before is not None else 0.0
+            if before is not None and waited_s > BUSY_SHARE * (now - before.at):
+                self._starved(slot, waited_s, now)
+
+    def _starved(self, slot: Slot, waited_s: float, now: float) -> None:
+        text = self._busy.starved(slot.unit.name, waited_s, now)
+        if text:
+            self._happened("too_busy", MACHINE, text, "warning")
 
     def _ended(self, slot: Slot, child: Started, code: int, now: float) -> None:
         child.close()
@@ -280,16 +341,23 @@ class Supervisor:
 
     def _next(self, now: float) -> float:
         times = [slot.due_at for slot in self.slots.values() if slot.due_at is not None and self._may_start(slot)]
-        times += [at for slot, _ in self.children() for at in (slot.kill_at, slot.tell_at) if at is not None]
-        times += [
-            slot.beat_at + HANG_MOVER_S for slot, _ in self.children() if slot.unit.program is None and slot.wanted
-        ]
+        times += [slot.kill_at for slot, _ in self.children() if slot.kill_at is not None]
+        if not self._busy.on:
+            times += [slot.tell_at for slot, _ in self.children() if slot.tell_at is not None]
+        times += [_look_due(slot) for slot, _ in self.children() if slot.unit.program is None and slot.wanted]
         return max(0.0, min((due - now for due in times), default=1.0))
 
     def _tell(self, kind: str, slot: Slot, text: str, level: str) -> None:
         if not self._throttle.take(f"{slot.unit.name} {kind}", self._clock()):
             return
         self._happened(kind, slot.unit.name, text, level)
+
+
+def _look_due(slot: Slot) -> float:
+    """Return when its silence, if it lasts, is looked at next."""
+    if slot.suspect is None or slot.suspect.at < slot.beat_at:
+        return slot.beat_at + SUSPICIOUS_S + WAY_S
+    return max(slot.beat_at + _patience_s(slot), slot.look_at)
 
 
 def _patience_s(slot: Slot) -> float:

@@ -1,26 +1,160 @@
 """Where processes come in: at the core, or at an annex that knows rights which the core does not."""
 
+import threading
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Self
 
 import pytest
 from msgspec.structs import replace
 
+from lbr.bus import session
 from lbr.database import store
+from lbr.errors import BusError
+from lbr.executive import doors as module
 from lbr.executive import plan as plans
 from lbr.executive.doors import Doors, core_endpoint
+from lbr.executive.plan import Plan
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
+from tests.robot import until
 
 
-def test_rights_that_come_back_need_no_further_annex(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+class Routers:
+    """Stands in for the bus library: what it opens is counted, and it may refuse, or never return."""
+
+    def __init__(self) -> None:
+        self.open: list[str] = []
+        self.opened = 0
+        self.refuses = False
+        self.goes_on = threading.Event()
+        self.goes_on.set()
+
+    def __call__(self, router: session.Router) -> "Opened":
+        if self.opened >= 2:  # core and local door are there: it is an annex
+            self.goes_on.wait()
+        if self.refuses:
+            raise BusError("no")
+        self.opened += 1
+        return Opened(self, router.listen[0])
+
+
+class Opened:
+    def __init__(self, routers: Routers, endpoint: str) -> None:
+        self.routers, self.endpoint = routers, endpoint
+        routers.open.append(endpoint)
+
+    def close(self) -> None:
+        if self.endpoint in self.routers.open:
+            self.routers.open.remove(self.endpoint)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_about: object) -> None:
+        self.close()
+
+
+@pytest.fixture
+def site(home: Path, monkeypatch: pytest.MonkeyPatch) -> Site:
     monkeypatch.setenv("LBR_HOME", str(home))
-    site = Site(home=str(home), endpoints=(core_endpoint("lbr"),), secret=b"s" * 32)
+    monkeypatch.setattr(module, "SETTLED_S", 0.02)
+    return Site(home=str(home), endpoints=(core_endpoint("lbr"),), secret=b"s" * 32)
+
+
+@pytest.fixture
+def found(home: Path, site: Site) -> tuple[Plan, Plan]:
+    """The shipped plan, and one in which what fed the drive has other rights, and so has the drive."""
     with store.Database.open(home / "robot.db") as database:
         rows = database.load("lbr")
     without = replace(rows, channels=tuple(one for one in rows.channels if one.target_end[0] != "drive"))
-    found = [plans.make(one, Profile(robot="lbr", simulate=True), site)[0] for one in (rows, without)]
-    with closing(Doors(found[0], site)) as doors:  # type: ignore[arg-type]
-        places = [doors.place(plan, plan.units["drive"]).endpoint for plan in 3 * found if plan is not None]
-    assert places[0] == core_endpoint("lbr") != places[1]
-    assert places == 3 * places[:2]
+    made = [plans.make(one, Profile(robot="lbr", simulate=True), site)[0] for one in (rows, without)]
+    assert made[0] is not None
+    assert made[1] is not None
+    return made[0], made[1]
+
+
+@pytest.fixture
+def routers() -> Iterator[Routers]:
+    made = Routers()
+    yield made
+    made.goes_on.set()
+
+
+def doors_of(plan: Plan, site: Site, routers: Routers) -> Doors:
+    return Doors(plan, site, open_router=routers)  # type: ignore[arg-type]
+
+
+def place(doors: Doors, plan: Plan, name: str = "drive") -> str:
+    return until(lambda: doors.place(plan.units[name])).endpoint
+
+
+def test_rights_that_come_back_find_their_router_and_no_change_opens_more_than_one(
+    site: Site, found: tuple[Plan, Plan], routers: Routers
+) -> None:
+    usual, other = found
+    with closing(doors_of(usual, site, routers)) as doors:
+        assert place(doors, usual) == core_endpoint("lbr")
+        doors.adopt(other)
+        annex = place(doors, other)
+        assert {place(doors, other, name) for name in other.here} == {core_endpoint("lbr"), annex}
+        assert annex != core_endpoint("lbr")
+        doors.tidy([annex])
+        doors.adopt(usual)
+        assert place(doors, usual) == core_endpoint("lbr")
+        doors.adopt(other)
+        assert place(doors, other) == annex
+        assert routers.opened == 3
+
+
+def test_an_annex_is_closed_when_none_of_its_processes_runs_or_is_to_run(
+    site: Site, found: tuple[Plan, Plan], routers: Routers
+) -> None:
+    usual, other = found
+    with closing(doors_of(usual, site, routers)) as doors:
+        for _ in range(20):
+            doors.adopt(other)
+            annex = place(doors, other)
+            doors.tidy([core_endpoint("lbr"), annex])
+            doors.adopt(usual)
+            assert annex in routers.open  # its process ends in order, and stops its motion before
+            doors.tidy([core_endpoint("lbr")])
+            until(lambda gone=annex: gone not in routers.open)
+        assert len(routers.open) == 2
+
+
+def test_who_is_to_come_in_waits_for_a_router_that_does_not_open_and_nobody_else(
+    site: Site, found: tuple[Plan, Plan], routers: Routers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usual, other = found
+    routers.goes_on.clear()
+    with closing(doors_of(usual, site, routers)) as doors:
+        doors.adopt(other)
+        assert doors.place(other.units["drive"]) is None
+        assert place(doors, other, "motors") == core_endpoint("lbr")
+        monkeypatch.setattr(module, "OPENS_WITHIN_S", -1.0)
+        until(lambda: refused(doors, other))
+        doors.adopt(usual)  # good rows bring it back
+        assert place(doors, usual) == core_endpoint("lbr")
+
+
+def test_a_router_that_is_refused_is_said_and_tried_again(
+    site: Site, found: tuple[Plan, Plan], routers: Routers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usual, other = found
+    monkeypatch.setattr(module, "RETRY_S", 0.02)
+    with closing(doors_of(usual, site, routers)) as doors:
+        routers.refuses = True
+        doors.adopt(other)
+        assert until(lambda: refused(doors, other)) == "the router for its rights did not open: no"
+        routers.refuses = False
+        until(lambda: not refused(doors, other) and doors.place(other.units["drive"]))
+
+
+def refused(doors: Doors, plan: Plan) -> str:
+    try:
+        doors.place(plan.units["drive"])
+    except BusError as err:
+        return str(err)
+    return ""

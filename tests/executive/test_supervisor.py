@@ -9,6 +9,7 @@ import pytest
 from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.executive.plan import Change
+from lbr.executive.starving import Look, Thread
 from lbr.executive.supervisor import (
     DEGRADED_PATIENCE_S,
     HANG_MOVER_S,
@@ -56,19 +57,23 @@ class FakeProcess:
 class Stage:
     """A supervisor whose time and processes are ours."""
 
-    def __init__(self, *units):
+    def __init__(self, *units, at_once=1000):
         self.now = 100.0
         self.log = []
         self.told = []
         self.processes = {}
         self.hidden = set()
+        self.closed = set()
+        self.busy = False
         self.units = {unit.name: unit for unit in units}
         self.supervisor = Supervisor(
             self.start,
             lambda *about: self.told.append(about),
             lambda name: name not in self.hidden,
-            lambda: self.now,
-            random.Random(1),
+            clock=lambda: self.now,
+            dice=random.Random(1),
+            at_once=at_once,
+            look=lambda _pid, now, **_how: Look(now, Thread(waited=now if self.busy else 0.0)),
         )
         self.adopt(Change(start=tuple(self.units)))
 
@@ -77,6 +82,8 @@ class Stage:
         self.supervisor.step()
 
     def start(self, unit):
+        if unit.name in self.closed:
+            return None
         process = FakeProcess(unit, self.log)
         self.log.append(("start", unit.name))
         self.processes[unit.name] = process
@@ -351,3 +358,71 @@ def test_a_degraded_capability_gets_a_moment_before_the_robot_counts_as_ready():
     assert not stage.supervisor.settled()
     stage.passes(DEGRADED_PATIENCE_S + 0.2, beating=["ranges"])
     assert stage.supervisor.settled()
+
+
+def test_few_start_at_a_time_and_what_moves_or_has_a_device_waits_for_none_of_them():
+    many = [unit(f"app{n}") for n in range(6)]
+    stage = Stage(*many, unit("motors", family="driver"), unit("drive", moves=True, family="operation"), at_once=2)
+    assert [name for _, name in stage.log] == ["app0", "app1", "motors", "drive"]
+    stage.says("app0")
+    assert stage.starts("app2") == 0  # the drivers are among those that start
+    stage.says("motors")
+    stage.says("drive")
+    assert stage.starts("app2") == 1
+    for n in range(1, 5):
+        stage.says(f"app{n}")
+    assert all(stage.starts(f"app{n}") == 1 for n in range(6))
+
+
+def test_who_has_no_way_onto_the_bus_yet_waits_without_counting_as_an_end():
+    stage = Stage(unit("camera"))
+    stage.dies("camera")
+    stage.closed = {"camera"}
+    stage.passes(3.0)
+    assert (stage.phase("camera"), stage.starts("camera")) == ("waiting", 1)
+    stage.closed = set()
+    stage.passes(0.1)
+    assert (stage.phase("camera"), stage.supervisor.slots["camera"].restarts) == ("starting", 1)
+
+
+def test_who_is_not_given_the_processor_is_not_killed_and_the_machine_is_said_to_be_busy_once():
+    stage = Stage(unit("motors", moves=True), unit("camera"))
+    stage.says("motors")
+    stage.says("camera")
+    stage.busy = True
+    stage.passes(60.0)
+    assert not [what for what, _ in stage.log if what == "kill"]
+    told = [text for kind, _, text, _ in stage.told if kind == "too_busy"]
+    assert len(told) == 1
+    assert told[0].startswith("this machine is too busy: 'motors' has waited ")
+    stage.busy = False
+    stage.passes(14.0, beating=("motors", "camera"))
+    assert [kind for kind, *_ in stage.told][-1] == "busy_over"
+
+
+def test_who_hangs_once_the_machine_has_time_is_killed_as_fast_as_ever():
+    stage = Stage(unit("motors", moves=True))
+    stage.says("motors")
+    stage.busy = True
+    stage.passes(10.0)
+    stage.processes["motors"].said.append(Report())
+    stage.busy = False
+    stage.passes(HANG_MOVER_S + 0.11)
+    assert ("kill", "motors") in stage.log
+
+
+def test_what_is_degraded_while_the_machine_is_busy_is_told_if_it_lasts_beyond_that():
+    stage = Stage(unit("camera"), unit("ranges", family="driver"))
+    stage.says("camera")
+    stage.says("ranges")
+    stage.busy = True
+    stage.passes(4.0, beating=("ranges",))
+    stage.says("ranges", "degraded", "no answer: cable and power?")
+    stage.says("camera", "degraded", "no picture")
+    stage.passes(1.0, beating=("ranges",))
+    assert "degraded" not in [kind for kind, *_ in stage.told]
+    assert stage.supervisor.slots["ranges"].reason == "no answer: cable and power?"
+    stage.says("camera")
+    stage.busy = False
+    stage.passes(14.0, beating=("ranges", "camera"))
+    assert [(kind, name) for kind, name, *_ in stage.told][-2:] == [("busy_over", "machine"), ("degraded", "ranges")]

@@ -1,0 +1,76 @@
+"""The end for certain: a shutdown that was asked for ends this process, whatever its main thread hangs in.
+
+Python runs signal handlers in the main thread alone, between two steps of its own, and a call into a library may never
+return. The kernel's part of the handler writes to a pipe at once; a thread of this module reads it, and counts.
+"""
+
+import contextlib
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+
+HEARD_WITHIN_S = 2.0
+"""The main loop goes round five times a second; one that has not begun to close by then hangs."""
+OVER_WITHIN_S = 5.0
+"""The processes have 2.5 s to end, then the external commands, the last rows and the routers."""
+FORCED = 70
+
+
+class LastResort:
+    """Ends the process some seconds after `begin`, or after one of `signals`, which call `wake` at once."""
+
+    def __init__(
+        self,
+        wake: Callable[[], None],
+        *,
+        signals: tuple[int, ...] = (),
+        end: Callable[[str], None] | None = None,
+        heard_s: float = HEARD_WITHIN_S,
+        over_s: float = OVER_WITHIN_S,
+    ) -> None:
+        self._wake = wake
+        self._signals = frozenset(signals)
+        self._end = end or _end
+        self._heard_s, self._over_s = heard_s, over_s
+        self._begun = threading.Event()
+        self._heard = threading.Event()
+        self._read, self.signal_fd = os.pipe()
+        os.set_blocking(self.signal_fd, False)
+        threading.Thread(target=self._listen, name="signals", daemon=True).start()
+        threading.Thread(target=self._count, name="last resort", daemon=True).start()
+
+    def begin(self) -> None:
+        """Count from now on; from any thread."""
+        self._begun.set()
+
+    def heard(self) -> None:
+        """Take note that the main thread is closing."""
+        self._heard.set()
+
+    def _listen(self) -> None:
+        while got := os.read(self._read, 4096):
+            if self._signals & set(got):
+                self._begun.set()
+            self._wake()
+
+    def _count(self) -> None:
+        self._begun.wait()
+        since = time.monotonic()
+        if not self._heard.wait(self._heard_s):
+            self._end(f"the main thread has not heard of the shutdown for {self._heard_s:g} s")
+        else:
+            time.sleep(max(0.0, since + self._over_s - time.monotonic()))  # a process that ends takes this thread along
+            self._end(f"the shutdown takes longer than {self._over_s:g} s")
+
+
+def _end(why: str) -> None:
+    """Leave at once; the processes notice by their lifelines, stop their motion and end."""
+    with contextlib.suppress(OSError):
+        os.write(sys.stderr.fileno(), f"executive: {why}; ended by force\n".encode())
+    os._exit(FORCED)
+
+
+SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)

@@ -1,0 +1,83 @@
+"""A process that is silent: does it hang, or does the machine not give it the processor? Pure, but for the reading.
+
+A thread that could run and is not given a processor is waiting, and the kernel counts how long. Who is stopped, who waits
+for a lock, and who turns in circles does not wait: what is silent for longer than it waited hangs.
+"""
+
+import contextlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+from msgspec import Struct
+
+Verdict = Literal["fine", "starved", "hung"]
+SUSPICIOUS_S = 0.3
+"""A heartbeat comes five times a second; from here on it is looked at who has the processor."""
+LOOKED_AT_S = 0.5
+"""By then it has been, unless who looks is held up as well; what went before is counted up to here."""
+OTHERS_STRETCH = 5.0
+"""The main thread may wait for what another thread of its process holds while that is not given the processor; but
+threads that merely carry messages wait as well, so this excuses no longer than so many times the usual patience."""
+HARDLY_S = 0.1
+"""So long any thread may have to wait."""
+
+
+class Thread(Struct, frozen=True):
+    """What a thread has had by now: how long it `ran`, how long it `waited` for a processor, and whether it could run."""
+
+    ran: float = 0.0
+    waited: float = 0.0
+    runnable: bool = False
+
+
+class Look(Struct, frozen=True):
+    """A process at one moment of its silence: how long it had been silent, and its threads, the main one apart."""
+
+    at: float
+    main: Thread = Thread()
+    others: Mapping[int, Thread] = {}
+
+
+def verdict(silent_s: float, patience_s: float, first: Look, now: Look) -> Verdict:
+    """Judge a silence that lasts `silent_s`, of which `first` was the first look and `now` is the latest.
+
+    Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come.
+    With patience left `fine`, also where it is only because the first look came late.
+    """
+    if not silent_s > patience_s:
+        return "fine"
+    elapsed = max(0.0, now.at - first.at)
+    unseen = min(LOOKED_AT_S, max(0.0, silent_s - elapsed))
+    main = _waited(first.main, now.main, elapsed)
+    others = [_waited(first.others[one], now.others[one], elapsed) for one in first.others.keys() & now.others.keys()]
+    excused = max(main, *others, 0.0) if silent_s <= OTHERS_STRETCH * patience_s else main
+    if unseen + elapsed - excused > patience_s:
+        return "hung"
+    return "starved" if excused > HARDLY_S else "fine"
+
+
+def _waited(before: Thread, now: Thread, elapsed: float) -> float:
+    """Return how long a thread has waited for the processor; the kernel counts a wait only when it is over."""
+    waited = now.waited - before.waited
+    if now.runnable:
+        waited = max(waited, elapsed - (now.ran - before.ran))
+    return min(elapsed, waited) if waited > 0.0 else 0.0
+
+
+def waited_s(first: Look, now: Look) -> float:
+    """Return how long the main thread has waited for the processor between two looks."""
+    return _waited(first.main, now.main, now.at - first.at)
+
+
+def look(pid: int, at: float, *, all_threads: bool = True) -> Look:
+    """Look at a process; a kernel that counts nothing, or a process that is gone, has waited for nothing."""
+    threads: dict[int, Thread] = {}
+    with contextlib.suppress(OSError):
+        for task in Path(f"/proc/{pid}/task").iterdir() if all_threads else [Path(f"/proc/{pid}/task/{pid}")]:
+            with contextlib.suppress(OSError, ValueError, IndexError):
+                ran, waited, _ = (task / "schedstat").read_text(encoding="ascii").split()
+                state = (task / "stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()[0]
+                threads[int(task.name)] = Thread(int(ran) / 1e9, int(waited) / 1e9, state == "R")
+    main = threads.pop(pid, Thread())
+    return Look(at, main, threads)

@@ -1,0 +1,55 @@
+"""A shutdown ends the process, whatever its main thread hangs in."""
+
+import queue
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from lbr.executive.lastresort import FORCED, LastResort
+from tests import programs
+
+HANGS = """
+import os, signal, sys, threading
+from lbr.executive.lastresort import SIGNALS, LastResort
+
+resort = LastResort(lambda: None, signals=SIGNALS, heard_s=0.2)
+signal.set_wakeup_fd(resort.signal_fd)
+signal.signal(signal.SIGTERM, lambda *_: None)
+lock = os.pipe()
+print("hangs", flush=True)
+while True:
+    try:
+        os.read(lock[0], 1)
+    except InterruptedError:
+        pass
+"""
+
+
+def test_sigterm_ends_a_process_whose_main_thread_never_returns() -> None:
+    popen = programs.start([sys.executable, "-c", HANGS], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    with popen:
+        assert popen.stdout is not None
+        assert popen.stdout.readline() == "hangs\n"
+        popen.send_signal(signal.SIGTERM)
+        _, errors = popen.communicate(timeout=5.0)
+    assert popen.returncode == FORCED
+    assert errors == "executive: the main thread has not heard of the shutdown for 0.2 s; ended by force\n"
+
+
+@pytest.mark.parametrize("heard", [False, True])
+def test_it_counts_from_the_first_word_and_says_what_took_too_long(heard: bool) -> None:
+    ended: queue.SimpleQueue[str] = queue.SimpleQueue()
+    woken = threading.Event()
+    resort = LastResort(woken.set, end=ended.put, heard_s=0.05 if not heard else 5.0, over_s=0.1)
+    assert ended.empty()
+    if heard:
+        resort.heard()
+    resort.begin()
+    resort.begin()
+    says = ended.get(timeout=5.0)
+    assert says == (
+        "the shutdown takes longer than 0.1 s" if heard else "the main thread has not heard of the shutdown for 0.05 s"
+    )
