@@ -559,7 +559,7 @@ INSERT INTO robot (name, model, description)
 VALUES ('bioloid', 'Bioloid Humanoid Type A', 'A humanoid of eighteen Dynamixel servos on a Raspberry Pi');
 
 INSERT INTO device (robot, name, type, address, settings) VALUES
-    ('bioloid', 'servo_bus', 'dynamixel', '/dev/ttyACM0', '{}'),
+    ('bioloid', 'servo_bus', 'dynamixel', 'by-id:usb-*-if00', '{}'),
     ('bioloid', 'imu', 'phidget_spatial', 'usb:', '{}'),
     ('bioloid', 'ups', 'pico', 'i2c:1:0x69', '{}');
 
@@ -941,7 +941,7 @@ INSERT INTO robot (name, model, description)
 VALUES ('uxa90', 'UXA-90 Light', 'A humanoid of one metre: twenty-five servos behind a main board that keeps motions');
 
 INSERT INTO device (robot, name, type, address, settings) VALUES
-    ('uxa90', 'main_board', 'uxa90', '/dev/ttyUSB0', '{}'),
+    ('uxa90', 'main_board', 'uxa90', 'by-id:usb-*-port0', '{}'),
     ('uxa90', 'head_camera', 'camera', '/dev/video0', '{}');
 
 INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES

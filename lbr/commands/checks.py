@@ -125,6 +125,7 @@ def _database() -> Iterator[Finding]:
                 yield Finding(about="database", level="good", text=f"robot '{name}' in {path}")
             for device in loaded.devices:
                 yield device_checks.device(name, device)
+                yield from device_checks.numbered(device)
                 yield from device_checks.latency(device)
             yield from web_checks.ports(name, loaded.capabilities)
 

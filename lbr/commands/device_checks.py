@@ -5,12 +5,18 @@ import ctypes.util
 import grp
 import importlib.util
 import os
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from lbr.capability.context import Device
 from lbr.commands.finding import Finding, Level
 from lbr.database.rows import DeviceRow
+from lbr.drivers import access
+from lbr.drivers.infrared import decoders
+from lbr.drivers.serial_line import resolve
+from lbr.errors import DeviceError
 
 Judgement = tuple[Level, str, str]
 """How it stands, in words, and what to type."""
@@ -19,6 +25,11 @@ USB_SERIAL = Path("/sys/bus/usb-serial/devices")
 TUNED_MS = "1"
 ASKED_AND_ANSWERED = frozenset({"uxa90", "dynamixel"})
 """Types of devices that are asked many times a second, and answer in a few bytes each time."""
+SERIAL = ASKED_AND_ANSWERED | {"roboteq", "ultrasonic_ring", "riox"}
+"""Types of devices on serial lines, whose address may be `usb:VID:PID` or `by-id:GLOB`."""
+NUMBERED = re.compile(r"/dev/(ttyACM|ttyUSB|video)\d+")
+BY_NAME = {"ttyACM": "/dev/serial/by-id", "ttyUSB": "/dev/serial/by-id", "video": "/dev/v4l/by-id"}
+"""Where a device has a name that stays, by what its number stands after."""
 SOUND_CARDS = Path("/proc/asound/cards")
 LOOKS = {
     "camera": "v4l2-ctl --list-devices",
@@ -36,10 +47,23 @@ def device(robot: str, row: DeviceRow) -> Finding:
     return Finding(about=f"device '{row.name}'", level=level, text=text, do=do)
 
 
+def numbered(row: DeviceRow) -> Iterator[Finding]:
+    """Warn of an address that is a number: which device has it may change at each replug and each start."""
+    if found := NUMBERED.fullmatch(row.address):
+        text = f"{row.address} is a number that another device may have after a replug or a restart"
+        do = f"ls -l {BY_NAME[found[1]]}, and write the name of yours into the device row's address"
+        yield Finding(about=f"address of '{row.name}'", level="hint", text=text, do=do)
+
+
 def latency(row: DeviceRow) -> Iterator[Finding]:
     """Look how long a USB adapter holds answers back, where a device is asked many times a second."""
-    timer = USB_SERIAL / Path(row.address).resolve().name / "latency_timer"
-    if row.type not in ASKED_AND_ANSWERED or not timer.exists():
+    if row.type not in ASKED_AND_ANSWERED:
+        return
+    try:
+        timer = USB_SERIAL / Path(_resolved(row)).resolve().name / "latency_timer"
+    except DeviceError:
+        return
+    if not timer.exists():
         return
     about, held = f"latency of '{row.name}'", timer.read_text().strip()
     if held == TUNED_MS:
@@ -62,8 +86,8 @@ def speech() -> Iterator[Finding]:
 def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:
     return {
         "sim": lambda _row, _rest: ("good", "emulated", ""),
-        "usb": _found_later,
-        "by-id": _found_later,
+        "usb": _serial,
+        "by-id": _serial,
         "alsa": _sound,
         "csi": _pi_camera,
         "i2c": _i2c,
@@ -71,12 +95,26 @@ def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:
     }
 
 
-def _found_later(row: DeviceRow, _rest: str) -> Judgement:
-    return "good", f"looked for at its start: {row.address}", ""
+def _serial(row: DeviceRow, _rest: str) -> Judgement:
+    if row.type not in SERIAL:
+        return "good", f"looked for at its start: {row.address}", ""
+    try:
+        return _at(Path(_resolved(row)), "ls /dev/serial/by-id")
+    except DeviceError as err:
+        return "hint", str(err), "ls -l /dev/serial/by-id"
+
+
+def _resolved(row: DeviceRow) -> str:
+    return resolve(Device(row.name, row.type, row.address, {}))
 
 
 def _file(row: DeviceRow, _rest: str) -> Judgement:
-    return _at(Path(row.address), LOOKS.get(row.type, "ls /dev/serial/by-id"))
+    level, text, do = _at(Path(row.address), LOOKS.get(row.type, "ls /dev/serial/by-id"))
+    found = decoders.of(row.address) if level == "good" and row.type == "infrared" else None
+    if lacks := found.lacks() if found is not None else "":
+        said, _, command = lacks.partition(": ")
+        return "bad", f"{row.address} {said}, so no beam is heard", command
+    return level, text, do
 
 
 def _i2c(_row: DeviceRow, rest: str) -> Judgement:
@@ -87,6 +125,8 @@ def _at(path: Path, look: str) -> Judgement:
     if not path.exists():
         return "hint", f"{path} is not there: plug it in", look
     if not os.access(path, os.R_OK | os.W_OK):
+        if access.is_settling(str(path)):
+            return "bad", f"{path} may not be opened yet: udev may still be setting its group", "lbr doctor"
         return "bad", f"{path} may not be opened", _join_group(path)
     return "good", str(path), ""
 

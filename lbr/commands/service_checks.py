@@ -8,11 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from lbr.commands import placing, unitfiles
-from lbr.commands.finding import Finding
+from lbr.commands.finding import Finding, Level
 from lbr.commands.service import BOOTED, MACHINE
 
 PROPERTIES = ("Id", "ActiveState", "SubState", "Result", "WatchdogUSec", "NRestarts", "MainPID", "StatusText")
 ANSWER_S = 5.0
+LIMITS = {"watchdog": "WatchdogSec=10", "timeout": "TimeoutStartSec=600"}
+"""What to lengthen on a slow machine, by how systemd says that a service ended."""
 LEAST_NICE_LIMIT = 30
 """What /proc/PID/limits says when niceness may go down to -10: 20 less the niceness."""
 
@@ -36,11 +38,9 @@ def judged(shown: dict[str, str], limits: str) -> Finding:
     name, state = shown.get("Id", "?"), shown.get("ActiveState", "")
     about = f"service {name.removesuffix('.service')}"
     look = f"journalctl -u {name} -n 50"
-    if state == "failed":
-        text = f"failed ({shown.get('Result', '?')}); bad rows are not tried again by themselves"
-        return Finding(about=about, level="bad", text=text, do=f"{look}; then: sudo systemctl restart {name}")
     if state != "active":
-        return Finding(about=about, level="hint", text=state or "not running", do=look)
+        level, text, do = _not_active(name, state, shown.get("Result", "?"))
+        return Finding(about=about, level=level, text=text, do=f"{look}{do}")
     if shown.get("WatchdogUSec", "") in {"", "0", "infinity"}:
         return Finding(about=about, level="bad", text="runs without a watchdog", do=f"systemctl cat {name}")
     if shown.get("NRestarts", "0") != "0":
@@ -51,6 +51,16 @@ def judged(shown: dict[str, str], limits: str) -> Finding:
         text = f"its motion processes cannot be raised (nice limit {limit[1]}, {LEAST_NICE_LIMIT} is needed)"
         return Finding(about=about, level="hint", text=text, do=f"systemctl cat {name}, and look for LimitNICE")
     return Finding(about=about, level="good", text=f"{shown.get('StatusText') or 'runs'}, watchdog on")
+
+
+def _not_active(name: str, state: str, result: str) -> tuple[Level, str, str]:
+    if result in LIMITS:
+        text = f"{state}: a time limit of the unit ended it ({result})"
+        return "bad", text, f"; on a slow machine: sudo systemctl edit {name}, and there [Service] {LIMITS[result]}"
+    if state == "failed":
+        text = f"failed ({result}); bad rows are not tried again by themselves"
+        return "bad", text, f"; then: sudo systemctl restart {name}"
+    return "hint", state or "not running", ""
 
 
 def _files(root: Path) -> Iterator[Finding]:

@@ -12,6 +12,7 @@ from contextlib import suppress
 from typing import Any, NamedTuple, Protocol
 
 from lbr.capability.context import Device
+from lbr.drivers import access
 from lbr.drivers.i2c_socket import SocketBus
 from lbr.errors import DeviceError
 
@@ -115,7 +116,7 @@ def _why_not(device: Device, place: Place, err: OSError) -> str:
                 f"{said} is missing; switch i2c on (on a Pi: raspi-config), or correct the device row; see lbr doctor"
             )
         case errno.EACCES | errno.EPERM:
-            return f"{said} may not be opened by this user; join the group i2c and log in anew"
+            return f"{said} {access.refused(f'/dev/i2c-{place.number}', 'i2c')}"
         case _:
             return f"{said} cannot be opened ({_cause(err)}); see lbr doctor"
 

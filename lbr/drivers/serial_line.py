@@ -14,6 +14,7 @@ import serial
 from serial.tools import list_ports
 
 from lbr.capability.context import Device
+from lbr.drivers import access
 from lbr.errors import DeviceError
 
 BY_ID = "/dev/serial/by-id"
@@ -144,7 +145,7 @@ def _why_not(device: str, path: str, err: Exception) -> str:
         case 2 | 6 | 19:
             return f"{said} is missing; plug it in, or correct the address in the device row"
         case 13:
-            return f"{said} may not be opened by this user; join the group dialout and log in anew"
+            return f"{said} {access.refused(path, 'dialout')}"
         case 11 | 16:
             return f"{said} is busy{_by_whom(path)}; stop the other program"
         case _:

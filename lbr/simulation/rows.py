@@ -25,7 +25,7 @@ Sense = Literal[-1, 1]
 Board = Literal["arduino", "parallax"]
 Scancode = (
     Annotated[int, Meta(ge=1, lt=2**32)]
-    | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x40a1")]
+    | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x400021")]
 )
 Scale = Annotated[float, Meta(gt=0.0, le=1e6)]
 Byte = Annotated[int, Meta(ge=0, le=255)]
@@ -73,9 +73,9 @@ class RioxRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class BeamCodes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The scancode that the dock sends on each beam, as a number or in hexadecimal; null: it has no such beam."""
 
-    left: Scancode | None = "0x40a1"
-    right: Scancode | None = "0x40a2"
-    power: Scancode | None = "0x40a4"
+    left: Scancode | None = "0x400021"
+    right: Scancode | None = "0x400022"
+    power: Scancode | None = "0x400024"
 
     def numbers(self) -> dict[Beam, int]:
         """Return the codes as numbers."""

@@ -1,9 +1,14 @@
 """What the doctor says of device rows."""
 
+import re
+
 import pytest
 
 from lbr.commands import device_checks
+from lbr.database.resources import robot_db_sql
 from lbr.database.rows import DeviceRow
+from lbr.drivers import serial_line
+from lbr.drivers.infrared import decoders
 
 
 def judged(address, type_="roboteq"):
@@ -47,3 +52,61 @@ def test_no_speech_engine_is_a_hint(monkeypatch):
     monkeypatch.setattr(device_checks.ctypes.util, "find_library", lambda _name: None)
     (found,) = device_checks.speech()
     assert (found.level, found.do) == ("hint", "sudo apt install espeak-ng")
+
+
+@pytest.mark.parametrize(
+    ("address", "where"),
+    [("/dev/ttyACM0", "/dev/serial/by-id"), ("/dev/ttyUSB3", "/dev/serial/by-id"), ("/dev/video0", "/dev/v4l/by-id")],
+)
+def test_an_address_that_is_a_number_is_warned_of(address, where):
+    (found,) = device_checks.numbered(DeviceRow(name="d", type="dynamixel", address=address))
+    assert found.level == "hint"
+    assert "another device may have" in found.text
+    assert where in found.do
+
+
+@pytest.mark.parametrize("address", ["by-id:usb-*-if00", "usb:2341:0043", "/dev/serial/by-id/usb-x", "i2c:1:0x68"])
+def test_an_address_that_stays_is_not_warned_of(address):
+    assert list(device_checks.numbered(DeviceRow(name="d", type="dynamixel", address=address))) == []
+
+
+def test_no_row_of_a_serial_device_ships_with_a_number():
+    tables = re.findall(
+        r"^ *\('\w+', '\w+', '(\w+)', '(/dev/tty\w+|by-id:\S+|usb:\S*)',", robot_db_sql().read_text(), re.MULTILINE
+    )
+    assert {kind for kind, _ in tables} >= {"dynamixel", "uxa90"}
+    assert [address for _, address in tables if device_checks.NUMBERED.fullmatch(address)] == []
+
+
+def test_a_pattern_that_matches_nothing_says_so_and_one_that_does_is_looked_at(tmp_path, monkeypatch):
+    monkeypatch.setattr(serial_line, "BY_ID", str(tmp_path))
+    found = judged("by-id:usb-*-if00")
+    assert (found.level, "nothing matches by-id:usb-*-if00" in found.text) == ("hint", True)
+    (tmp_path / "usb-a-if00").touch()
+    assert judged("by-id:usb-*-if00").level == "good"
+    (tmp_path / "usb-b-if00").touch()
+    assert "make the address say which" in judged("by-id:usb-*-if00").text
+
+
+def test_a_receiver_without_a_decoder_is_bad(tmp_path, monkeypatch):
+    node = tmp_path / "lirc0"
+    node.touch()
+    place = tmp_path / "sys" / "lirc" / "lirc0" / "device"
+    place.mkdir(parents=True)
+    (place / "protocols").write_text("rc-5 nec sony [lirc]\n")
+    monkeypatch.setattr(decoders, "SYS", tmp_path / "sys")
+    found = judged(str(node), "infrared")
+    assert found.level == "bad"
+    assert "decodes nothing, so no beam is heard" in found.text
+    assert found.do == "sudo ir-keytable -s device -p sony"
+    (place / "protocols").write_text("rc-5 nec [sony] [lirc]\n")
+    assert judged(str(node), "infrared").level == "good"
+
+
+def test_right_after_a_plug_in_the_group_may_still_come(tmp_path, monkeypatch):
+    monkeypatch.setattr(device_checks.os, "access", lambda *_: False)
+    node = tmp_path / "tty"
+    node.touch()
+    assert "udev may still be setting its group" in judged(str(node)).text
+    monkeypatch.setattr(device_checks.access.time, "time", lambda: node.stat().st_ctime + 60)
+    assert judged(str(node)).text == f"{node} may not be opened"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from lbr.commands import placing, service_checks, unitfiles
+from lbr.commands import placing, service, service_checks, unitfiles
 from lbr.commands.service import command
 from lbr.commands.unitfiles import RULES, SYSUSERS, UNIT, Site
 from lbr.errors import InputError
@@ -93,6 +93,12 @@ def test_groups_are_those_of_the_machine_that_it_is_for(tmp_path):
     assert 'GROUP="uucp"' in found[RULES]
     assert 'SUBSYSTEM=="i2c-dev", GROUP="i2c"' in found[RULES]
     assert "m lbr uucp\nm lbr i2c\n" in found[SYSUSERS]
+
+
+def test_what_is_plugged_in_already_is_looked_at_again_for_every_rule():
+    groups = tuple(unitfiles.RULES_BY_GROUP)
+    text = unitfiles.files("lbr", "lbr", Site(program=SITE.program, groups=groups))[RULES]
+    assert set(re.findall(r'SUBSYSTEM=="([^"]+)"', text)) == set(service.RULED)
 
 
 RULE = re.compile(
@@ -285,6 +291,8 @@ RUNS = {"Id": "lbr@lbr.service", "ActiveState": "active", "WatchdogUSec": "2s", 
         ({"NRestarts": "3"}, "", "hint", "restarted 3 times"),
         ({"ActiveState": "failed", "Result": "exit-code"}, "", "bad", "failed (exit-code)"),
         ({"ActiveState": "inactive"}, "", "hint", "inactive"),
+        ({"ActiveState": "activating", "Result": "timeout"}, "", "bad", "a time limit of the unit ended it (timeout)"),
+        ({"ActiveState": "failed", "Result": "watchdog"}, "", "bad", "a time limit of the unit ended it (watchdog)"),
     ],
 )
 def test_the_doctor_judges_a_service_by_what_systemd_says(changed, limits, level, words):

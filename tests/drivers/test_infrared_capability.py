@@ -7,13 +7,13 @@ import pytest
 from peers import FakeContext, Pty, until
 
 from lbr.capability.context import Device
-from lbr.drivers.infrared import KIND
+from lbr.drivers.infrared import KIND, decoders
 from lbr.drivers.infrared.receiver import Receiver
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockHeard
 
 SETTINGS = '{"device": "dock_receiver", "ttl_s": 0.3, "protocols": [7]}'
-LEFT, RIGHT = 0x40A1, 0x40A2
+LEFT, RIGHT = 0x400021, 0x400022
 
 
 def record(code: int, *, protocol: int = 7, age_s: float = 0.0) -> bytes:
@@ -114,6 +114,15 @@ def test_unplugged_it_is_degraded_still_hears_others_and_comes_back(infrared, ct
 def test_an_address_that_is_no_receiver_says_what_to_do(address, complaint):
     with pytest.raises(DeviceError, match=f"'dock_receiver' at {address} .*({complaint})"):
         Receiver(Device("dock_receiver", "infrared", address, {}), KIND.parse(SETTINGS)).poll()
+
+
+def test_a_receiver_that_decodes_nothing_is_degraded_although_it_opens(receiver, ctx, monkeypatch):
+    monkeypatch.setattr(decoders, "of", lambda _path: decoders.Decoders(receiver="rc0", enabled=frozenset({"nec"})))
+    infrared = KIND.load()(ctx)
+    infrared.open()
+    infrared.step()
+    assert "decodes nec, not sony: sudo ir-keytable -s rc0 -p nec,sony" in ctx.phases[-1]
+    infrared.close()
 
 
 def test_events_are_read_where_the_row_says_so(receiver):

@@ -5,11 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.drivers.infrared import KIND
+from lbr.drivers.infrared import KIND, InfraredSettings, decoders
 from lbr.drivers.infrared.heard import Heard
 from lbr.drivers.infrared.records import RecordParser, Scancode, read_event, read_scancode
+from lbr.simulation.rows import BeamCodes
 
-SONY = 0x40A1
+SONY = 0x400021
 MSC_SCAN = (4, 4)
 
 
@@ -104,3 +105,45 @@ def test_codes_are_numbers_or_hexadecimal():
 def test_codes_that_cannot_be_told_apart_are_refused(codes, complaint):
     with pytest.raises(msgspec.ValidationError, match=complaint):
         KIND.parse(f'{{"device": "dock_receiver", "codes": {codes}}}')
+
+
+def as_sony_15(code: int) -> int:
+    """What a code is when it was sent as Sony-15 and decoded again: seven bits of command, eight of device, low bits first."""
+    sent = [code >> bit & 1 for bit in range(7)] + [code >> 16 + bit & 1 for bit in range(8)]
+    return sum(bit << at for at, bit in enumerate(sent[:7])) | sum(bit << 16 + at for at, bit in enumerate(sent[7:]))
+
+
+def test_the_codes_that_ship_can_occur_and_are_those_of_the_emulated_dock():
+    shipped = InfraredSettings(device="dock_receiver")
+    assert {code: as_sony_15(code) for code in shipped.beams} == {code: code for code in shipped.beams}
+    assert {beam: code for code, beam in shipped.beams.items()} == BeamCodes().numbers()
+    assert as_sony_15(0x40A1) == 0x21
+
+
+def test_a_code_that_no_sony_remote_sends_is_refused_and_told_how_it_would_come():
+    with pytest.raises(msgspec.ValidationError, match=r"0x40a1 \(as 0x21\): no code of a Sony remote comes like that"):
+        KIND.parse('{"device": "dock_receiver", "protocols": [7], "codes": {"left": "0x40a1"}}')
+    KIND.parse('{"device": "dock_receiver", "codes": {"left": "0x40a1"}}')
+
+
+@pytest.mark.parametrize(
+    ("text", "protocols", "said"),
+    [
+        ("rc-5 nec sony [lirc]", (), "decodes nothing: sudo ir-keytable -s rc0 -p sony"),
+        ("rc-5 [nec] sony [lirc]", (7,), "decodes nec, not sony: sudo ir-keytable -s rc0 -p nec,sony"),
+        ("rc-5 [nec] sony [lirc]", (), ""),
+        ("rc-5 [nec] [sony]", (7,), ""),
+    ],
+)
+@pytest.mark.parametrize("kind", ["lirc", "input"])
+def test_what_the_kernel_does_not_decode_is_told_with_what_to_type(tmp_path, monkeypatch, kind, text, protocols, said):
+    rc = tmp_path / "rc" / "rc0"
+    (rc / "input7").mkdir(parents=True)
+    (rc / "input7" / "device").symlink_to(rc)
+    (rc / "protocols").write_text(text)
+    name = "lirc0" if kind == "lirc" else "event4"
+    (tmp_path / kind / name).mkdir(parents=True)
+    (tmp_path / kind / name / "device").symlink_to(rc if kind == "lirc" else rc / "input7")
+    monkeypatch.setattr(decoders, "SYS", tmp_path)
+    assert decoders.of(f"/dev/{name}").lacks(protocols) == said
+    assert decoders.of("/dev/pts/3") is None

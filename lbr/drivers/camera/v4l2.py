@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from lbr.capability.context import Device
+from lbr.drivers import access
 from lbr.drivers.camera import CameraSettings
 from lbr.drivers.camera.source import Picture, check_controls
 from lbr.errors import DeviceError
@@ -90,7 +91,7 @@ class V4l2Source:
         except DeviceError:
             raise
         except OSError as err:
-            raise DeviceError(f"{self._says} {_what(err, trouble)}") from err
+            raise DeviceError(f"{self._says} {_what(err, trouble, self._row.address)}") from err
         except Exception as err:  # the library has errors of its own
             raise DeviceError(f"{self._says} {trouble}: {err}") from err
 
@@ -112,12 +113,12 @@ def _picture(frame: Any) -> Picture:
     return Picture(bytes(frame.data)[: frame.nbytes], taken if 0.0 <= now - taken <= TRUSTED_AGE_S else now)
 
 
-def _what(err: OSError, trouble: str) -> str:
+def _what(err: OSError, trouble: str, path: str) -> str:
     match err.errno:
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
             return "is missing; plug it in, or correct the address in the device row"
         case errno.EACCES | errno.EPERM:
-            return "may not be opened by this user; join the group video and log in anew"
+            return access.refused(path, "video")
         case errno.EBUSY:
             return "is busy; stop the other program that uses it (fuser -v says which)"
         case _:

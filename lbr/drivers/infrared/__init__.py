@@ -1,5 +1,7 @@
 """Infrared receiver of the kernel's, hearing a dock's beams: its kind and its settings."""
 
+from functools import reduce
+from operator import or_
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
@@ -11,21 +13,24 @@ from lbr.messages.units import Name
 
 Beam = Literal["left", "right", "power"]
 BEAMS: tuple[Beam, ...] = ("left", "right", "power")
+SONY_BITS = {6: 0x1F007F, 7: 0xFF007F, 8: 0x1FFF7F}
+"""Which bits of a scancode Sony-12, -15 and -20 have, by protocol number, as the kernel's decoder puts them together."""
 Code = (
     Annotated[int, Meta(ge=1, lt=2**32)]
-    | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x40a1")]
+    | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x400021")]
 )
 
 
 class Codes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The scancode of each beam, as a number or in hexadecimal; null: the dock has no such beam.
 
-    The defaults are examples in the form of Sony-15. No dock's real codes are known: `ir-keytable -t` shows yours.
+    The defaults are examples in the form of Sony-15, where the kernel puts the device into bits 16 to 23 and the command
+    into bits 0 to 6. No dock's real codes are known: `ir-keytable -t` shows yours.
     """
 
-    left: Code | None = "0x40a1"
-    right: Code | None = "0x40a2"
-    power: Code | None = "0x40a4"
+    left: Code | None = "0x400021"
+    right: Code | None = "0x400022"
+    power: Code | None = "0x400024"
 
 
 class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -48,6 +53,11 @@ class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             raise ValueError("codes: two beams have the same code; give each its own")
         if 0 in numbers:
             raise ValueError("codes: 0 is no code of a beam")
+        if self.protocols and set(self.protocols) <= set(SONY_BITS):
+            bits = reduce(or_, (SONY_BITS[number] for number in self.protocols))
+            if wrong := [f"{number:#x} (as {number & bits:#x})" for number in numbers if number & ~bits]:
+                text = "no code of a Sony remote comes like that, its device is in bits 16 to 23, its command in bits 0 to 6"
+                raise ValueError(f"codes: {', '.join(wrong)}: {text}; `ir-keytable -t` shows them")
 
     @property
     def beams(self) -> dict[int, Beam]:

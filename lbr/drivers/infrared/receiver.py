@@ -9,7 +9,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from lbr.capability.context import Device
-from lbr.drivers.infrared import InfraredSettings
+from lbr.drivers import access
+from lbr.drivers.infrared import InfraredSettings, decoders
 from lbr.drivers.infrared.records import RecordParser, Scancode, read_event, read_scancode
 from lbr.errors import DeviceError
 
@@ -29,6 +30,7 @@ class Receiver:
         self._fd = self._open()
         try:
             self._prepare_events() if events else self._prepare_scancodes()
+            self._refuse_without_decoder(settings)
         except BaseException:
             self.close()
             raise
@@ -65,7 +67,7 @@ class Receiver:
         except FileNotFoundError as err:
             raise self._error("is missing; plug it in, or correct the address in the device row") from err
         except PermissionError as err:
-            raise self._error("may not be opened by this user; join the group of that file and log in anew") from err
+            raise self._error(access.refused(path)) from err
         except OSError as err:
             busy = "; stop the other program" if err.errno == errno.EBUSY else ""
             raise self._error(f"cannot be opened: {err.strerror}{busy}") from err
@@ -81,6 +83,12 @@ class Receiver:
                 raise self._error(f"cannot be set up: {err.strerror}") from err
             with suppress(termios.error):  # an emulated one is a tty
                 termios.tcflush(self._fd, termios.TCIFLUSH)
+
+    def _refuse_without_decoder(self, settings: InfraredSettings) -> None:
+        """Refuse a receiver that decodes nothing we want: the kernel opens it all the same, and it hears nothing."""
+        found = decoders.of(self._device.address)
+        if lacks := found.lacks(settings.protocols) if found is not None else "":
+            raise self._error(lacks)
 
     def _prepare_events(self) -> None:
         """Keep its keys from whatever has the keyboard, and have times by the clock that all of lbr goes by."""

@@ -1,0 +1,23 @@
+"""What to say of a device that may not be opened: join its group, or wait until udev has set it."""
+
+import time
+from pathlib import Path
+
+SETTLED_S = 5.0
+"""udev sets group and mode within a second of a plug-in; a busy Pi at its start takes several."""
+
+
+def refused(path: str, group: str = "") -> str:
+    """Return the end of a sentence about a device that this user may not open; it may be that udev is still at it."""
+    join = f"join the group {group or 'of that file'} and log in anew"
+    if is_settling(path):
+        return f"may not be opened by this user yet: it was plugged in just now, and udev may still be setting its group; if this stays, {join}"
+    return f"may not be opened by this user; {join}"
+
+
+def is_settling(path: str) -> bool:
+    """Say whether a device file appeared or changed its rights so lately that udev may not be through."""
+    try:
+        return abs(time.time() - Path(path).stat().st_ctime) < SETTLED_S
+    except OSError:
+        return False

@@ -1,0 +1,51 @@
+"""Which protocols the kernel decodes for a receiver, as /sys/class/rc/rcN/protocols has it: the enabled in brackets."""
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from msgspec import Struct
+
+SYS = Path("/sys/class")
+NAMES = {
+    2: "rc-5", 3: "rc-5", 4: "rc-5-sz", 5: "jvc", 6: "sony", 7: "sony", 8: "sony", 9: "nec", 10: "nec", 11: "nec",
+    12: "sanyo", 13: "mce_kbd", 14: "mce_kbd", 15: "rc-6", 16: "rc-6", 17: "rc-6", 18: "rc-6", 19: "rc-6", 20: "sharp",
+    21: "xmp", 22: "cec", 23: "imon", 24: "rc-mm", 25: "rc-mm", 26: "rc-mm", 27: "xbox-dvd",
+}  # fmt: skip
+"""The kernel's name of a decoder, by the numbers of the protocols that it decodes (`enum rc_proto`)."""
+PULSES = "lirc"
+"""The interface that only passes pulses on: enabled always, and no decoder."""
+_ENABLED = re.compile(r"\[(\S+)\]")
+
+
+class Decoders(Struct, frozen=True, kw_only=True):
+    """A receiver's name in /sys/class/rc, and the decoders that are switched on."""
+
+    receiver: str
+    enabled: frozenset[str]
+
+    def lacks(self, protocols: Iterable[int] = ()) -> str:
+        """Return what is wrong and what to type; nothing if one of these protocols, or any if none is named, is decoded."""
+        wanted = sorted({NAMES[number] for number in protocols if number in NAMES})
+        if self.enabled & set(wanted) if wanted else self.enabled:
+            return ""
+        said = (
+            f"decodes {' and '.join(sorted(self.enabled))}, not {' or '.join(wanted)}"
+            if self.enabled
+            else "decodes nothing"
+        )
+        return (
+            f"{said}: sudo ir-keytable -s {self.receiver} -p {','.join(sorted({*self.enabled, *wanted}) or ['sony'])}"
+        )
+
+
+def of(node: str) -> Decoders | None:
+    """Return the decoders of the receiver behind /dev/lircN or an input device; None if the kernel does not tell."""
+    name = Path(node).resolve().name
+    for place in (SYS / "lirc" / name / "device", SYS / "input" / name / "device" / "device"):
+        try:
+            text = (place / "protocols").read_text()
+        except OSError:
+            continue
+        return Decoders(receiver=place.resolve().name, enabled=frozenset(_ENABLED.findall(text)) - {PULSES})
+    return None
