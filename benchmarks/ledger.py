@@ -17,7 +17,7 @@ FAMILIES = "SEFTPDZABK"
 ABOUT = """Times are in milliseconds unless the target says otherwise. *Target* is graded, *hard* may never be passed, *fails
 at most* is what so many tries without a failure leave possible (3/N, 95 %), *anchor* is the best figure known of others.
 *Robot* is what ran: *base* are the capabilities motors, ranges, drive and world of lbr-sim and no others, *whole* is
-lbr-sim as it ships; where it is empty, no whole robot ran, or the line says which.
+lbr-sim as it ships; where it is empty, no robot ran, or the base with what the line is about.
 Load: *I* nothing else, *H* four busy loops, *G* these and floods of 20,000 messages, *clock* a wall clock that jumps.
 
 `python -m benchmarks.safety --gate` tries all of it in under five minutes, as CI does; `--full --minutes 120` measures in

@@ -5,6 +5,7 @@ from msgspec import structs
 from benchmarks.figures import BASE, WHOLE, Promise
 
 STOP_HARD_MS = 300.0
+DEVICES = "base, no simulation"
 
 STATED: dict[str, Promise] = {
     "S1": Promise(what="kill -9 motor driver, to motor zero", target=50, hard=STOP_HARD_MS),
@@ -48,7 +49,10 @@ STATED: dict[str, Promise] = {
     "S18 interval": Promise(what="end of a timed move, off by; never 20 ms early", target=40, hard=150),
     "S18 range": Promise(what="range crossed (frame at the driver), to motor zero", target=120, hard=150),
     "S19": Promise(
-        what="turn that loses its client, inertial unit, attitude or drive, to motor zero", target=300, hard=500
+        what="turn that loses its client, inertial unit, attitude or drive, to motor zero",
+        target=300,
+        hard=500,
+        robot="base, imu, attitude",
     ),
     "E1 console": Promise(what="estop as a console line, to motor zero", target=20, statistic="p99", hard=250),
     "E1 put": Promise(what="estop as a plain put, to motor zero", target=20, statistic="p99", hard=250),
@@ -103,8 +107,10 @@ STATED: dict[str, Promise] = {
     "P4 gone, one frozen": Promise(what="shutdown with one process frozen, to all gone", target=3000, hard=5000),
     "P4": Promise(what="shutdown: exit code 0, nothing left, in order"),
     "P6": Promise(what="cold start, database made, to ready", target=1500, hard=3000, robot=WHOLE),
-    "P6 bytes": Promise(what="until ready the controller hears set-up, questions and zero only"),
-    "P7": Promise(what="start with a device missing, busy or wrong, to ready; told, and driving refused", hard=5000),
+    "P6 bytes": Promise(what="until ready the controller hears set-up, questions and zero only", robot=DEVICES),
+    "P7": Promise(
+        what="start with a device missing, busy or wrong, to ready; told, and driving refused", hard=5000, robot=DEVICES
+    ),
     "P8": Promise(what="100 row edits a second: no needless restart, invalid ones change nothing, nothing locked"),
     "P8 edit": Promise(what="time of one such edit", target=50, statistic="p99"),
 }

@@ -72,7 +72,16 @@ class Stopwatch:
     @property
     def given_s(self) -> float:
         """What a machine with nothing else to do, and as fast as it should be, would have taken."""
-        return self.elapsed_s * self.share / slowness()
+        return self.elapsed_s / self.stretch
+
+    @property
+    def stretch(self) -> float:
+        """How many times as long as it should something may take here."""
+        return slowness() / self.share
+
+    def over(self, limit_s: float) -> bool:
+        """Say whether a limit has passed, by the clock and by what this machine gave."""
+        return self.elapsed_s > limit_s and self.given_s > limit_s
 
     def __str__(self) -> str:
         return f"{self.elapsed_s:.3f} s by the clock, {self.given_s:.3f} s by what this machine gave"
@@ -100,14 +109,16 @@ def stolen_s() -> float:
         return 0.0
 
 
-def measure_again(what: str, *, times: int) -> Iterator[int]:
-    """Count the tries that a hard promise has; each one more needs a busy machine, and is told."""
+def measure_again(complaints: list[str], *, times: int) -> Iterator[int]:
+    """Count the tries that a hard promise has; each one more needs a busy machine, and is told with the complaints."""
     for turn in range(times):
         watch = Stopwatch()
         yield turn
         if watch.share > BUSY_SHARE or turn == times - 1:
             return
-        notes.append(f"{what}: measured again, the machine gave {watch.share:.0%} of {watch.elapsed_s:.1f} s")
+        notes.append(
+            f"{'; '.join(complaints)}: measured again, the machine gave {watch.share:.0%} of {watch.elapsed_s:.1f} s"
+        )
 
 
 def _own_delay_s() -> float:

@@ -152,7 +152,7 @@ def until(look: Callable[[], T], *, limit_s: float = 5.0, what: str = "") -> T:
         seen = look()
         if seen:
             return seen
-        if watch.elapsed_s > limit_s and watch.given_s > limit_s:
+        if watch.over(limit_s):
             raise AssertionError(f"not within {limit_s} s ({watch}): {what or look}; last seen {seen!r}")
         select.select([], [], [], 0.01)
 

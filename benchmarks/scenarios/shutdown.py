@@ -50,7 +50,7 @@ WAYS: dict[str, Callable[[Bench], None]] = {
 
 def shut_down(results: Results, how: str, *, freeze: str = "") -> None:
     """Shut a driving robot down, perhaps with one process that no longer answers."""
-    with temporary_home() as home:
+    with temporary_home(whole=results.whole) as home:
         robot = _with_console(home) if how == "end of input" else start(home)
         under_test = Bench(robot, results)
         try:

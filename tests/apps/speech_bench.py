@@ -11,6 +11,7 @@ from lbr.apps.speech import KIND
 from lbr.capability.context import Device
 from lbr.messages.leases import CommandReply
 from lbr.messages.speech import Phrase, SayCommand, SpeechState
+from tests.machine import Stopwatch
 
 ENGINE = textwrap.dedent("""
     import json, os, sys, time, wave
@@ -41,9 +42,9 @@ PHRASES = (
 
 def until(look: Any, within_s: float = 4.0) -> Any:
     """Look again and again until it is so."""
-    end = time.monotonic() + within_s
+    watch = Stopwatch()
     while not (seen := look()):
-        assert time.monotonic() < end, "did not happen in time"
+        assert not watch.over(within_s), f"not within {within_s} s ({watch})"
         time.sleep(0.002)
     return seen
 

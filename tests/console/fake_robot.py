@@ -11,6 +11,7 @@ from lbr.bus import keys, session, stamp, wire
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult, EstopState, Event, Hold, Role, Status
+from tests.machine import Stopwatch
 
 ROBOT = "rob"
 
@@ -118,8 +119,8 @@ class FakeRobot:
 
 def wait_for(true, timeout_s: float = 5.0):
     """Return what `true` returns once it is true."""
-    until = time.monotonic() + timeout_s
+    watch = Stopwatch()
     while not (value := true()):
-        assert time.monotonic() < until, "it did not happen in time"
+        assert not watch.over(timeout_s), f"not within {timeout_s} s ({watch})"
         threading.Event().wait(0.01)
     return value

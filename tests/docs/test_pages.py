@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,6 +16,7 @@ import pytest
 from tests import programs
 from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
 from tests.docs.ready import measured
+from tests.machine import Stopwatch
 from tests.robot import Robot, prepare, running
 
 CLIENT = """#!{python}
@@ -187,9 +187,9 @@ class Newcomer:
 
     def see(self, block: Block, expected: str, typed: str, do: Callable[[str], str]) -> None:
         """Type something, and again while an edit or the status of a moment ago may still be on its way."""
-        end = time.monotonic() + 4.0
+        watch = Stopwatch()
         got = do(typed)
-        while not agrees(expected, got, varying=block.marker == VARYING) and time.monotonic() < end:
+        while not agrees(expected, got, varying=block.marker == VARYING) and not watch.over(4.0):
             select.select([], [], [], 0.1)
             got = do(typed)
         self.check(block, typed, expected, got)

@@ -15,13 +15,14 @@ from typing import Any
 from lbr.bus.stamp import sent_s
 from lbr.capability.context import Device, Received
 from lbr.messages.system import Stamp
+from tests.machine import Stopwatch
 
 
 def until(condition: Callable[[], bool], within_s: float = 2.0) -> None:
     """Poll until something is so."""
-    deadline = time.monotonic() + within_s
+    watch = Stopwatch()
     while not condition():
-        assert time.monotonic() < deadline, "did not happen in time"
+        assert not watch.over(within_s), f"not within {within_s} s ({watch})"
         time.sleep(0.001)
 
 

@@ -12,6 +12,7 @@ from lbr.errors import DeviceError
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.mpu9150 import Mpu9150
+from tests.machine import Stopwatch
 
 FELT = ImuReading(
     gyro_rps=(0.5, -0.25, 2.0), accel_mps2=(1.0, -2.0, 9.5), mag_ut=(20.0, -5.0, -43.0), temperature_c=31.0
@@ -57,12 +58,12 @@ def imu(ctx):
 
 
 def step_until(imu, ctx, wanted):
-    end = time.monotonic() + 2.0
+    watch = Stopwatch()
     while True:
         imu.step()
         if wanted(ctx.state):
             return ctx.state
-        assert time.monotonic() < end, ctx.state
+        assert not watch.over(2.0), ctx.state
 
 
 def test_what_the_chip_feels_is_what_is_published(imu, ctx):

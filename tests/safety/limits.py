@@ -1,4 +1,4 @@
-"""What a scenario may never show, on however busy a machine."""
+"""What a scenario may never show, on however busy or slow a machine."""
 
 from collections.abc import Callable
 
@@ -6,31 +6,40 @@ import pytest
 
 from benchmarks.figures import Results
 from benchmarks.promises import PROMISES
+from tests.machine import Stopwatch, measure_again, notes
 
-TRIES = 2
-GRADED = ("S13 gone", "S13 ready", "P1 motors", "P1 drive", "P5 gone", "P5 ready", "P6", "P8 edit", "S18 interval")
-"""Times that a busy machine may stretch without anybody being hurt."""
+TRIES = 3
+PROGRAMS = (
+    *("S13 gone", "S13 ready", "P1 motors", "P1 drive", "P3 ready", "P5 gone", "P5 ready", "P6", "P7", "P8 edit"),
+    *("F7 second run", "S18 interval", "P4 gone", "P4 gone, one frozen"),
+)
+"""Times that programs need to start or to end: judged by what the machine gave, because nobody is hurt by them."""
 
 
-def over_their_limit(results: Results) -> list[str]:
-    """Return the stops and ends that took longer than they ever may."""
-    return [
-        f"{result.figure}: {max(result.samples):.0f} ms, at most {result.promise.hard:g} ms"
-        for result in results.by_figure.values()
-        if result.samples and result.promise.hard is not None and result.figure not in GRADED
-        if not max(result.samples) <= result.promise.hard
-    ]
+def over_their_limit(results: Results, stretch: float = 1.0) -> list[str]:
+    """Return what took longer than it ever may; what programs need to start and to end is stretched."""
+    found = []
+    for result in results.by_figure.values():
+        hard, worst = result.promise.hard, max(result.samples, default=0.0)
+        if hard is not None and not worst <= hard * (stretch if result.figure in PROGRAMS else 1.0):
+            found.append(f"{result.figure}: {worst:.0f} {result.promise.unit}, at most {hard:g}")
+    return found
 
 
 def holds(scenario: Callable[[Results], None]) -> Results:
-    """Run a scenario and fail on what must never be; one that a busy machine made late or spoiled is tried again."""
+    """Run a scenario and fail on what must never be.
+
+    One that came too late, or in which nothing moved before the fault, is measured again if the machine was busy with
+    something else; the limits of stops stay what they are, and each such time is told at the end of the run.
+    """
     complaints: list[str] = []
-    for _ in range(TRIES):
-        results = Results(PROMISES)
+    for _ in measure_again(complaints, times=TRIES):
+        results, watch = Results(PROMISES), Stopwatch()
         scenario(results)
         assert not results.violations(), results.violations()
         assert results.by_figure, "the scenario measured nothing"
-        complaints = [*over_their_limit(results), *results.disturbed]
+        notes.extend(results.repeated)
+        complaints[:] = [*over_their_limit(results, watch.stretch), *results.disturbed]
         if not complaints:
             return results
     pytest.fail("; ".join(complaints))

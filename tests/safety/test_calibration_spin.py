@@ -13,6 +13,7 @@ import pytest
 
 from benchmarks.promises import STOP_HARD_MS
 from benchmarks.trace import Trace
+from tests.machine import notes
 from tests.robot import Robot, prepare, running, until
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(50)]
@@ -44,13 +45,14 @@ def calibrated(robot: Robot) -> set[str]:
 
 
 def spinning(robot: Robot, samples: int) -> Trace:
-    """Begin a calibration, and return once the wheels turn; on a busy machine a lease may lapse before."""
+    """Begin a calibration, and return once the wheels turn; on a busy machine a lease may lapse before, which is told."""
     trace = Trace(robot.trace)
     for _ in range(TRIES):
         until(lambda: robot.line(f"/m/{samples}/-")["code"] == 0, limit_s=LIMIT_S, what="a calibration begins")
         until(lambda: trace.now().least > 0.1 or progress(robot)["phase"] == "refused", what="the wheels turn")
         if trace.now().least > 0.1:
             return trace
+        notes.append(f"a calibration was begun again: {progress(robot)['text']}")
     raise AssertionError(f"the wheels never turned: {progress(robot)}")
 
 

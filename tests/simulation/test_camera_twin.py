@@ -24,6 +24,7 @@ from lbr.simulation.faults import CameraFaults
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import PlaceRequest, RemoveRequest
 from lbr.simulation.settings import WorldSettings
+from tests.machine import Stopwatch
 
 SOUND = CameraFaults()
 RED, SKY = (204, 64, 51), (184, 207, 229)
@@ -279,10 +280,10 @@ socket.socket(fileno=int(sys.argv[1])).send(b'{"renderer": "", "note": "no Pillo
 def test_what_lies_in_the_current_directory_is_not_run(monkeypatch, tmp_path):
     (tmp_path / "msgspec.py").write_text("raise SystemExit('not this one')")
     monkeypatch.chdir(tmp_path)
-    host, said, end = CameraHost(Engine(WorldSettings(walls=())).packed(), 8), [], time.monotonic() + 10
+    host, said, watch = CameraHost(Engine(WorldSettings(walls=())).packed(), 8), [], Stopwatch()
     ours, theirs = socket.socketpair()
     host.watch("camera", "front", theirs)
-    while not said and time.monotonic() < end:
+    while not said and not watch.over(10.0):
         said += host.serve()
     host.close()
     ours.close()

@@ -1,7 +1,6 @@
 """The running world of a humanoid as a driver and a bus client meet it: real ttys and sockets, real time."""
 
 import threading
-import time
 from math import radians
 
 import pytest
@@ -17,6 +16,7 @@ from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.requests import FaultRequest, PickUpRequest, PictureRequest
 from lbr.simulation.rows import DEVICE_ROWS
 from lbr.simulation.twins import TWINS
+from tests.machine import Stopwatch
 
 STEP_RAD = radians(300.0 / 1023.0)
 LEFT_ARM = 4
@@ -45,8 +45,8 @@ class Bench:
 
     def until(self, condition, seconds=4.0):
         """Step as the runtime would until something is true."""
-        pause, end = threading.Event(), time.monotonic() + seconds
-        while time.monotonic() < end:
+        pause, watch = threading.Event(), Stopwatch()
+        while not watch.over(seconds):
             self.world.step()
             if condition():
                 return True

@@ -1,7 +1,6 @@
 """The running world of a UXA-90: its main board on a real tty, its head's camera on a real socket, in real time."""
 
 import threading
-import time
 
 import msgspec
 import numpy as np
@@ -20,6 +19,7 @@ from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.humanoid.settings import Ball
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
+from tests.machine import Stopwatch
 
 BUTTON = bytes.fromhex("ff ff aa 55 aa 55 37 ba 14 00 00 00 00 01")
 NOD = 14
@@ -51,8 +51,8 @@ class Stage:
         return call
 
     def until(self, condition, seconds=8.0):
-        end, pause = time.monotonic() + seconds, threading.Event()
-        while not condition() and time.monotonic() < end:
+        watch, pause = Stopwatch(), threading.Event()
+        while not condition() and not watch.over(seconds):
             pause.wait(0.01)
         return condition()
 

@@ -18,6 +18,7 @@ from lbr.simulation.uxa90 import packets
 from lbr.simulation.uxa90.board import MainBoard
 from lbr.simulation.uxa90.firmware import Frame, Programme, shipped
 from lbr.simulation.uxa90.packets import GAP_S, Packet, Reader, framed
+from tests.machine import Stopwatch
 
 PREAMBLE = "FFFFAA55AA5537BA "
 CONTROL = PREAMBLE + "10 00 00000001 01 01"
@@ -489,9 +490,9 @@ def test_speaks_on_a_tty_and_traces_every_byte(tmp_path):
         termios.tcsetattr(line, termios.TCSANOW, attributes)
         line.write(hexed(CONTROL))
         said = b""
-        deadline = monotonic() + 5
+        watch = Stopwatch()
         while twin.board.mode != "pc" or twin.next_due() is not None:
-            assert monotonic() < deadline
+            assert not watch.over(5.0), watch
             twin.service(monotonic())
         said = line.read(16)
         assert said == hexed(CONTROLLED)

@@ -12,6 +12,7 @@ from lbr.simulation.requests import FaultRequest
 from lbr.simulation.settings import BoxSettings, WorldSettings
 from lbr.simulation.trace import OutputTrace
 from lbr.simulation.twins.base import Surroundings
+from tests.machine import Stopwatch
 
 WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 
@@ -97,8 +98,8 @@ class Bench:
 
     def until(self, condition, seconds=3.0):
         """Step as the runtime would until something is true."""
-        pause, end = threading.Event(), time.monotonic() + seconds
-        while time.monotonic() < end:
+        pause, watch = threading.Event(), Stopwatch()
+        while not watch.over(seconds):
             self.world.step()
             if condition():
                 return True

@@ -45,9 +45,9 @@ def test_a_kernel_that_says_nothing_withholds_nothing(monkeypatch, tmp_path):
 
 def test_a_hard_promise_is_measured_again_on_a_busy_machine_only_and_tells(monkeypatch):
     monkeypatch.setattr(Stopwatch, "share", 0.5)
-    assert list(machine.measure_again("S1", times=3)) == [0, 1, 2]
+    assert list(machine.measure_again(["S1"], times=3)) == [0, 1, 2]
     assert len(machine.notes) == 2
     assert machine.notes[0].startswith("S1: measured again, the machine gave 50% of ")
     monkeypatch.setattr(Stopwatch, "share", 0.95)
-    assert list(machine.measure_again("S1", times=3)) == [0]
+    assert list(machine.measure_again(["S1"], times=3)) == [0]
     machine.notes.clear()

@@ -76,7 +76,7 @@ def run(tmp_path: Path, text: str, *arguments: str) -> tuple[int, str]:
     file.write_text(text)
     settings = ["-p", "tests.conftest", "-c", str(ROOT / "pyproject.toml"), "-p", "no:cacheprovider"]
     argv = [sys.executable, "-m", "pytest", *settings, "--basetemp", str(tmp_path / "b"), *arguments, str(file)]
-    done = programs.run(argv, cwd=ROOT, capture_output=True, text=True, check=False, timeout=38)
+    done = programs.run(argv, cwd=ROOT, capture_output=True, text=True, check=False, timeout=150)
     return done.returncode, done.stdout + done.stderr
 
 

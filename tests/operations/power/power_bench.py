@@ -11,6 +11,7 @@ from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import ArmCommand, CancelCommand, UpsState
 from lbr.operations.power import KIND
+from tests.machine import Stopwatch
 
 TICK_S = 0.05
 GOOD = UpsState(valid=True, source="external", external_v=11.5, battery_v=4.1)
@@ -139,9 +140,9 @@ class Running:
 
     def wait_for(self, wanted, within_s=5.0):
         """Let logind's thread have its time; the test's stands still meanwhile."""
-        end = time.monotonic() + within_s
+        watch = Stopwatch()
         while not wanted():
-            assert time.monotonic() < end, (self.state, self.ctx.events)
+            assert not watch.over(within_s), (self.state, self.ctx.events)
             time.sleep(0.002)
             self.power.step()
 
