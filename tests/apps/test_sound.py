@@ -9,7 +9,7 @@ from speech_bench import until, wav_file
 from lbr.apps.sound import wav
 from lbr.apps.sound.sinks import FILES_KEPT, sink_at
 from lbr.errors import DeviceError, InputError
-from tests import programs
+from tests import needs
 
 PLAYER = "#!/bin/sh\n{}\n"
 
@@ -129,9 +129,8 @@ def test_a_robot_without_a_player_says_what_to_install(tmp_path, monkeypatch):
         sink_at("alsa:default", time.monotonic).start(sound)
 
 
+@needs.program("aplay", "alsa-utils")
 def test_the_machines_own_aplay_is_believed(tmp_path):
-    if programs.run(["sh", "-c", "command -v aplay"], capture_output=True, check=False).returncode:
-        pytest.skip("aplay is not installed here: sudo apt install alsa-utils")
     sound = wav.read(wav_file(tmp_path / "a.wav", 0.02))
     for device, heard in (("null", True), ("no_such_card", False)):
         playback = sink_at(f"alsa:{device}", time.monotonic).start(sound)

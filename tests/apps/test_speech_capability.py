@@ -1,5 +1,3 @@
-import shutil
-
 import pytest
 from speech_bench import Bench, FakeContext, engine, wav_file
 
@@ -8,6 +6,7 @@ from lbr.apps.speech import KIND
 from lbr.apps.speech.worker import Worker
 from lbr.errors import DeviceError
 from lbr.messages.speech import HushCommand, SongCommand
+from tests import needs
 
 
 @pytest.fixture
@@ -206,9 +205,8 @@ def test_an_address_that_is_no_speaker_and_a_missing_row_are_device_errors(tmp_p
         KIND.load()(ctx).open()
 
 
+@needs.program("espeak-ng", "espeak-ng")
 def test_the_real_engine_is_heard_in_the_simulated_speaker(tmp_path):
-    if not shutil.which("espeak-ng"):
-        pytest.skip("espeak-ng is not installed here: sudo apt install espeak-ng")
     found = Bench(FakeContext(tmp_path / "home", str(tmp_path / "speaker")))
     found.speech.open()
     try:

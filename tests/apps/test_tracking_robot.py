@@ -5,9 +5,10 @@ import signal
 
 import pytest
 
+from tests import needs
 from tests.robot import prepare, running, until
 
-pytest.importorskip("cv2")
+needs.modules("cv2")
 NEEDED = ("world", "servos", "joints", "camera_head", "tracking")
 EDITS = (
     f"UPDATE capability SET enabled = 0 WHERE robot = 'uxa90' AND name NOT IN {NEEDED}",

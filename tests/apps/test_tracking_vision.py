@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 from lbr.apps.tracking import KIND, vision
 from lbr.apps.tracking.sketch import sketch
 from lbr.errors import InputError
+from tests import needs
 
-cv2 = pytest.importorskip("cv2")
-np = pytest.importorskip("numpy")
+needs.modules("cv2")
+import cv2  # noqa: E402
+import numpy as np  # noqa: E402
 
 ORANGE, GREY = (20, 110, 235), (120, 110, 100)
 SEED = 7

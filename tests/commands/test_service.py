@@ -1,7 +1,6 @@
 """A robot as a service: files that systemd understands, put in place and taken away, edited ones left alone."""
 
 import re
-import shutil
 import sys
 from pathlib import Path
 
@@ -12,11 +11,11 @@ from lbr.commands import placing, service, service_checks, unitfiles
 from lbr.commands.service import command
 from lbr.commands.unitfiles import RULES, SYSUSERS, UNIT, Site
 from lbr.errors import InputError
-from tests import programs
+from tests import needs, programs
 
 EXPOSURE_TENTHS = 25
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("dialout", "video", "i2c"))
-analyze = pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
+analyze = needs.program("systemd-analyze", "systemd")
 
 
 def lbr(*arguments: str) -> tuple[int, str]:

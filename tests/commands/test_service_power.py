@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import sys
 from pathlib import Path
 
@@ -15,13 +14,13 @@ from lbr.commands.unitfiles import POLKIT, RELAY_DROP_IN, RELAY_UNIT, RULES, SYS
 from lbr.database import store
 from lbr.drivers.pico import relay
 from lbr.errors import InputError
-from tests import programs
+from tests import needs, programs
 
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("tty",))
 BOTH = Extras(power_off=True, motor_relay="i2c:1:0x69")
 DROP_IN = RELAY_DROP_IN.format("bioloid")
 EXPOSURE_TENTHS = 25
-analyze = pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
+analyze = needs.program("systemd-analyze", "systemd")
 
 
 def lbr(*arguments: str) -> tuple[int, str]:
@@ -57,7 +56,7 @@ def test_the_rule_allows_two_actions_to_one_user_and_nothing_else():
     assert text.count("Result.YES") == 1
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="nothing here runs JavaScript")
+@needs.program("node", "nodejs")
 def test_the_rule_decides_so():
     """Run as polkit does, in whatever runs JavaScript here."""
     text = files(user="lbr")[POLKIT]

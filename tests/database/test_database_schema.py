@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import sqlite3
 
 import pytest
@@ -11,7 +10,7 @@ from sqlalchemy import create_engine, inspect
 from lbr.database.models import CONFIGURATION, METADATA
 from lbr.database.resources import launch_profiles, robot_db_sql
 from lbr.database.store import Database
-from tests import programs
+from tests import needs, programs
 
 TABLE = re.compile(r"CREATE TABLE (\w+) \((.*?)\n\) STRICT", re.DOTALL)
 MODELS = METADATA.tables
@@ -86,7 +85,7 @@ def test_launch_profiles_are_found():
     assert launch_profiles().is_dir()
 
 
-@pytest.mark.skipif(shutil.which("sqlite3") is None, reason="needs the sqlite3 program")
+@needs.program("sqlite3", "sqlite3")
 def test_the_sqlite3_program_builds_the_same(tmp_path):
     file = tmp_path / "robot.db"
     programs.run(["sqlite3", file], input=robot_db_sql().read_bytes(), check=True, capture_output=True)

@@ -10,6 +10,7 @@ from lbr.drivers.camera import KIND
 from lbr.drivers.camera.source import open_source
 from lbr.errors import DeviceError
 from lbr.messages.camera import SnapshotCommand, SwitchCommand
+from tests import needs
 
 ON = '{"device": "front", "on": true}'
 
@@ -353,7 +354,7 @@ def test_switching_a_v4l2_camera_off_stops_and_closes_it(started, webcam):
     [("/dev/video_of_nobody", "is missing; plug it in"), ("/dev/null", "cannot be set up (Inappropriate ioctl")],
 )
 def test_linuxpy_itself_says_what_no_camera_is(tmp_path, address, words):
-    pytest.importorskip("linuxpy")
+    needs.modules("linuxpy")
     ctx = CameraContext(KIND.parse(ON), address, tmp_path)
     with pytest.raises(DeviceError, match=re.escape(words)):
         open_source(ctx.device, ctx.settings)

@@ -1,16 +1,14 @@
 """A D-Bus of the test's own with a scripted logind on it; the system's bus is never touched."""
 
 import asyncio
-import shutil
 import subprocess
 import threading
 from pathlib import Path
 
-import pytest
 from dbus_fast import BusType, Message, MessageType
 from dbus_fast.aio import MessageBus
 
-from tests import programs
+from tests import needs, programs
 
 CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
  "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
@@ -20,7 +18,7 @@ CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configurat
   <policy context="default"><allow send_destination="*"/><allow eavesdrop="false"/><allow own="*"/></policy>
 </busconfig>
 """
-needs_dbus = pytest.mark.skipif(shutil.which("dbus-daemon") is None, reason="the package dbus-daemon is not installed")
+needs_dbus = needs.program("dbus-daemon", "dbus-daemon")
 
 
 class Logind:
