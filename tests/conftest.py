@@ -4,6 +4,7 @@ The heavy robot is shared by all tests of a module that leave it as it was.
 """
 
 import os
+import shutil
 import signal
 import tempfile
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from tests import machine, sweep
 from tests.robot import Robot, prepare, running
@@ -23,7 +25,11 @@ NOTE, LEFT = "machine", "left"
 ENDS_S = 2.0
 """What was told to end may take so long after the last test."""
 AGAIN_S = 0.5
-CACHE = ".cache"
+CACHES = {".cache", ".config"}
+"""OpenGL keeps its shaders in the one, the sound server's library a link in the other."""
+
+settings.register_profile("lbr", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("lbr")  # how long an example takes is the machine's affair; in CI, too, examples are random
 
 left_over = pytest.StashKey[list[str]]()
 
@@ -70,9 +76,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     """Fail the run if something that a test has started still runs."""
     sweep.ended(PLACE, ENDS_S)
     left = [f"process {pid}: {argv}" for pid, argv in sweep.processes(PLACE).items()]
-    home = Path(os.environ["HOME"])
-    files = [path.relative_to(home) for path in home.rglob("*") if path.is_file()]
-    left += [f"file in the home: {path}" for path in files if path.parts[0] != CACHE]  # OpenGL keeps its shaders there
+    left += [f"file in the home: {path}" for path in files_in_the_home()]
     sweep.kill(PLACE)
     session.config.stash[left_over] += left
     output = getattr(session.config, "workeroutput", None)
@@ -104,6 +108,22 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
             terminalreporter.section(title)
             for line in lines:
                 terminalreporter.line(line)
+
+
+@pytest.fixture(autouse=True)
+def nothing_comes_into_the_home() -> Iterator[None]:
+    """Fail what writes into the home of whoever runs the tests; here it is one that nobody needs."""
+    yield
+    if written := files_in_the_home():
+        shutil.rmtree(Path.home())
+        Path.home().mkdir()
+        pytest.fail(f"written into the home, for want of a place of its own: {', '.join(map(str, written))}")
+
+
+def files_in_the_home() -> list[Path]:
+    home = Path.home()
+    found = [path for entry in home.iterdir() if entry.name not in CACHES for path in (entry, *entry.rglob("*"))]
+    return [path.relative_to(home) for path in found if not path.is_dir()]
 
 
 @pytest.fixture

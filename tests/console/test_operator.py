@@ -73,7 +73,8 @@ def test_the_end_of_a_motion_is_told_unless_a_stop_was_said(robot, operator):
 
 def test_what_the_robot_says_is_kept(robot, operator):
     wait_for(lambda: robot.keep_telling() or operator.telemetry().status)
-    assert {event.text for event in wait_for(operator.events)} == {"the battery is low"}
+    heard = wait_for(lambda: robot.keep_telling() or operator.events())
+    assert {event.text for event in heard} == {"the battery is low"}
 
 
 def test_events_that_repeat_the_end_of_an_own_motion_are_left_out(robot, operator):

@@ -18,6 +18,7 @@ from lbr.bus import wire
 from tests import programs
 from tests.docs.pages import ROOT
 from tests.docs.ready import measured
+from tests.machine import notes
 from tests.robot import Robot, prepare, running, until
 
 EXAMPLES = ROOT / "docs" / "examples"
@@ -98,17 +99,28 @@ def test_examples_of_plain_clients_import_nothing_of_ours():
         assert "from lbr" not in text
 
 
+def driven(robot: Robot) -> bool:
+    """Say whether wander has come anywhere; programs come last on a busy machine, and its lease may have lapsed."""
+    if robot.ask("drive/state")["holder"] != "wander":
+        notes.append("wander was begun again")
+        robot.line("wander")
+    return abs(robot.ask("world/pose")["x_m"]) > 0.2
+
+
 def test_wander_drives_when_told_and_rests_when_stopped(started):
     install(started, "wander")
     until(ready(started, "wander"), what="wander is ready")
     assert not started.ask("drive/state")["moving"]
     assert started.line("wander")["code"] == 0
     until(lambda: started.ask("drive/state")["holder"] == "wander", what="wander holds the drive")
-    moved = until(lambda: abs(started.ask("world/pose")["x_m"]) > 0.2, what="it drives")
-    assert moved
+    until(lambda: driven(started), what="it drives")
     started.line("stop")
     until(lambda: any(e["kind"] == "wander" for e in started.events()), what="wander rests")
     assert not started.ask("drive/state")["moving"]
+
+
+TOO_LATE = "check quiet_hours did not answer"
+"""What the drive says of a check that came too late, as it may on a busy machine: the answer is no, whatever was asked."""
 
 
 @pytest.fixture(scope="module")
@@ -124,10 +136,11 @@ def quiet() -> Iterator[Robot]:
 
 
 def test_quiet_hours_refuse_what_is_fast_and_let_pass_what_is_slow(quiet):
-    fast = quiet.line("/r/0.5/90")
+    fast = until(lambda: None if TOO_LATE in (said := quiet.line("/r/0.5/90"))["text"] else said)
     assert fast["code"] == 1
     assert "quiet hours until" in fast["text"]
-    assert quiet.line("/r/0.15/90")["code"] == 0
+    slow = until(lambda: None if TOO_LATE in (said := quiet.line("/r/0.15/90"))["text"] else said)
+    assert slow["code"] == 0, slow
 
 
 def test_a_check_that_does_not_answer_means_no(quiet):
@@ -135,7 +148,7 @@ def test_a_check_that_does_not_answer_means_no(quiet):
     pid = quiet.capability("quiet_hours")["pid"]
     os.kill(pid, signal.SIGSTOP)
     try:
-        assert quiet.line("/r/0.15/90")["text"] == "check quiet_hours did not answer"
+        assert quiet.line("/r/0.15/90")["text"] == TOO_LATE
         assert not quiet.ask("drive/state")["moving"]
     finally:
         os.kill(pid, signal.SIGCONT)

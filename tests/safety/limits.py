@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from benchmarks.figures import Results
+from benchmarks.figures import Promise, Results
 from benchmarks.promises import PROMISES
 from tests.machine import Stopwatch, measure_again, notes
 
@@ -26,7 +26,7 @@ def over_their_limit(results: Results, stretch: float = 1.0) -> list[str]:
     return found
 
 
-def holds(scenario: Callable[[Results], None]) -> Results:
+def holds(scenario: Callable[[Results], None], promises: dict[str, Promise] = PROMISES) -> Results:
     """Run a scenario and fail on what must never be.
 
     One that came too late, or in which nothing moved before the fault, is measured again if the machine was busy with
@@ -34,7 +34,7 @@ def holds(scenario: Callable[[Results], None]) -> Results:
     """
     complaints: list[str] = []
     for _ in measure_again(complaints, times=TRIES):
-        results, watch = Results(PROMISES), Stopwatch()
+        results, watch = Results(promises), Stopwatch()
         scenario(results)
         assert not results.violations(), results.violations()
         assert results.by_figure, "the scenario measured nothing"

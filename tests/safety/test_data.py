@@ -8,6 +8,7 @@ import pytest
 from benchmarks.data import PROMISES
 from benchmarks.figures import Results
 from benchmarks.scenarios import data_audit, data_damage, data_disk, data_kills, data_life, data_mutations
+from tests.safety.limits import holds
 
 pytestmark = pytest.mark.timeout(40)
 SEED = 1
@@ -19,12 +20,7 @@ def own_home(tmp_path, monkeypatch):
 
 
 def held(scenario: Callable[[Results], None]) -> Results:
-    """Run a scenario and fail on what must never be, and on what took longer than it ever may."""
-    results = Results(PROMISES)
-    scenario(results)
-    late = [f for f, r in results.by_figure.items() if r.promise.hard and max(r.samples, default=0.0) > r.promise.hard]
-    assert (results.violations(), late) == ([], [])
-    return results
+    return holds(scenario, PROMISES)
 
 
 def test_a_killed_writer_loses_nothing_that_was_acknowledged():

@@ -133,3 +133,26 @@ def test_every_scenario_has_a_figure():
 @given(st.floats(-100, 100), st.floats(-10, 10))
 def test_the_slope_of_a_line_is_found(start: float, per_hour: float):
     assert slope([(hour, start + per_hour * hour) for hour in range(5)]) == pytest.approx(per_hour, abs=1e-6)
+
+
+def test_so_many_tries_are_made_at_least():
+    assert SCENARIOS["S8"].for_tries(100) == 20
+    assert SCENARIOS["S1"].for_tries(100) == 100
+
+
+def test_figures_of_the_base_become_those_of_the_whole_robot_and_others_stay():
+    whole = Results(PROMISES, whole=True)
+    assert [whole.of(figure).promise.robot for figure in ("S1", "S19", "B4 lbr")] == [
+        "whole",
+        "base, imu, attitude",
+        "lbr-sim, whole",
+    ]
+    assert Results(PROMISES).of("S1").promise.robot == "base"
+
+
+def test_what_was_tried_again_is_kept_with_the_result(tmp_path: Path):
+    ledger = Ledger()
+    found = report(Result(figure="S2", promise=Promise(what="stop", hard=300), samples=[1.0]))
+    found.repeated.append("S2, by itself: beside 3 others S2 312 ms, at most 300")
+    ledger.merge(found)
+    assert ledger.figures[0].measured.endswith("; 1 measured again")

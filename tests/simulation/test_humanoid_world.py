@@ -78,7 +78,8 @@ class Client:
 
 
 @pytest.fixture
-def bench(tmp_path):
+def bench(tmp_path, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))  # where pictures go
     made = Bench(tmp_path)
     made.world.open()
     yield made

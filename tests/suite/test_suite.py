@@ -58,9 +58,14 @@ LEAVES = """
 import os
 from pathlib import Path
 
-def test_leaves_a_process_and_a_file():
+def test_leaves_a_process():
     os.posix_spawn("/bin/sleep", ["/bin/sleep", "60"], os.environ)
+
+def test_leaves_a_file():
     (Path.home() / "left.txt").touch()
+
+def test_leaves_nothing():
+    assert not list(Path.home().iterdir())
 """
 TELLS = """
 from tests import machine
@@ -111,11 +116,11 @@ def test_a_slow_test_fails_alone(tmp_path, text):
 @pytest.mark.parametrize("arguments", [(), ("-n", "1")])
 def test_what_a_test_leaves_behind_fails_the_run(tmp_path, arguments):
     code, said = run(tmp_path, LEAVES, *arguments)
-    assert "1 passed" in said
+    assert "3 passed, 1 error" in said
     assert code == 1
     assert "left behind by tests" in said
     assert "/bin/sleep 60" in said
-    assert "file in the home: left.txt" in said
+    assert "ERROR ::test_leaves_a_file - Failed: written into the home" in said
 
 
 @pytest.mark.parametrize("arguments", [(), ("-n", "1")])
