@@ -3,6 +3,8 @@
 import datetime as dt
 import socket
 
+NAME = "robot.lbr"
+"""For whom every robot's certificate is; which robot it is, its fingerprint says."""
 CERTIFICATE_YEARS = 20
 FILES = ("bus.key", "bus.crt")
 """What they are called below `credentials/`."""
@@ -27,7 +29,7 @@ def self_signed() -> tuple[bytes, bytes]:
         .serial_number(x509.random_serial_number())
         .not_valid_before(now - dt.timedelta(days=1))  # a robot without a clock of its own may be behind
         .not_valid_after(now + dt.timedelta(days=365 * CERTIFICATE_YEARS))
-        .add_extension(x509.SubjectAlternativeName([x509.DNSName("robot.lbr")]), critical=False)
+        .add_extension(x509.SubjectAlternativeName([x509.DNSName(NAME)]), critical=False)
         .sign(key, hashes.SHA256())
     )
     return key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()), certificate.public_bytes(Encoding.PEM)

@@ -82,7 +82,7 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     """Everything a process needs to know; it reads nothing else.
 
     `wiring` maps inputs and setpoints to the streams that feed them, `outputs` every output to its keys, `requests`
-    to the capabilities asked and their keys. `release_key` proves that a release of the e-stop is the executive's.
+    to the capabilities asked and their keys. `simulated`: the robot's devices are emulated. `release_key` proves that a release of the e-stop is the executive's.
     `calibrates` is the device whose `calibration` this is. `host` is the other machine that it runs on, where
     `certificate` (PEM) is the only one that the robot's door may show; both are empty where the robot runs.
     """
@@ -91,6 +91,7 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     name: str
     kind: str
     settings: Raw
+    simulated: bool = False
     endpoints: tuple[str, ...]
     home: str
     credentials: Credentials | None = None

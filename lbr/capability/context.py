@@ -88,11 +88,12 @@ class Device:
 class Context(Protocol[S_co]):
     """Everything a capability may do; implemented by the process that runs it.
 
-    `on_tick` says that this step is one of the fixed rate, not a wake-up in between.
+    `on_tick` says that this step is one of the fixed rate, not a wake-up in between. `simulated`: no device is real.
     """
 
     robot: str
     name: str
+    simulated: bool
     estop: EmergencyStop
     device: Device | None
     devices: tuple[Device, ...]

@@ -108,6 +108,7 @@ class ProcessContext:
     ) -> None:
         self.robot = config.robot
         self.name = config.name
+        self.simulated = config.simulated
         self.settings = kind.parse(config.settings)
         self.home = config.home
         self.calibration: Mapping[str, float] = config.calibration

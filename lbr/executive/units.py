@@ -83,6 +83,7 @@ def unit(
         name=row.name,
         kind=row.kind,
         settings=_compact(row.settings),
+        simulated=profile.simulate,
         endpoints=() if host else site.endpoints,
         credentials=_guest(host, row.name, rows, site) if host else site.credentials(row.name),
         home="" if host else site.home,

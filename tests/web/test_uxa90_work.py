@@ -6,7 +6,7 @@ import pytest
 from lbr.apps.web import WebSettings
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot
-from lbr.apps.web.uxa90.face import Uxa90Face
+from lbr.apps.web.uxa90.legacy import Uxa90Face
 from lbr.messages.joints import MotionsState
 from tests.web.uxa90_bench import Bench, joints_state
 

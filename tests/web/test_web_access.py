@@ -1,7 +1,8 @@
 import pytest
 
-from lbr.apps.web.access import Access, Pages
-from lbr.apps.web.face import Client, Refused, refuse_without
+from lbr.apps.http.pages import Pages
+from lbr.apps.web.access import Access
+from lbr.apps.web.face import Ask, Client, Refused, refuse_without
 from lbr.bus import tokens
 from lbr.capability.config import LanUser
 
@@ -18,22 +19,33 @@ def token(name: str, secret: str = SECRET) -> dict[str, str]:
     return {"authorization": f"Bearer {name}.{secret}.{FINGERPRINT}"}
 
 
-ACCESS = Access(
-    ("127.0.0.0/8", "::1", "192.168.7.0/24"),
-    (user("ann", "operate"), user("eve", "view", hashed=tokens.hashed("t" * 43)), user("pi4", "host")),
-)
+USERS = (user("ann", "operate"), user("eve", "view", hashed=tokens.hashed("t" * 43)), user("pi4", "host"))
+TRUSTED = ("192.168.7.0/24",)
+ACCESS, LEGACY = Access(TRUSTED, USERS), Access(TRUSTED, USERS, legacy=True)
+HERE = {"host": "127.0.0.1:50000"}
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1", "127.8.9.1", "::1", "::ffff:127.0.0.1"])
+def test_at_this_machine_everybody_looks_and_its_owner_may_everything(address):
+    def client(access: Access, **options: bool) -> Client:
+        return access.client(address, HERE, port=50000, **options)
+
+    assert client(ACCESS).role == "view"
+    assert client(ACCESS, owner=True).role == "admin"
+    assert not client(ACCESS, owner=True).legacy
+    assert client(LEGACY).role == "operate"
+    assert client(LEGACY).legacy
+    assert client(Access(("127.0.0.0/8", "::1"), ())).role == "operate"
 
 
 @pytest.mark.parametrize(
     ("address", "headers", "role"),
     [
-        ("127.0.0.1", {}, "admin"),
-        ("::1", {}, "admin"),
-        ("::ffff:127.0.0.1", {}, "admin"),
-        ("192.168.7.9", {}, "admin"),
+        ("192.168.7.9", {}, "operate"),
+        ("::ffff:192.168.7.9", {}, "operate"),
         ("192.168.8.9", {}, None),
         ("", {}, None),
-        ("127.0.0.1", {"x-forwarded-for": "8.8.8.8"}, None),
+        ("127.0.0.1.example.org", {}, None),
         ("8.8.8.8", {"x-forwarded-for": "127.0.0.1"}, None),
         ("8.8.8.8", token("ann"), "operate"),
         ("127.0.0.1", token("ann"), "operate"),
@@ -41,7 +53,33 @@ ACCESS = Access(
     ],
 )
 def test_who_asks_has_the_role_of_its_network_or_token(address, headers, role):
-    assert ACCESS.client(address, headers).role == role
+    for access in (ACCESS, LEGACY):
+        assert access.client(address, headers, owner=True).role == role
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"forwarded": "for=8.8.8.8"},
+        {"x-forwarded-for": "127.0.0.1"},
+        {"x-forwarded-host": "evil.example"},
+        {"x-forwarded-proto": "https"},
+        {"x-real-ip": "8.8.8.8"},
+        {"via": "1.1 proxy"},
+        {"cf-connecting-ip": "8.8.8.8"},
+        {"cf-ray": "1"},
+        {"true-client-ip": "8.8.8.8"},
+        {"x-envoy-external-address": "8.8.8.8"},
+        {"tailscale-user-login": "eve"},
+        {"host": "localhost:8080"},  # a tunnel that ends at another port
+        {"host": "robot.example.org"},  # a proxy that passes on the name it was asked by
+        {"host": ""},
+    ],
+)
+def test_what_was_passed_on_is_a_strangers_at_this_machine_too(headers):
+    for access in (ACCESS, LEGACY, Access(("0.0.0.0/0", "::/0"), ())):
+        client = access.client("127.0.0.1", HERE | headers, port=50000, owner=True)
+        assert (client.role, client.legacy) == (None, False)
 
 
 @pytest.mark.parametrize(
@@ -70,6 +108,28 @@ def test_what_a_role_does_not_allow_is_refused_with_a_sentence():
     assert refused.value.status == 403
 
 
+@pytest.mark.parametrize(
+    ("client", "proven", "moves"),
+    [
+        (Client("127.0.0.1", role="admin"), False, False),
+        (Client("127.0.0.1", role="admin"), True, True),
+        (Client("192.168.7.9", role="operate"), False, False),
+        (Client("127.0.0.1", role="operate", legacy=True), False, True),
+    ],
+)
+@pytest.mark.parametrize("method", ["GET", "HEAD"])
+def test_a_get_moves_only_what_no_web_page_can_have_sent(client, proven, moves, method):
+    ask = Ask(method=method, path="/move", client=client, proven=proven)
+    ask.require("view")
+    if moves:
+        ask.require("operate")
+        return
+    with pytest.raises(Refused, match="no web page sent it") as refused:
+        ask.require("operate")
+    assert refused.value.status == 403
+    Ask(method="POST", path="/move", client=client).require("operate")
+
+
 OWN = {"host": "robot:50000"}
 
 
@@ -96,3 +156,22 @@ OWN = {"host": "robot:50000"}
 )
 def test_foreign_pages_are_known_by_what_browsers_say(headers, cors, stranger):
     assert Pages(cors).stranger(OWN | headers, "http") == stranger
+
+
+@pytest.mark.parametrize(
+    ("headers", "proven"),
+    [
+        ({}, False),  # an app, a script, or a browser at plain http that was told to leave out the referrer
+        ({"sec-fetch-site": ""}, False),
+        ({"sec-fetch-site": "none"}, True),
+        ({"sec-fetch-site": "same-origin"}, True),
+        ({"origin": "http://robot:50000"}, True),
+        ({"referer": "http://robot:50000/demo"}, True),
+        ({"referer": "/demo"}, False),
+        ({"user-agent": "curl/8"}, False),
+    ],
+)
+def test_only_what_is_said_proves_that_no_foreign_page_asks(headers, proven):
+    assert not Pages(()).stranger(OWN | headers, "http")
+    assert Pages(()).proven(OWN | headers) is proven
+    assert Pages(("*",)).proven(OWN | headers)

@@ -14,9 +14,7 @@ from msgspec.structs import replace
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from lbr.apps.http import listening
 from lbr.apps.web import WebSettings, application, qr
-from lbr.apps.web import serving as serving_module
 from lbr.apps.web.addresses import url
 from lbr.apps.web.announce import Announcer
 from lbr.apps.web.application import TOO_OFTEN_S
@@ -313,17 +311,17 @@ def test_the_address_is_told_honestly(served):
 
 
 def test_tokens_let_in_whom_no_network_does():
-    with serving(Plain(), users=(user("ann", "operate"), user("eve", "view")), trusted=()) as served:
-        assert served.ask("GET", "/").status == 200
-        nobody = served.ask("GET", "/move")
+    with serving(Plain(), users=(user("ann", "operate"), user("eve", "view"))) as served:
+        proxy = {"X-Forwarded-For": "8.8.8.8"}
+        assert served.ask("GET", "/", headers=proxy).status == 200
+        assert served.ask("GET", "/state", headers=proxy).status == 401
+        nobody = served.ask("GET", "/move", headers=proxy)
         assert (nobody.status, nobody.headers["www-authenticate"]) == (401, 'Bearer realm="lbr"')
         shown = {name: f"{name}.{SECRET}.{FINGERPRINT}" for name in ("ann", "eve")}
         assert served.ask("GET", "/move", headers={"Authorization": f"Bearer {shown['ann']}"}).status == 200
         assert served.ask("GET", "/move", headers={"Authorization": f"Bearer {shown['eve']}"}).status == 403
         assert served.ask("POST", "/stop", headers={"Authorization": f"Bearer {shown['eve']}"}).status == 200
         url = f"ws://127.0.0.1:{served.port}/ws"
-        with pytest.raises(InvalidStatus):
-            connect(url)
         with connect(url, subprotocols=["lbr.state", f"bearer.{shown['eve']}"]) as viewer:
             assert viewer.subprotocol == "lbr.state"
             assert "uxa90" in viewer.recv(timeout=5)
@@ -357,10 +355,17 @@ def test_streams_end_with_a_reason_when_the_server_does():
 
 def test_it_may_be_served_encrypted_and_to_everybody(monkeypatch, tmp_path):
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
-    with serving(Plain(), host="0.0.0.0", tls=True) as served:
+    with serving(Plain(), host="0.0.0.0") as served:
         context = ssl._create_unverified_context()
         with socket.create_connection(("127.0.0.1", served.port)) as plain, context.wrap_socket(plain) as secure:
             secure.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+            assert secure.recv(100).startswith(b"HTTP/1.1 200")
+        named = ssl.create_default_context(cafile=str(tmp_path / "credentials" / "bus.crt"))
+        with (
+            socket.create_connection(("127.0.0.1", served.port)) as plain,
+            named.wrap_socket(plain, server_hostname="robot.lbr") as secure,
+        ):
+            secure.sendall(b"GET / HTTP/1.1\r\nHost: robot.lbr:50000\r\nConnection: close\r\n\r\n")
             assert secure.recv(100).startswith(b"HTTP/1.1 200")
         with pytest.raises((ConnectionError, http.client.HTTPException)):
             served.ask("GET", "/")
@@ -368,11 +373,14 @@ def test_it_may_be_served_encrypted_and_to_everybody(monkeypatch, tmp_path):
 
 
 def test_it_is_said_aloud_when_others_may_move_the_robot():
-    with serving(host="0.0.0.0", trusted=("127.0.0.0/8", "192.168.0.0/16"), cors=("*",)) as served:
+    with serving(
+        host="0.0.0.0", clear_text=True, trusted=("127.0.0.0/8", "192.168.0.0/16"), cors=("*",), legacy="on"
+    ) as served:
         said = [text for kind, text, level in served.stage.events if kind == "exposed" and level == "warning"]
-    assert any("without encryption" in text for text in said)
+    assert any("in clear text" in text for text in said)
     assert any("192.168.0.0/16" in text for text in said)
     assert any("cors" in text for text in said)
+    assert any("legacy" in text for text in said)
 
 
 def test_many_ask_at_once_and_all_are_answered(served):
@@ -391,7 +399,7 @@ def test_many_ask_at_once_and_all_are_answered(served):
     assert watch.given_s < 8, watch
 
 
-OPEN = WebSettings(host="0.0.0.0", port=50000)
+OPEN = WebSettings(host="0.0.0.0", port=50000, clear_text=True)
 
 
 def test_an_address_is_shown_as_a_code_that_a_terminal_keeps_as_it_is():
@@ -419,6 +427,30 @@ def test_who_needs_no_token_is_said():
     place = Place("uxa90", "web", replace(OPEN, trusted=("192.168.1.0/24",)), 1, here=lambda: ("192.168.1.5",))
     assert "Whoever is in 192.168.1.0/24 needs no token" in place.told()
     assert url("fd00::2", 1, tls=True) == "https://[fd00::2]:1/"
+
+
+@pytest.mark.parametrize(
+    ("settings_", "tls"),
+    [
+        ({}, False),
+        ({"host": "localhost"}, False),
+        ({"host": "::1"}, False),
+        ({"tls": True}, True),
+        ({"clear_text": True}, False),
+        ({"host": "0.0.0.0"}, True),
+        ({"host": "::"}, True),
+        ({"host": "192.168.1.5"}, True),
+        ({"host": "robot.example.org"}, True),
+        ({"host": "0.0.0.0", "clear_text": True}, False),
+    ],
+)
+def test_where_other_machines_reach_it_it_speaks_tls_unless_the_row_says_clear_text(settings_, tls):
+    assert Place("uxa90", "web", WebSettings(**settings_), 50000, here=tuple).tls is tls
+
+
+def test_a_row_says_tls_or_clear_text():
+    with pytest.raises(ValueError, match="only one of them"):
+        WebSettings(tls=True, clear_text=True)
 
 
 def test_an_announcement_is_told_and_followed():
@@ -450,47 +482,11 @@ def test_without_a_network_nothing_is_announced():
     assert asyncio.run(announced()) == "this machine is in no network"
 
 
-def test_a_connection_that_never_asks_is_closed(monkeypatch):
-    monkeypatch.setattr(listening, "IDLE_S", 0.05)
-    with serving() as served:
-        for part in (b"", b"GET / HTTP/1.1\r\nHost:"):
-            assert served.raw(part) == b""
-
-
 def test_a_body_that_does_not_come_is_given_up(monkeypatch):
     monkeypatch.setattr(application, "BODY_S", 0.05)
     with serving() as served:
         head = b"POST /estop/reset HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{"
         assert served.raw(head).startswith(b"HTTP/1.1 408")
-
-
-def test_one_address_has_only_so_many_connections(served, monkeypatch):
-    monkeypatch.setattr(serving_module, "MOST_OF_ONE", 5)
-    with ExitStack() as stack:
-        held = [stack.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=5)) for _ in range(8)]
-        assert held[-1].recv(1) == b""
-    assert until(lambda: answered(served))
-
-
-def test_several_addresses_with_many_connections_leave_room_for_one_who_wants_to_stop(monkeypatch):
-    monkeypatch.setattr(serving_module, "MOST_PLAIN", 8)
-    with serving() as served, ExitStack() as stack:
-        for at in range(12):
-            held = stack.enter_context(socket.socket())
-            held.bind((f"127.0.0.{2 + at % 3}", 0))
-            held.connect(("127.0.0.1", served.port))
-        stop = stack.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=5))
-        open_from = serving_module.Connection.open_from
-        until(lambda: len(open_from.get("127.0.0.1", ())) == 1 and sum(map(len, open_from.values())) == 8)
-        stop.sendall(b"POST /stop HTTP/1.1\r\nHost: localhost\r\n\r\n")
-        assert stop.recv(15) == b"HTTP/1.1 200 OK"
-
-
-def answered(served: Served) -> bool:
-    try:
-        return served.ask("GET", "/").status == 200
-    except (OSError, http.client.HTTPException):
-        return False
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -31,8 +31,10 @@ class Asked:
 class Stage:
     """What the server has of its robot. `answer` answers what it asks, in the loop."""
 
-    name, robot, on_tick = "web", "uxa90", True
-    joints = motions = buttons = ()
+    name, robot, on_tick, simulated = "web", "uxa90", True, True
+    joints: tuple[Any, ...] = ()
+    motions: tuple[Any, ...] = ()
+    buttons: tuple[Any, ...] = ()
     motors: tuple[Motor, ...] = ()
 
     def __init__(self, settings: WebSettings, users: tuple[Any, ...] = ()) -> None:
@@ -133,9 +135,14 @@ class Answer:
 
 
 @contextmanager
-def serving(*faces: Face, users: tuple[Any, ...] = (), **settings: Any) -> Iterator[Served]:
-    """Serve faces with these settings until the end of a `with`."""
+def serving(
+    *faces: Face, users: tuple[Any, ...] = (), rows: Any = None, simulated: bool = True, **settings: Any
+) -> Iterator[Served]:
+    """Serve faces with these settings until the end of a `with`; `rows` are a robot's, for faces that need them."""
     stage = Stage(WebSettings(**{"port": 0, "announce": False, **settings}), users)
+    stage.simulated = simulated
+    if rows is not None:
+        stage.joints, stage.motions, stage.motors, stage.buttons = rows.joints, rows.motions, rows.motors, rows.buttons
     web = Web(stage)  # type: ignore[arg-type]
     web._faces += faces
     ended = threading.Event()

@@ -1,46 +1,14 @@
-"""Sockets that listen, and connections that hold little."""
+"""Sockets that listen, and the robot's certificate."""
 
-import ipaddress
 import socket
-from typing import Any
-
-from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from lbr import home
+from lbr.apps.http import names
 from lbr.bus import certificates
 from lbr.errors import InputError
 
 BUFFER_BYTES = 64 * 1024
-MOST_CONNECTIONS = 64
-IDLE_S = 10.0
-
-
-class Connection(H11Protocol):
-    """A connection that holds little, so that a slow one gets what is newer and not a queue of what was."""
-
-    def connection_made(self, transport: Any) -> None:
-        """Bound what waits to be sent, and how long nothing is asked."""
-        transport.set_write_buffer_limits(high=BUFFER_BYTES)
-        super().connection_made(transport)
-        self._last_cycle: object = None
-        self._upgraded = False
-        self.loop.call_later(IDLE_S, self._check)
-
-    def handle_websocket_upgrade(self, event: Any) -> None:
-        """Leave a connection that is a WebSocket from now on to its own timeouts."""
-        self._upgraded = True
-        super().handle_websocket_upgrade(event)
-
-    def _check(self) -> None:
-        """Close a connection that has asked nothing, or only half of something, since the last look."""
-        if self._upgraded or self.transport.is_closing():
-            return
-        idle = self.cycle is None or self.cycle.response_complete
-        if idle and self.cycle is self._last_cycle:
-            self.transport.abort()
-            return
-        self._last_cycle = self.cycle if idle else object()
-        self.loop.call_later(IDLE_S, self._check)
+BACKLOG = 256
 
 
 def listen(host: str, port: int) -> socket.socket:
@@ -56,7 +24,7 @@ def listen(host: str, port: int) -> socket.socket:
         if family == socket.AF_INET6:
             listening.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, int(host != "::"))
         listening.bind(address)
-        listening.listen(MOST_CONNECTIONS)
+        listening.listen(BACKLOG)
     except OSError as err:
         listening.close()
         raise InputError(f"port {port} at {host} cannot be used ({err.strerror})") from err
@@ -65,7 +33,7 @@ def listen(host: str, port: int) -> socket.socket:
 
 def is_loopback(listening: socket.socket) -> bool:
     """Say whether only this machine reaches a socket."""
-    return ipaddress.ip_address(listening.getsockname()[0].partition("%")[0]).is_loopback
+    return names.is_loopback(listening.getsockname()[0])
 
 
 def certificate() -> tuple[str, str]:

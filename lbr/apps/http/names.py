@@ -1,22 +1,93 @@
-"""By which names a machine may be asked."""
+"""By which names a machine may be asked, and which of them only it can mean. Pure, but for the machine's own name."""
 
 import ipaddress
+import re
 import socket
 from collections.abc import Set as AbstractSet
 
+_HOST = re.compile(
+    r"(?:\[(?P<bracketed>[0-9A-Fa-f:.]+(?:%[A-Za-z0-9_.~%-]+)?)\]|(?P<name>[A-Za-z0-9._-]+))(?::(?P<port>[0-9]{1,5}))?"
+)
+EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared, not bound
 
-def is_ours(host: str, names: AbstractSet[str] = frozenset()) -> bool:
+
+def parsed(host: str) -> tuple[str, int | None] | None:
+    """Return name and port of a Host header, in small letters and without brackets; None for what is no host."""
+    found = _HOST.fullmatch(host)
+    if found is None:
+        return None
+    port = int(found["port"]) if found["port"] else None
+    return (found["bracketed"] or found["name"]).lower(), port
+
+
+def is_ours(host: str, names: AbstractSet[str] = frozenset(), *, loopback: bool = False) -> bool:
     """Say whether a Host header means this machine: an address, its own name, or one of `names`.
 
-    A page of somebody else's whose name was made to lead here shows that name.
+    `loopback`: the request comes from this machine. Then only names of the loopback count, besides `names`: what browsers
+    say of a page that asks is certain for those alone. A page of somebody else's whose name was made to lead here shows
+    that name.
     """
-    name = host.rpartition(":")[0] if ":" in host.rpartition("]")[2] else host
-    name = name.strip("[]").lower().rstrip(".")
-    own = socket.gethostname().lower()
-    if name in {"localhost", own, own.partition(".")[0], f"{own.partition('.')[0]}.local", *names}:
-        return True
-    try:
-        ipaddress.ip_address(name.partition("%")[0])
-    except ValueError:
+    found = parsed(host)
+    if found is None:
         return False
-    return True
+    name, _ = found
+    if name in names or name == "localhost":
+        return True
+    bracketed = host.startswith("[")
+    try:
+        address = ipaddress.ip_address(name)
+    except ValueError:
+        return not loopback and not bracketed and name in _own()
+    if bracketed is not isinstance(address, ipaddress.IPv6Address):
+        return False
+    if loopback:
+        return is_loopback(name) and getattr(address, "ipv4_mapped", None) is None and "%" not in name
+    return not (_is_unspecified(address) or ("%" in name and not address.is_link_local))
+
+
+def means_loopback(host: str) -> bool:
+    """Say whether a Host header names the loopback and nothing else."""
+    found = parsed(host)
+    return found is not None and (found[0] == "localhost" or is_loopback(found[0]))
+
+
+def is_loopback(address: str) -> bool:
+    """Say whether an address is of this machine's loopback; an IPv4 address may be written as IPv6."""
+    ip = plain(address)
+    return ip is not None and ip.is_loopback
+
+
+def is_local(host: str) -> bool:
+    """Say whether only this machine reaches who listens at an address."""
+    return host == "localhost" or is_loopback(host)
+
+
+def who(address: str) -> str:
+    """Return what counts as one asker: an address; of the loopback's many, this machine."""
+    ip = plain(address)
+    return address if ip is None else "this machine" if ip.is_loopback else str(ip)
+
+
+def plain(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """Return an address without zone, and as IPv4 where it is that; None for what is no address."""
+    try:
+        found = ipaddress.ip_address(address.partition("%")[0])
+    except ValueError:
+        return None
+    mapped = found.ipv4_mapped if isinstance(found, ipaddress.IPv6Address) else None
+    return mapped or found
+
+
+def _own() -> frozenset[str]:
+    own = socket.gethostname().lower()
+    short = own.partition(".")[0]
+    return frozenset({own, short, f"{short}.local"})
+
+
+def _is_unspecified(address: ipaddress.IPv4Address | ipaddress.IPv6Address) -> bool:
+    """Say whether an address stands for no machine: browsers on some systems reach their own by it."""
+    mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
+    return mapped is not None or address.is_unspecified or address in _THIS_NETWORK
+
+
+_THIS_NETWORK = ipaddress.ip_network("0.0.0.0/8")

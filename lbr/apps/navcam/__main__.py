@@ -1,7 +1,7 @@
 """Serve the robot's cameras to browsers, behind a token.
 
-Without --host only this machine reaches it. From other machines it is reached by TLS alone, with the robot's own
-certificate, whose SHA-256 fingerprint is printed for comparison with what the browser shows.
+Without --host, which belongs into its row, only this machine reaches it. From other machines it is reached by TLS alone,
+with the robot's own certificate, whose SHA-256 fingerprint is printed for comparison with what the browser shows.
 """
 
 import argparse
@@ -26,7 +26,7 @@ def main() -> int:
     """Serve until told to end."""
     try:
         from lbr.apps.http.listening import certificate, is_loopback  # noqa: PLC0415
-        from lbr.apps.navcam import guard, server, web  # noqa: PLC0415 - they need an extra
+        from lbr.apps.navcam import guard, server, sessions, web  # noqa: PLC0415 - they need an extra
         from lbr.apps.navcam.cameras import Cameras  # noqa: PLC0415
         from lbr.apps.navcam.hub import Hub  # noqa: PLC0415
     except ImportError as err:
@@ -38,7 +38,8 @@ def main() -> int:
         tls, port = not is_loopback(listening), listening.getsockname()[1]
         secret = guard.token()
         hub = Hub(robot.bus, robot.name)
-        lock = guard.Lock(secret, port=port, tls=tls)
+        kept = sessions.Sessions(home.directory("credentials") / sessions.FILE, secret)
+        lock = guard.Lock(secret, kept, port=port, tls=tls)
         serving = server.server(
             web.NavCam(hub, Cameras(robot.bus, robot.name, robot.source), lock).app(arguments.name), hub, tls=tls
         )

@@ -1,8 +1,9 @@
-"""Who may see: whoever shows the token, by a header or by the cookie that was given for it, and asks for us by name."""
+"""Who may see: whoever shows the token, by a header or by a cookie that was given for it, and asks for us by name."""
 
+import asyncio
 import secrets
+import time
 from collections.abc import Iterable
-from hashlib import blake2b
 from http.cookies import CookieError, SimpleCookie
 from pathlib import Path
 
@@ -11,11 +12,16 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from lbr import home
-from lbr.apps.http.names import is_ours
+from lbr.apps.http import names as hosts
+from lbr.apps.http.pages import Pages, is_visit
+from lbr.apps.http.rates import Rates
+from lbr.apps.http.turns import Turns
+from lbr.apps.navcam.sessions import LIFE_S, Sessions
 from lbr.errors import InputError
 
 TOKEN_FILE = "navcam.token"  # noqa: S105 - a file's name
-COOKIE_S = 30 * 24 * 3600
+REQUESTS_PER_S = 200.0
+TOO_OFTEN_S = 0.25
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; img-src 'self' data:; script-src 'self'; style-src 'self'; "
     "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
@@ -43,17 +49,22 @@ def _read_private(path: Path) -> str:
 
 
 class Lock:
-    """Knows the token and the cookie that stands for it; compares in constant time."""
+    """Knows the token, compared in constant time, and the cookies that stand for it."""
 
-    def __init__(self, secret: str, *, port: int, tls: bool) -> None:
+    def __init__(self, secret: str, sessions: Sessions, *, port: int, tls: bool) -> None:
         self._secret = secret.encode()
-        self._worth = blake2b(b"navcam cookie", key=self._secret[:64], digest_size=32).hexdigest()
+        self._sessions = sessions
         self._name = f"{'__Host-' if tls else ''}lbr_navcam_{port}"
         self._tls = tls
 
     def opens(self, request: HTTPConnection) -> bool:
-        """Say whether a request shows the token or the cookie."""
-        return self.shows_token(request) or self._shows_cookie(request)
+        """Say whether a request shows the token or a cookie."""
+        return self.shows_token(request) or self.shows_cookie(request)
+
+    def shows_cookie(self, request: HTTPConnection) -> bool:
+        """Say whether a request shows the cookie of a session that goes on."""
+        shown = self.cookie(request)
+        return bool(shown) and self._sessions.knows(shown)
 
     def shows_token(self, request: HTTPConnection) -> bool:
         """Say whether a request shows the token itself."""
@@ -63,17 +74,35 @@ class Lock:
     def give_cookie(self, response: Response) -> None:
         """Let a browser come in from now on without the token."""
         response.set_cookie(
-            self._name, self._worth, max_age=COOKIE_S, path="/", httponly=True, samesite="strict", secure=self._tls
+            self._name,
+            self._sessions.begin(),
+            max_age=LIFE_S,
+            path="/",
+            httponly=True,
+            samesite="strict",
+            secure=self._tls,
         )
 
-    def _shows_cookie(self, request: HTTPConnection) -> bool:
+    def knows(self, cookie: str) -> bool:
+        """Say whether a cookie is of a session that goes on."""
+        return self._sessions.knows(cookie)
+
+    def take_cookie(self, request: HTTPConnection, response: Response, *, all_of_them: bool) -> None:
+        """End the session whose cookie a request shows, or all there are."""
+        if all_of_them:
+            self._sessions.end_all()
+        else:
+            self._sessions.end(self.cookie(request))
+        response.delete_cookie(self._name, path="/", httponly=True, samesite="strict", secure=self._tls)
+
+    def cookie(self, request: HTTPConnection) -> str:
+        """Return the cookie of ours that a request shows; empty without."""
         found: SimpleCookie = SimpleCookie()
         try:
             found.load(request.headers.get("cookie", ""))
         except CookieError:
-            return False
-        shown = found[self._name].value if self._name in found else ""
-        return secrets.compare_digest(shown.encode(), self._worth.encode())
+            return ""
+        return found[self._name].value if self._name in found else ""
 
 
 class Guard:
@@ -84,18 +113,23 @@ class Guard:
         self._lock = lock
         self._public = public
         self._names = frozenset(name.lower() for name in names)
+        self._pages = Pages()
+        self._rates = Rates(REQUESTS_PER_S)
+        self._turns = Turns()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer it."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        request = HTTPConnection(scope)
-        app = self._app
-        if not is_ours(request.headers.get("host", ""), self._names):
-            app = PlainTextResponse("Ask for this robot by its address or name, or start navcam with --name.\n", 421)
-        elif scope["path"] not in self._public and not self._lock.opens(request):
-            app = PlainTextResponse(NO_TOKEN, 401, {"WWW-Authenticate": 'Bearer realm="lbr navcam"'})
+        who = hosts.who(scope["client"][0] if scope.get("client") else "")
+        if not self._rates.take(who, time.monotonic()):
+            await asyncio.sleep(TOO_OFTEN_S)
+            app: ASGIApp = PlainTextResponse("Too many requests a second.\n", 429, {"Retry-After": "1"})
+        elif self._turns.why_not(who):
+            app = PlainTextResponse("Too many requests at once.\n", 503, {"Retry-After": "1", "Connection": "close"})
+        else:
+            app = self._answering(HTTPConnection(scope))
 
         async def sealed(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -105,4 +139,19 @@ class Guard:
                 ]
             await send(message)
 
-        await app(scope, receive, sealed)
+        with self._turns.taken(who):
+            await app(scope, receive, sealed)
+
+    def _answering(self, request: HTTPConnection) -> ASGIApp:
+        """Return what answers a request."""
+        headers, address = request.headers, request.client.host if request.client else ""
+        if not hosts.is_ours(", ".join(headers.getlist("host")), self._names, loopback=hosts.is_loopback(address)):
+            text = "Ask for this robot by its address or name, at itself by localhost, or start navcam with --name.\n"
+            return PlainTextResponse(text, 421)
+        stranger = self._pages.stranger(headers, request.scope["scheme"])
+        page = request.scope["path"] in {"/", "/index.html"}
+        if stranger and not (page and is_visit(headers)):
+            return PlainTextResponse("A page of somebody else's may not ask.\n", 403)
+        if request.scope["path"] not in self._public and not self._lock.opens(request):
+            return PlainTextResponse(NO_TOKEN, 401, {"WWW-Authenticate": 'Bearer realm="lbr navcam"'})
+        return self._app

@@ -5,23 +5,28 @@ Everything here runs on the event loop's thread; the bus library's thread only w
 
 import asyncio
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+from lbr.apps.http.turns import Turns
 from lbr.apps.navcam.cameras import name_in
 from lbr.bus import pictures, wire
 from lbr.bus.session import Session
 
-MOST_VIEWERS = 8
+MOST_VIEWERS, MOST_OF_ONE = 8, 4
 DEPTH = 8
 CURRENT_S = 1.0
 
 
 class Viewer:
-    """One open stream: a slot for the newest picture of a camera (empty: of the one that is on)."""
+    """One open stream: a slot for the newest picture of a camera (empty: of the one that is on).
 
-    def __init__(self, camera: str) -> None:
+    `session` is the cookie by which its viewer came in; empty for the token.
+    """
+
+    def __init__(self, camera: str, session: str = "") -> None:
         self.camera = camera
+        self.session = session
         self._slot: bytes | None = None
         self._over = False
         self._news = asyncio.Event()
@@ -58,26 +63,33 @@ class Hub:
         self._feed: wire.Subscription | None = None
         self._current = ("", 0.0)
         self._closed = False
+        self._turns = Turns(MOST_OF_ONE, MOST_VIEWERS)
 
-    @property
-    def full(self) -> bool:
-        """Whether there are as many viewers as there may be."""
-        return self._closed or len(self._viewers) >= MOST_VIEWERS
+    def full(self, who: str) -> str:
+        """Return how many watch already, where one more of an address would be too many; else nothing."""
+        return "all" if self._closed else self._turns.why_not(who)
 
     @contextmanager
-    def viewer(self, camera: str) -> Iterator[Viewer]:
+    def viewer(self, camera: str, who: str, session: str = "") -> Iterator[Viewer]:
         """Watch for the time of a `with`."""
-        viewer = Viewer(camera)
+        viewer = Viewer(camera, session)
         self._viewers.add(viewer)
         try:
             if self._feed is None:
                 self._feed = self._listen()
-            yield viewer
+            with self._turns.taken(who):
+                yield viewer
         finally:
             self._viewers.discard(viewer)
             if not self._viewers and self._feed is not None:
                 self._feed.close()
                 self._feed = None
+
+    def end(self, knows: Callable[[str], bool]) -> None:
+        """End the streams of sessions that are not known any more."""
+        for viewer in self._viewers:
+            if viewer.session and not knows(viewer.session):
+                viewer.end()
 
     def close(self) -> None:
         """End every stream, and begin none."""

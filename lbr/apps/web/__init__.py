@@ -23,18 +23,27 @@ Network = Annotated[str, Meta(description="an address or a network, such as 192.
 class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `web` may set.
 
-    `trusted` are the networks whose clients need no token: this machine, unless more are named.
+    Where other machines reach it, it speaks TLS, unless `clear_text` says otherwise. `trusted` are the networks whose
+    clients operate without a token. `legacy` opens what was built before there were tokens: then so do all programs of
+    this machine, and a GET may move although nothing proves that no web page sent it. `simulated`: only while the robot is.
     """
 
     host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50000
     faces: tuple[Literal["uxa90"], ...] = ()
     layer: Annotated[Name, Meta(description="which layer of the table `motor` is shown")] = "api"
-    trusted: tuple[Network, ...] = ("127.0.0.0/8", "::1")
+    legacy: Annotated[
+        Literal["off", "simulated", "on"],
+        Meta(description="whether apps without a token move the robot from this machine and from trusted networks"),
+    ] = "simulated"
+    trusted: Annotated[tuple[Network, ...], Meta(description="networks whose clients operate without a token")] = ()
     cors: Annotated[
         tuple[str, ...], Meta(description="origins whose pages may ask, such as http://localhost:8081; * for all")
     ] = ()
-    tls: Annotated[bool, Meta(description="https, with the robot's own certificate")] = False
+    tls: Annotated[bool, Meta(description="https also where only this machine reaches it")] = False
+    clear_text: Annotated[
+        bool, Meta(description="http where other machines reach it: whoever is in between reads and changes all of it")
+    ] = False
     announce: Annotated[bool, Meta(description="tell the network by zeroconf, where others can reach it")] = True
     names: Annotated[
         tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
@@ -51,6 +60,8 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         for origin in self.cors:
             if origin not in {"*", "null"} and _ORIGIN.fullmatch(origin) is None:
                 raise ValueError(f"cors: '{origin}' is no origin; origins look like http://localhost:8081")
+        if self.tls and self.clear_text:
+            raise ValueError("tls and clear_text: only one of them can be true")
 
 
 KIND = Kind(

@@ -1,33 +1,41 @@
-"""Who asks, and from which page: trusted networks, tokens and their roles, and pages that may or may not ask."""
+"""Who asks: this machine, its owner, trusted networks, tokens and their roles."""
 
 import ipaddress
 import secrets
 from collections.abc import Iterable, Mapping
-from urllib.parse import urlsplit
 
+from lbr.apps.http import names, peers
 from lbr.apps.web.face import Client, Refused
 from lbr.bus import tokens
 from lbr.capability.config import LanUser
 from lbr.errors import InputError
 from lbr.messages.system import Role
 
-TRUSTED_ROLE: Role = "admin"
-FORWARDED = ("forwarded", "x-forwarded-for", "x-real-ip")
-ANY = "*"
+HERE: Role = "view"
+"""What every program of this machine may, whoever runs it; stopping is part of it."""
+OWNER: Role = "admin"
+TRUSTED: Role = "operate"
 
 
 class Access:
-    """Knows the trusted networks and the tokens; a token is proven against its row when it is shown first."""
+    """Knows the trusted networks and the tokens; a token is proven against its row when it is shown first.
 
-    def __init__(self, trusted: Iterable[str], users: Iterable[LanUser]) -> None:
+    `legacy`: programs of this machine operate, and a GET of theirs or of a trusted network's may move.
+    """
+
+    def __init__(self, trusted: Iterable[str], users: Iterable[LanUser], *, legacy: bool = False) -> None:
         self._networks = [ipaddress.ip_network(network, strict=False) for network in trusted]
         self._users = {user.name: user for user in users}
+        self._legacy = legacy
         self._proven: dict[str, bool] = {}
 
-    def client(self, address: str, headers: Mapping[str, str], shown: str = "") -> Client:
-        """Return who asks; Refused (401) for a token that is none. `shown` is a token from elsewhere than the headers.
+    def client(
+        self, address: str, headers: Mapping[str, str], shown: str = "", *, port: int = 0, owner: bool = False
+    ) -> Client:
+        """Return who asks at `port`; Refused (401) for a token that is none. `shown` is a token that no header has.
 
-        What a proxy says of others is not believed, but it says that this is not somebody at this machine.
+        What a proxy says of others is not believed, but it says that this is not somebody at this machine. `owner`:
+        the kernel says that the program that asks is of this robot's own user.
         """
         if not shown and "authorization" in headers:
             scheme, _, shown = headers["authorization"].partition(" ")
@@ -35,8 +43,14 @@ class Access:
                 raise _no_token("'Authorization' must be 'Bearer NAME.SECRET.FINGERPRINT'")
         if shown:
             return self._by_token(address, shown)
-        relayed = any(name in headers for name in FORWARDED)
-        return Client(address, role=TRUSTED_ROLE if not relayed and self._is_trusted(address) else None)
+        here = names.is_loopback(address)
+        if peers.is_relayed(headers, port) or (here and not names.means_loopback(headers.get("host", ""))):
+            return Client(address)
+        trusted = self._is_trusted(address)
+        if here:
+            operates = trusted or self._legacy
+            return Client(address, role=OWNER if owner else TRUSTED if operates else HERE, legacy=self._legacy)
+        return Client(address, role=TRUSTED if trusted else None, legacy=trusted and self._legacy)
 
     def _by_token(self, address: str, shown: str) -> Client:
         try:
@@ -58,51 +72,8 @@ class Access:
         return self._proven[user.name]
 
     def _is_trusted(self, address: str) -> bool:
-        try:
-            found = ipaddress.ip_address(address.partition("%")[0])
-        except ValueError:
-            return False
-        if isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped is not None:
-            found = found.ipv4_mapped
-        return any(found in network for network in self._networks if network.version == found.version)
-
-
-class Pages:
-    """Which pages' scripts may ask: our own, and those of the origins in the row."""
-
-    def __init__(self, cors: Iterable[str]) -> None:
-        self._allowed = frozenset(cors)
-
-    def allows(self, origin: str) -> bool:
-        """Say whether an origin is among those of the row."""
-        return ANY in self._allowed or origin in self._allowed
-
-    def stranger(self, headers: Mapping[str, str], scheme: str) -> str:
-        """Return which foreign page has a browser ask this; empty for our own, allowed ones, and what is no browser.
-
-        Apps and scripts send none of these headers. Browsers send `Origin` with what scripts and forms ask, and
-        `Sec-Fetch-Site` with everything, links and pictures too, where the address is https or this machine's own.
-        """
-        if ANY in self._allowed:
-            return ""
-        own = f"{scheme}://{headers.get('host', '')}"
-        origin = headers.get("origin")
-        if origin is not None:
-            return "" if origin == own or self.allows(origin) else origin or "an empty origin"
-        referrer = _origin(headers.get("referer", ""))
-        site = headers.get("sec-fetch-site", "")
-        if referrer:
-            known = referrer == own or self.allows(referrer)
-            return "" if known and (site in {"", "none", "same-origin"} or referrer != own) else referrer
-        return "" if site in {"", "none", "same-origin"} else "another page"
-
-
-def _origin(url: str) -> str:
-    try:
-        parts = urlsplit(url)
-    except ValueError:
-        return "an address that cannot be read"
-    return f"{parts.scheme}://{parts.netloc}" if parts.scheme and parts.netloc else ""
+        found = names.plain(address)
+        return found is not None and any(found in network for network in self._networks)
 
 
 def _no_token(why: str) -> Refused:

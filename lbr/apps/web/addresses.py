@@ -7,7 +7,8 @@ from ipaddress import IPv4Address, IPv6Address
 
 import ifaddr
 
-EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared, not bound
+from lbr.apps.http.names import EVERYWHERE
+
 _OUTSIDE = ("192.0.2.1", 9)
 """Nobody's address (RFC 5737): which of our own a packet to it would bear is asked, and none is sent."""
 
@@ -25,14 +26,6 @@ def reached_at(host: str, here: Iterable[str]) -> tuple[str, ...]:
     if host not in EVERYWHERE:
         return (host,)
     return tuple(one for one in here if host == "::" or ":" not in one)
-
-
-def is_local(host: str) -> bool:
-    """Say whether only this machine reaches an address."""
-    try:
-        return ipaddress.ip_address(host.partition("%")[0]).is_loopback
-    except ValueError:
-        return host == "localhost"
 
 
 def url(address: str, port: int, *, tls: bool) -> str:

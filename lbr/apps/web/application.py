@@ -11,10 +11,12 @@ from urllib.parse import quote
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from lbr.apps.http.names import is_ours
+from lbr.apps.http import names, peers, serving
+from lbr.apps.http.pages import ANY, Pages, is_visit
 from lbr.apps.http.rates import Rates
+from lbr.apps.http.turns import Turns
 from lbr.apps.web import routing
-from lbr.apps.web.access import ANY, Access, Pages
+from lbr.apps.web.access import Access
 from lbr.apps.web.face import HTML, Ask, Client, Refused, Reply, Route, json, refuse_without, text
 from lbr.apps.web.routing import Table
 
@@ -65,7 +67,10 @@ class Counts:
 
 
 class Application:
-    """Answers HTTP by the table, and hands WebSockets to `sockets`. `unlimited` are paths that are never too often."""
+    """Answers HTTP by the table, and hands WebSockets to `sockets`.
+
+    Stops are the routes that are done `regardless`: they are never too often, and everybody at this machine may.
+    """
 
     def __init__(
         self,
@@ -75,7 +80,6 @@ class Application:
         pages: Pages,
         rates: Rates,
         names: frozenset[str],
-        unlimited: frozenset[str],
         sockets: ASGIApp,
         counts: Counts,
     ) -> None:
@@ -84,9 +88,9 @@ class Application:
         self._pages = pages
         self._rates = rates
         self._names = names
-        self._unlimited = unlimited
         self._sockets = sockets
         self._counts = counts
+        self._turns = Turns()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request, whatever it is."""
@@ -115,19 +119,34 @@ class Application:
         raw = scope.get("raw_path") or b"/"
         path, method = raw.decode("ascii", "replace"), scope["method"]
         address = scope["client"][0] if scope.get("client") else ""
-        if path.lower().rstrip("/") not in self._unlimited and not self._rates.take(address, time.monotonic()):
+        found, who = self._table.find(method, path), names.who(address)
+        if found is not None and found[0].regardless:
+            if (connection := serving.connection_of(scope)) is not None:
+                connection.mark("stopping")
+            return await self._found(found, path, scope, headers, receive, address)
+        if not self._rates.take(who, time.monotonic()):
             await asyncio.sleep(TOO_OFTEN_S)
             raise Refused(429, "too many requests a second from this address", {"Retry-After": "1"})
-        if not is_ours(headers.get("host", ""), self._names):
-            raise Refused(
-                421,
-                "ask for this robot by its address or its name, or name this host in the setting 'names' of its row",
-            )
+        if busy := self._turns.why_not(who):
+            raise Refused(503, f"{busy} are being answered already", {"Retry-After": "1", "Connection": "close"})
+        with self._turns.taken(who):
+            return await self._found(found, path, scope, headers, receive, address)
+
+    async def _found(
+        self,
+        found: tuple[Route, dict[str, str]] | None,
+        path: str,
+        scope: Scope,
+        headers: dict[str, str],
+        receive: Receive,
+        address: str,
+    ) -> Reply:
+        refuse_other_hosts(headers, address, self._names)
+        raw, method = scope.get("raw_path") or b"/", scope["method"]
         if len(raw) + len(scope["query_string"]) > routing.LONGEST_URL:
             raise Refused(414, f"an address may have {routing.LONGEST_URL} characters")
         if method == "OPTIONS":
             return self._options(path, headers)
-        found = self._table.find(method, path)
         if found is None:
             return no_route(method, path)
         return await self._ask(*found, path, scope, headers, receive, address)
@@ -145,14 +164,16 @@ class Application:
         stranger = self._pages.stranger(headers, scope["scheme"])
         if stranger and not (route.page and is_visit(headers)):
             raise Refused(403, f"{stranger} may not ask; origins that may are the setting 'cors' of the row")
-        client = self._client(route, address, headers)
-        refuse_without(client, route.role)
+        client = await self._client(route, address, headers, scope)
+        if not (route.regardless and names.is_loopback(address)):
+            refuse_without(client, route.role)
         body, data = await _content(route, receive, headers)
         query = routing.parameters(scope["query_string"])
         ask = Ask(
             method=scope["method"],
             path=path,
             client=client,
+            proven=bool(client.name) or self._pages.proven(headers),
             keys=keys,
             query=query,
             headers=headers,
@@ -160,18 +181,23 @@ class Application:
             params=routing.converted(query, route.params) if route.params and not route.lenient else None,
             data=data,
         )
+        if route.role is not None and not route.regardless:
+            ask.require(route.role)
         try:
             async with asyncio.timeout(HANDLER_S):
                 return await route.handle(ask)
         except TimeoutError:
             raise Refused(503, f"this took more than {HANDLER_S:g} s") from None
 
-    def _client(self, route: Route, address: str, headers: Mapping[str, str]) -> Client:
-        """Return who asks; what is for everybody is for who shows a wrong token as well."""
+    async def _client(self, route: Route, address: str, headers: Mapping[str, str], scope: Scope) -> Client:
+        """Return who asks; what is for everybody is for who shows a wrong token as well, and stops are at this machine."""
+        everybody = route.role is None or (route.regardless and names.is_loopback(address))
+        port = (scope.get("server") or ("", 0))[1] or 0
         try:
-            return self._access.client(address, headers)
+            owner = not everybody and "authorization" not in headers and await _is_owners(scope, address)
+            return self._access.client(address, headers, port=port, owner=owner)
         except Refused:
-            if route.role is not None:
+            if not everybody:
                 raise
             return Client(address)
 
@@ -210,9 +236,22 @@ def headers_of(scope: Scope) -> dict[str, str]:
     return found
 
 
-def is_visit(headers: Mapping[str, str]) -> bool:
-    """Say whether somebody follows a link to a page, so that the page that has the link learns nothing."""
-    return "origin" not in headers and headers.get("sec-fetch-mode", "navigate") == "navigate"
+def refuse_other_hosts(headers: Mapping[str, str], address: str, own: frozenset[str]) -> None:
+    """Raise Refused (421) where a request from an address is for another host, or by a name that is not certain."""
+    here = names.is_loopback(address)
+    if not names.is_ours(headers.get("host", ""), own, loopback=here):
+        how = "localhost or 127.0.0.1" if here else "its address or its name"
+        raise Refused(421, f"ask for this robot by {how}, or name this host in the setting 'names' of its row")
+
+
+async def _is_owners(scope: Scope, address: str) -> bool:
+    """Say whether the robot's own user asks; looked up once for a connection, beside the server's thread."""
+    connection = serving.connection_of(scope)
+    if connection is None or not names.is_loopback(address):
+        return False
+    if connection.owner is None:
+        connection.owner = await asyncio.to_thread(peers.is_owners, scope["client"], scope["server"])
+    return connection.owner
 
 
 def refusal(err: Refused) -> Reply:
@@ -231,10 +270,12 @@ async def _content(route: Route, receive: Receive, headers: Mapping[str, str]) -
     if not route.regardless:
         body = await _body(receive, headers)
         return body, _data(route, headers, body)
+    if route.body is None:
+        return b"", None
     try:
         async with asyncio.timeout(REGARDLESS_S):
             body = await _body(receive, headers)
-        return body, routing.decoded(body, route.body) if body and route.body else None
+        return body, routing.decoded(body, route.body) if body else None
     except (Refused, TimeoutError, Gone):
         return b"", None
 

@@ -7,21 +7,23 @@ from collections.abc import Awaitable, Callable, Mapping
 from importlib.metadata import version
 from typing import Any
 
-from lbr.apps.http import listening
+from lbr.apps.http import listening, names
+from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
-from lbr.apps.web import WebSettings, addresses
-from lbr.apps.web.access import ANY, Access, Pages
+from lbr.apps.web import WebSettings
+from lbr.apps.web.access import Access
 from lbr.apps.web.announce import Announcer
 from lbr.apps.web.application import Application, Counts
 from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.face import Face
-from lbr.apps.web.own import STOPS, UNLIMITED, Own
+from lbr.apps.web.own import STOPS, Own
 from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.routing import Table
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.states import States
 from lbr.apps.web.streams import Streams
+from lbr.bus import certificates
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import DeviceError, InputError
@@ -64,7 +66,11 @@ class Web(Capability[WebSettings]):
             raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
         self._place = Place(self.ctx.robot, self.ctx.name, settings, sock.getsockname()[1])
         self._bridge.open()
-        self._serving = Serving(self._application(), sock, tls=settings.tls, beside=self._beside(sock))
+        try:
+            self._serving = Serving(self._application(), sock, tls=self._place.tls, beside=self._beside(sock))
+        except InputError as err:
+            sock.close()
+            raise DeviceError(str(err)) from err
         self._serving.start()
         self.ctx.event("listening", f"HTTP at {', '.join(self._place.urls) or settings.host}")
         self._warn_of_openness()
@@ -113,29 +119,31 @@ class Web(Capability[WebSettings]):
 
     def _application(self) -> Application:
         settings = self.ctx.settings
-        access, pages = Access(settings.trusted, self.ctx.users), Pages(settings.cors)
-        names = frozenset(name.lower() for name in settings.names)
+        guarded: dict[str, Any] = {
+            "access": Access(settings.trusted, self.ctx.users, legacy=self._legacy),
+            "pages": Pages(settings.cors),
+            "rates": Rates(settings.requests_per_s),
+            "names": frozenset(name.lower() for name in settings.names)
+            | ({certificates.NAME} if self._place.tls else set()),
+        }
         states = States(self.ctx.robot)
-        self._streams = Streams(self._robot, states, access, pages, names, self._counts)
+        self._streams = Streams(self._robot, states, self._counts, **guarded)
         own = Own(self._robot, states, self._place, self._faces)
         table = Table([*own.routes(), *(route for face in self._faces for route in face.routes())])
         own.describe(table.routes, version("lbr"))
-        return Application(
-            table,
-            access=access,
-            pages=pages,
-            rates=Rates(settings.requests_per_s),
-            names=names,
-            unlimited=UNLIMITED,
-            sockets=self._streams,
-            counts=self._counts,
-        )
+        return Application(table, sockets=self._streams, counts=self._counts, **guarded)
+
+    @property
+    def _legacy(self) -> bool:
+        """Whether the old API is open to apps without a token."""
+        setting = self.ctx.settings.legacy
+        return setting == "on" or (setting == "simulated" and self.ctx.simulated)
 
     def _beside(self, sock: socket.socket) -> Callable[[], Awaitable[None]] | None:
         settings = self.ctx.settings
         if not settings.announce or listening.is_loopback(sock):
             return None
-        properties = {"path": "/", "robot": self.ctx.robot, "tls": str(int(settings.tls))}
+        properties = {"path": "/", "robot": self.ctx.robot, "tls": str(int(self._place.tls))}
         self._announcer = Announcer(
             f"{self.ctx.robot} on {socket.gethostname()}"[:60], self._place.port, self._place.look, properties
         )
@@ -185,12 +193,15 @@ class Web(Capability[WebSettings]):
             self.ctx.event(
                 "exposed", "every page that a browser shows may ask this robot: cors is '*'", level="warning"
             )
+        if settings.legacy == "on":
+            text = "every program of this machine may move the robot without a token: legacy is 'on'"
+            self.ctx.event("exposed", text, level="warning")
         if not self._place.open:
             return
-        if not settings.tls:
-            text = "other machines reach the robot without encryption: whoever is in between can read tokens"
+        if not self._place.tls:
+            text = "other machines reach the robot in clear text: whoever is in between reads tokens, and changes what is asked"
             self.ctx.event("exposed", text, level="warning")
-        trusted = [one for one in settings.trusted if not addresses.is_local(one.partition("/")[0])]
+        trusted = [one for one in settings.trusted if not names.is_local(one.partition("/")[0])]
         if trusted:
             text = f"whoever is in {', '.join(trusted)} may move the robot without a token"
             self.ctx.event("exposed", text, level="warning")

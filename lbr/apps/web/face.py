@@ -36,11 +36,15 @@ class Refused(Exception):  # noqa: N818 - an answer, not a fault
 
 @dataclass(frozen=True, slots=True)
 class Client:
-    """Who asks: from which address, by which token (empty: by none), and what that allows (None: nothing)."""
+    """Who asks: from which address, by which token (empty: by none), and what that allows (None: nothing).
+
+    `legacy`: the row lets a GET move that nothing proves to be no web page's.
+    """
 
     address: str
     name: str = ""
     role: Role | None = None
+    legacy: bool = False
 
     def may(self, role: Role | None) -> bool:
         """Say whether this client may do what needs a role; None is for everybody."""
@@ -54,12 +58,14 @@ class Client:
 class Ask:
     """A request: `keys` out of the path, `query` as it came, `params` and `data` as the route declares them.
 
-    Of a route that is `lenient`, `params` and `data` are None: it reads `query` and `body` itself.
+    Of a route that is `lenient`, `params` and `data` are None: it reads `query` and `body` itself. `proven`: no foreign
+    web page can have sent it.
     """
 
     method: str
     path: str
     client: Client
+    proven: bool = False
     keys: Mapping[str, str] = field(default_factory=dict)
     query: tuple[tuple[str, str], ...] = ()
     headers: Mapping[str, str] = field(default_factory=dict)
@@ -72,22 +78,37 @@ class Ask:
         return tuple(value for key, value in self.query if key == name)
 
     def require(self, role: Role) -> None:
-        """Raise Refused unless the client has a role: for routes that need more of some requests than of others."""
+        """Raise Refused unless the request may do what needs a role.
+
+        Routes call it that need more of some requests than of others; for what every request needs the server does.
+        A GET that does more than look must be proven to be no foreign page's: browsers send it for any page's picture,
+        and not every browser says so.
+        """
         refuse_without(self.client, role)
+        if self.method in {"GET", "HEAD"} and RANKS[role] > RANKS["view"] and not (self.proven or self.client.legacy):
+            raise Refused(
+                403,
+                "a GET that moves must show that no web page sent it: use POST, show a token, say 'Sec-Fetch-Site: none',"
+                " or open the old API by the setting 'legacy' of the row",
+            )
 
 
 def refuse_without(client: Client, role: Role | None) -> None:
     """Raise Refused unless a client may do what needs a role."""
     if client.may(role):
         return
-    if client.role is None:
-        raise Refused(
-            401,
-            f"{client.address} is not among the trusted networks: show a token, 'Authorization: Bearer NAME.SECRET."
-            "FINGERPRINT'; 'lbr token add' makes one",
-            {"WWW-Authenticate": 'Bearer realm="lbr"'},
-        )
-    raise Refused(403, f"this needs the role '{role}', and the token '{client.name}' has '{client.role}'")
+    if client.name:
+        raise Refused(403, f"this needs the role '{role}', and the token '{client.name}' has '{client.role}'")
+    who = (
+        f"{client.address} is not among the trusted networks"
+        if client.role is None
+        else f"{client.address} has the role '{client.role}' without a token, and this needs '{role}'"
+    )
+    raise Refused(
+        401,
+        f"{who}: show a token, 'Authorization: Bearer NAME.SECRET.FINGERPRINT'; 'lbr token add' makes one",
+        {"WWW-Authenticate": 'Bearer realm="lbr"'},
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -21,7 +21,6 @@ NOTICED_S = 0.5
 LOOK_S = 0.01
 RESET_S = 3.0
 PAGE = "text/css", "text/javascript"
-UNLIMITED = frozenset({"/stop", "/estop"})
 
 
 class EstopBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

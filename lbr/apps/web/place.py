@@ -4,6 +4,7 @@ from collections.abc import Callable
 from shlex import quote
 from typing import TYPE_CHECKING
 
+from lbr.apps.http import names
 from lbr.apps.web import addresses, qr
 from lbr.home import default_database
 
@@ -23,7 +24,8 @@ class Place:
         here: Callable[[], tuple[str, ...]] = addresses.of_machine,
     ) -> None:
         self.port = port
-        self.open = not addresses.is_local(settings.host)
+        self.open = not names.is_local(settings.host)
+        self.tls = settings.tls or (self.open and not settings.clear_text)
         self.urls: tuple[str, ...] = ()
         self.addresses: tuple[str, ...] = ()
         self._robot = robot
@@ -35,7 +37,7 @@ class Place:
     def look(self) -> tuple[str, ...]:
         """Return the addresses as they are now."""
         self.addresses = addresses.reached_at(self._settings.host, self._here() if self.open else ())
-        self.urls = tuple(addresses.url(one, self.port, tls=self._settings.tls) for one in self.addresses)
+        self.urls = tuple(addresses.url(one, self.port, tls=self.tls) for one in self.addresses)
         return self.addresses
 
     @property
@@ -66,7 +68,7 @@ class Place:
         return f'sqlite3 {quote(str(default_database()))} "{change} {where}"'
 
     def _who(self) -> str:
-        networks = [one for one in self._settings.trusted if not addresses.is_local(one.partition("/")[0])]
+        networks = [one for one in self._settings.trusted if not names.is_local(one.partition("/")[0])]
         if networks:
             return f"Whoever is in {' or '.join(networks)} needs no token; everybody else does ('lbr token add')."
         return "Other machines need a token ('lbr token add'), or their network in the setting 'trusted'."

@@ -9,10 +9,13 @@ from starlette.responses import Response
 from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from lbr.apps.http.names import is_ours
+from lbr.apps.http import names
+from lbr.apps.http.pages import Pages
+from lbr.apps.http.rates import Rates
+from lbr.apps.http.turns import Turns
 from lbr.apps.web import routing
-from lbr.apps.web.access import Access, Pages
-from lbr.apps.web.application import Counts, headers_of, refusal
+from lbr.apps.web.access import Access
+from lbr.apps.web.application import Counts, headers_of, refusal, refuse_other_hosts
 from lbr.apps.web.face import Client, Refused, refuse_without
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.states import States
@@ -20,7 +23,7 @@ from lbr.apps.web.states import States
 PATH = "/ws"
 PROTOCOL = "lbr.state"
 TOKEN_PROTOCOL = "bearer."  # noqa: S105 - browsers' scripts cannot set headers of a WebSocket
-MOST_VIEWERS = 16
+MOST_VIEWERS, MOST_OF_ONE = 16, 8
 STALLED_S = 5.0
 MOST_TOLD_HZ = 20.0
 GOING_AWAY, STALLED, TALKS = 1001, 1013, 1008
@@ -36,15 +39,24 @@ class Streams:
     """The open WebSockets. All but `close` is for the server's thread."""
 
     def __init__(
-        self, robot: Robot, states: States, access: Access, pages: Pages, names: frozenset[str], counts: Counts
+        self,
+        robot: Robot,
+        states: States,
+        counts: Counts,
+        *,
+        access: Access,
+        pages: Pages,
+        rates: Rates,
+        names: frozenset[str],
     ) -> None:
         self._robot = robot
         self._states = states
         self._access = access
         self._pages = pages
+        self._rates = rates
         self._names = names
         self._counts = counts
-        self._viewers = 0
+        self._viewers = Turns(MOST_OF_ONE, MOST_VIEWERS)
         self._over = ""
 
     def close(self, why: str) -> None:
@@ -58,7 +70,7 @@ class Streams:
         socket = WebSocket(scope, receive, send)
         self._counts.requests += 1
         try:
-            _client, rate_hz = self._entry(scope)
+            client, rate_hz = self._entry(scope)
         except Refused as err:
             self._counts.refused += 1
             reply = refusal(err)
@@ -67,35 +79,32 @@ class Streams:
                     Response(reply.body, reply.status, dict(reply.headers), media_type=reply.media)
                 )
             return
-        self._viewers += 1
-        try:
+        with self._viewers.taken(_who(client)), suppress(WebSocketDisconnect, OSError):
             offered = scope.get("subprotocols", ())
             await socket.accept(PROTOCOL if PROTOCOL in offered else None)
             await self._stream(socket, receive, 1.0 / rate_hz)
-        except (WebSocketDisconnect, OSError):
-            return
-        finally:
-            self._viewers -= 1
 
     def _entry(self, scope: Scope) -> tuple[Client, float]:
         """Return who looks and how often; raise Refused."""
         headers = headers_of(scope)
+        address, port = scope.get("client") or ("", 0), (scope.get("server") or ("", 0))[1] or 0
+        if not self._rates.take(names.who(address[0]), asyncio.get_running_loop().time()):
+            raise Refused(429, "too many requests a second from this address", {"Retry-After": "1"})
+        refuse_other_hosts(headers, address[0], self._names)
         if scope["path"].lower().rstrip("/") != PATH:
             raise Refused(404, f"there is no WebSocket at {scope['path'][:80]}, but at {PATH}")
-        if not is_ours(headers.get("host", ""), self._names):
-            raise Refused(421, "ask for this robot by its address or its name")
         stranger = self._pages.stranger(headers, "https" if scope["scheme"] == "wss" else "http")
         if stranger:
             raise Refused(403, f"{stranger} may not ask; origins that may are the setting 'cors' of the row")
         tokens = [one for one in scope.get("subprotocols", ()) if one.startswith(TOKEN_PROTOCOL)]
-        address = scope["client"][0] if scope.get("client") else ""
-        client = self._access.client(address, headers, tokens[0].removeprefix(TOKEN_PROTOCOL) if tokens else "")
+        shown = tokens[0].removeprefix(TOKEN_PROTOCOL) if tokens else ""
+        client = self._access.client(address[0], headers, shown, port=port)
         refuse_without(client, "view")
         params = routing.converted(routing.parameters(scope["query_string"]), StreamParams)
         if self._over:
             raise Refused(503, self._over, {"Retry-After": "2"})
-        if self._viewers >= MOST_VIEWERS:
-            raise Refused(503, f"{MOST_VIEWERS} are looking already", {"Retry-After": "10"})
+        if full := self._viewers.why_not(_who(client)):
+            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"})
         return client, params.rate_hz
 
     async def _stream(self, socket: WebSocket, receive: Receive, period_s: float) -> None:
@@ -128,6 +137,10 @@ class Streams:
             due = max(now, due + period_s)
             await asyncio.wait([gone], timeout=max(due - now, 0.001))
         return (TALKS, why) if (why := gone.result()) else (0, "")
+
+
+def _who(client: Client) -> str:
+    return f"token {client.name}" if client.name else names.who(client.address)
 
 
 async def _heard_out(receive: Receive) -> str:

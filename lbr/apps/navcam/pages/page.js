@@ -58,5 +58,10 @@ async function look() {
   setTimeout(look, AGAIN_MS);
 }
 
+document.getElementById("leave").addEventListener("click", async () => {
+  end();
+  try { await fetch("session", { method: "DELETE" }); } finally { location.reload(); }
+});
+
 begin();
 look();

@@ -6,6 +6,6 @@ from lbr.apps.web.robot import Robot
 
 def face(robot: Robot) -> Face:
     """Return the face."""
-    from lbr.apps.web.uxa90.face import Uxa90Face  # noqa: PLC0415 - whoever wants a part of it needs no server
+    from lbr.apps.web.uxa90.legacy import Uxa90Face  # noqa: PLC0415 - whoever wants a part of it needs no server
 
     return Uxa90Face(robot)

@@ -1,0 +1,83 @@
+"""Who is at the other end of a connection within this machine, by what the kernel says of its socket. Linux only.
+
+A program that passes on what others ask, a tunnel or a proxy, is itself at that end: `is_relayed` knows those that say so.
+"""
+
+import os
+import socket
+import struct
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from lbr.apps.http import names
+
+TABLES = (Path("/proc/self/net/tcp"), Path("/proc/self/net/tcp6"))
+ESTABLISHED, NOBODY = "01", 65534
+_RELAYS = (
+    "forwarded",
+    "via",
+    "client-ip",
+    "true-client-ip",
+    "remote-addr",
+    "x-real-ip",
+    "x-client-ip",
+    "x-remote-addr",
+)
+_RELAYS_OF = (
+    "x-forwarded",
+    "x-original-",
+    "x-cluster-",
+    "x-envoy-",
+    "x-proxy",
+    "cf-",
+    "fastly-",
+    "fly-",
+    "ngrok-",
+    "tailscale-",
+)
+
+
+def is_relayed(headers: Mapping[str, str], port: int) -> bool:
+    """Say whether a request came by a proxy or a tunnel: by a header of those, or to another port or name than ours.
+
+    Whoever passes on what others ask and leaves no trace of it is taken for the one who asks.
+    """
+    if any(name in _RELAYS or name.startswith(_RELAYS_OF) for name in headers):
+        return True
+    asked = names.parsed(headers.get("host", ""))
+    return asked is not None and asked[1] not in {None, port}
+
+
+def is_owners(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> bool:
+    """Say whether a program of this process's own user holds the other end of a connection; reads files."""
+    uid = os.geteuid()
+    return uid != NOBODY and uid_of(client, server, tables) == uid
+
+
+def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> int | None:
+    """Return the user of the socket at the other end; None if the kernel does not know, or nobody holds it any more."""
+    wanted = {(_shown(client, family), _shown(server, family)) for family in (socket.AF_INET, socket.AF_INET6)}
+    for table in tables:
+        try:
+            lines = table.read_text(encoding="ascii").splitlines()[1:]
+        except OSError:
+            continue
+        for line in lines:
+            field = line.split()
+            if len(field) > 9 and (field[1], field[2]) in wanted and field[3] == ESTABLISHED and field[9] != "0":
+                return int(field[7])
+    return None
+
+
+def _shown(end: tuple[str, int], family: int) -> str:
+    """Return an address and port as the kernel's tables have them; empty if the family has no such address."""
+    ip = names.plain(end[0])
+    if ip is None:
+        return ""
+    packed = ip.packed
+    if family == socket.AF_INET6 and ip.version == 4:
+        packed = b"\0" * 10 + b"\xff\xff" + packed
+    elif family == socket.AF_INET and ip.version != 4:
+        return ""
+    words = struct.unpack(f"={len(packed) // 4}I", packed)
+    return f"{''.join(f'{word:08X}' for word in words)}:{end[1]:04X}"

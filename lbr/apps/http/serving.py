@@ -1,0 +1,212 @@
+"""uvicorn as the robot's servers use it: nothing about strangers in the log, every connection in a slot, late ones cut."""
+
+import asyncio
+import logging
+import socket
+import ssl
+import time
+from collections.abc import Callable
+from typing import Any, cast
+
+import uvicorn
+from starlette.types import ASGIApp, Scope
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.server import ServerState
+
+from lbr.apps.http import listening, names
+from lbr.apps.http.listening import BUFFER_BYTES
+from lbr.apps.http.slots import LIMIT_S, Phase, Slot, Slots
+from lbr.errors import InputError
+
+LOOK_S = 0.25
+LARGEST_HEAD = 16 * 1024
+LARGEST_MESSAGE = 4096
+PING_S, PONG_S = 10.0, 10.0
+GRACE_S = 1
+
+
+class Connection(H11Protocol):
+    """A connection that holds little, so that a slow one gets what is newer, and that says in its slot what it does."""
+
+    transport: asyncio.Transport
+
+    def __init__(
+        self, config: uvicorn.Config, state: ServerState, slots: Slots, loop: asyncio.AbstractEventLoop
+    ) -> None:
+        super().__init__(config, state, {"connection": self}, loop)
+        self.owner: bool | None = None
+        """Whether this robot's own user is at the other end, once somebody has looked."""
+        self._slots = slots
+        self._slot: Slot | None = None
+        self._early = b""
+        self._marked: object = None
+
+    def begin(self, transport: asyncio.Transport, slot: Slot) -> None:
+        """Serve on a connection that stands."""
+        self._slot = slot
+        transport.set_write_buffer_limits(high=BUFFER_BYTES)
+        self.connection_made(transport)
+        self._to("idle")
+        if self._early:
+            early, self._early = self._early, b""
+            self.data_received(early)
+
+    def mark(self, phase: Phase) -> None:
+        """Have the request that is under way count as something else than asking."""
+        self._marked = self.cycle
+        self._to(phase)
+
+    def data_received(self, data: bytes) -> None:
+        """Take what was sent; what comes before the other side of TLS has begun waits for that."""
+        if self._slot is None:
+            self._early += data
+            return
+        super().data_received(data)
+        self._look()
+
+    def on_response_complete(self) -> None:
+        """Wait for the next request."""
+        super().on_response_complete()
+        self._look()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Count one less."""
+        if self._slot is not None:
+            self._slots.leave(self._slot)
+            super().connection_lost(exc)
+
+    def handle_websocket_upgrade(self, event: Any) -> None:
+        """Leave the connection to the WebSocket, and count that as watching."""
+        self._marked = self
+        self._to("watching")
+        super().handle_websocket_upgrade(event)
+
+    def _look(self) -> None:
+        if self._marked is self:
+            return
+        if self.cycle is not None and not self.cycle.response_complete:
+            if self._marked is not self.cycle:
+                self._to("asking")
+        else:
+            self._to("head" if self.conn.trailing_data[0] else "idle")
+
+    def _to(self, phase: Phase) -> None:
+        if self._slot is not None:
+            self._slots.to(self._slot, phase, time.monotonic())
+
+
+class Server(uvicorn.Server):
+    """Serves with every connection in one of `slots`, from the first packet on, TLS or not."""
+
+    def __init__(self, config: uvicorn.Config) -> None:
+        super().__init__(config)
+        self.slots = Slots()
+        self._looking: asyncio.TimerHandle | None = None
+        self._greeting: set[asyncio.Task[None]] = set()
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Listen."""
+        loop = asyncio.get_running_loop()
+        self.servers = [
+            await loop.create_server(lambda: _Door(self.admit), sock=sock, backlog=listening.BACKLOG)
+            for sock in sockets or ()
+        ]
+        self._look()
+        self.started = True
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End what is open, in order where it can be."""
+        if self._looking is not None:
+            self._looking.cancel()
+        for task in self._greeting:
+            task.cancel()
+        await super().shutdown(sockets)
+
+    def admit(self, transport: asyncio.Transport) -> None:
+        """Take a new connection in, and cut another for it if need be."""
+        peer = transport.get_extra_info("peername")
+        slot = Slot(names.who(str(peer[0]) if peer else ""), transport.abort, transport.is_closing, time.monotonic())
+        victim = self.slots.enter(slot)
+        if victim is not None:
+            victim.cut()
+        connection = Connection(self.config, self.server_state, self.slots, asyncio.get_running_loop())
+        if self.config.ssl is None:
+            transport.set_protocol(connection)
+            connection.begin(transport, slot)
+        else:
+            self.slots.to(slot, "greeting", time.monotonic())
+            task = asyncio.ensure_future(self._greet(transport, connection, slot))
+            self._greeting.add(task)
+            task.add_done_callback(self._greeting.discard)
+
+    async def _greet(self, transport: asyncio.Transport, connection: Connection, slot: Slot) -> None:
+        assert self.config.ssl is not None
+        try:
+            secure = await asyncio.get_running_loop().start_tls(
+                transport,
+                connection,
+                self.config.ssl,
+                server_side=True,
+                ssl_handshake_timeout=LIMIT_S["greeting"],
+                ssl_shutdown_timeout=LIMIT_S["leaving"],
+            )
+        except (OSError, asyncio.CancelledError):
+            secure = None
+        if secure is None or secure.is_closing():
+            self.slots.leave(slot)
+            transport.abort()
+        else:
+            connection.begin(secure, slot)
+
+    def _look(self) -> None:
+        now = time.monotonic()
+        for slot in self.slots.overdue(now):
+            slot.cut()
+        self._looking = asyncio.get_running_loop().call_later(LOOK_S, self._look)
+
+
+class _Door(asyncio.Protocol):
+    """What a connection is before it is let in."""
+
+    def __init__(self, admit: Callable[[asyncio.Transport], None]) -> None:
+        self._admit = admit
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._admit(cast("asyncio.Transport", transport))
+
+
+def connection_of(scope: Scope) -> Connection | None:
+    """Return the connection that a request came by; None outside of a `Server`."""
+    found = scope.get("state", {}).get("connection")
+    return found if isinstance(found, Connection) else None
+
+
+def config(app: ASGIApp, *, tls: bool, sockets: bool = False) -> uvicorn.Config:
+    """Return what uvicorn is to know; with `tls` it speaks nothing else, and `sockets` are WebSockets."""
+    for name in ("uvicorn", "uvicorn.error"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # strangers would fill the log
+    key, public = listening.certificate() if tls else (None, None)
+    made = uvicorn.Config(
+        app,
+        http="h11",
+        ws="websockets-sansio" if sockets else "none",
+        ws_max_size=LARGEST_MESSAGE,
+        ws_ping_interval=PING_S,
+        ws_ping_timeout=PONG_S,
+        ws_per_message_deflate=False,
+        lifespan="off",
+        loop="asyncio",
+        interface="asgi3",
+        access_log=False,
+        log_config=None,
+        server_header=False,
+        proxy_headers=False,
+        h11_max_incomplete_event_size=LARGEST_HEAD,
+        timeout_graceful_shutdown=GRACE_S,
+        ssl_keyfile=key,
+        ssl_certfile=public,
+    )
+    made.load()
+    if tls and not isinstance(made.ssl, ssl.SSLContext):
+        raise InputError("TLS could not be set up: see credentials/bus.key and bus.crt in the robot's home")
+    return made

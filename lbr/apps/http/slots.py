@@ -1,0 +1,89 @@
+"""Which connections are held, and which is cut when there are too many or it takes too long. Pure.
+
+A connection is always let in: what it wants is known only once its head is read, and it may be a stop. What makes room
+for it asks nothing yet, or has waited longest.
+"""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+Phase = Literal["greeting", "idle", "head", "asking", "stopping", "watching", "leaving"]
+MOST = 128
+"""All connections but those that watch; each holds some 20 kB, with a head that is not whole 16 more."""
+LIMIT_S: dict[Phase, float] = {
+    "greeting": 2.0,  # TLS; 0.3 s over a slow radio
+    "head": 2.0,
+    "idle": 10.0,
+    "asking": 40.0,  # a body may take 10 s and an answer 20, and then somebody has to read it
+    "stopping": 40.0,
+    "leaving": 2.0,
+}
+_WAITS: frozenset[Phase] = frozenset({"greeting", "idle", "head"})
+_CUT_FIRST: tuple[frozenset[Phase], ...] = (frozenset({"leaving"}), _WAITS, frozenset({"asking"}))
+
+
+@dataclass(eq=False, slots=True)
+class Slot:
+    """A connection of `who`: what it does, since when, how to end it at once, and whether it is being ended.
+
+    `watching` is what goes on by itself, and is bounded elsewhere.
+    """
+
+    who: str
+    cut: Callable[[], None]
+    closes: Callable[[], bool]
+    since: float
+    phase: Phase = "idle"
+
+
+class Slots:
+    """The connections of one server, oldest first."""
+
+    def __init__(self, most: int = MOST) -> None:
+        self._most = most
+        self._held: dict[Slot, None] = {}
+
+    def __len__(self) -> int:
+        return len(self._held)
+
+    def enter(self, slot: Slot) -> Slot | None:
+        """Take one in; return who has to go for it."""
+        bounded = [one for one in self._held if one.phase != "watching"]
+        self._held[slot] = None
+        if len(bounded) < self._most:
+            return None
+        victim = _victim(bounded)
+        self.leave(victim)
+        return victim
+
+    def leave(self, slot: Slot) -> None:
+        """Count one less."""
+        self._held.pop(slot, None)
+
+    def to(self, slot: Slot, phase: Phase, now: float) -> None:
+        """Note what a connection does from now on."""
+        if slot.phase != phase:
+            slot.phase, slot.since = phase, now
+
+    def overdue(self, now: float) -> list[Slot]:
+        """Return those that take too long for what they do; they count no more."""
+        for one in self._held:
+            if one.closes():
+                self.to(one, "leaving", now)
+        late = [one for one in self._held if now - one.since > LIMIT_S.get(one.phase, float("inf"))]
+        for one in late:
+            self.leave(one)
+        return late
+
+
+def _victim(held: list[Slot]) -> Slot:
+    """Return the oldest of what matters least, of who has most of that; what is stopped is cut last."""
+    for phases in _CUT_FIRST:
+        found = [one for one in held if one.phase in phases]
+        if found:
+            most = Counter(one.who for one in found).most_common(1)[0][1]
+            many = {who for who, count in Counter(one.who for one in found).items() if count == most}
+            return min((one for one in found if one.who in many), key=lambda one: one.since)
+    return min(held, key=lambda one: one.since)

@@ -1,0 +1,137 @@
+"""Connections that ask nothing, half of something or too slowly, and who wants to stop the robot meanwhile."""
+
+import socket
+import ssl
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from lbr.apps.http import slots
+from lbr.apps.http.slots import LIMIT_S
+from lbr.apps.http.turns import MOST_OF_ONE
+from lbr.apps.web import streams
+from tests.robot import until
+from tests.web.test_web_access import FINGERPRINT, SECRET, user
+from tests.web.test_web_server import Plain
+from tests.web.web_stage import Served, serving
+
+STOP = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+MANY = 200
+BURDENS = {
+    "idle": b"",
+    "half a line": b"GE",
+    "half a head": b"GET /state HTTP/1.1\r\nHost: localhost\r\nX-",
+    "half a body": b"POST /estop/reset HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{",
+    "half a stop": b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{",
+    "half an estop": b"POST /estop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{",
+    "answered, and kept open": b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n",
+}
+
+
+@pytest.fixture
+def served() -> Iterator[Served]:
+    with serving(Plain(), requests_per_s=4000.0) as found:
+        yield found
+
+
+@contextmanager
+def burdened(port: int, sent: bytes, count: int) -> Iterator[list[socket.socket]]:
+    with ExitStack() as stack:
+        held = [stack.enter_context(socket.create_connection(("127.0.0.1", port), timeout=5)) for _ in range(count)]
+        for one in held:
+            with suppress(ConnectionError):
+                one.sendall(sent)
+        yield held
+
+
+def stopped(port: int) -> bytes:
+    with socket.create_connection(("127.0.0.1", port), timeout=5) as client:
+        client.sendall(STOP)
+        return client.recv(4096)
+
+
+@pytest.mark.parametrize("sent", BURDENS.values(), ids=BURDENS)
+def test_whoever_wants_to_stop_is_answered_whatever_others_hold_open(served, sent):
+    with burdened(served.port, sent, MANY):
+        for _ in range(5):
+            assert stopped(served.port).startswith(b"HTTP/1.1 200")
+        until(lambda: served.web._serving.connections <= slots.MOST + 1)
+
+
+def test_forty_idle_connections_of_one_address_are_no_reason_to_refuse_anything(served):
+    with burdened(served.port, b"", 40):
+        assert served.ask("GET", "/move").status == 200
+        assert served.ask("POST", "/stop").status == 200
+
+
+def test_half_a_head_is_given_up_after_two_seconds_and_a_byte_now_and_then_does_not_help(served):
+    with burdened(served.port, b"GET / HTTP/1.1\r\nX: ", 1) as (slow,):
+        began = time.monotonic()
+        slow.settimeout(0.1)
+
+        def is_cut() -> bool:
+            try:
+                slow.sendall(b"y")
+                return slow.recv(1) == b""
+            except TimeoutError:
+                return False
+            except ConnectionError:
+                return True
+
+        until(is_cut, limit_s=6.0)
+        assert time.monotonic() - began >= LIMIT_S["head"]
+
+
+def test_what_is_idle_is_closed(served, monkeypatch):
+    monkeypatch.setitem(slots.LIMIT_S, "idle", 0.05)
+    assert served.raw(b"") == b""
+
+
+def test_requests_under_way_are_bounded_for_one_asker_and_stops_are_not(served):
+    with burdened(served.port, BURDENS["half a body"], MOST_OF_ONE):
+        until(lambda: served.ask("GET", "/state").status == 503, what="an asker with too much under way")
+        assert served.ask("POST", "/stop").status == 200
+        assert served.ask("POST", "/estop").json["engaged"]
+
+
+def test_one_asker_cannot_take_every_place_to_watch():
+    with serving(users=(user("ann", "view"), user("bob", "view"))) as served, ExitStack() as stack:
+        url = f"ws://127.0.0.1:{served.port}/ws"
+
+        def watch(name: str = "") -> None:
+            protocols = ["lbr.state", f"bearer.{name}.{SECRET}.{FINGERPRINT}"] if name else None
+            stack.enter_context(connect(url, subprotocols=protocols)).recv(timeout=5)
+
+        for _ in range(streams.MOST_OF_ONE):
+            watch()
+        with pytest.raises(InvalidStatus) as refused:
+            watch()
+        assert refused.value.response.status_code == 503
+        for _ in range(streams.MOST_VIEWERS - streams.MOST_OF_ONE):
+            watch("ann")
+        with pytest.raises(InvalidStatus):
+            watch("bob")  # all places are taken, by two
+        assert served.ask("POST", "/stop").status == 200
+
+
+def test_where_tls_is_spoken_silence_and_half_a_greeting_deny_nobody(monkeypatch, tmp_path):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path))
+    context = ssl.create_default_context()
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    with serving(Plain(), host="0.0.0.0") as served:
+
+        def answer() -> bytes:
+            plain = socket.create_connection(("127.0.0.1", served.port), timeout=5)
+            with plain, context.wrap_socket(plain) as secure:
+                secure.sendall(STOP)
+                return secure.recv(4096)
+
+        for sent in (b"", b"\x16\x03\x01\x02\x00\x01"):
+            with burdened(served.port, sent, MANY) as held:
+                assert answer().startswith(b"HTTP/1.1 200")
+                until(lambda: served.web._serving.connections <= 1, limit_s=4.0, what="room again")
+                assert held[-1].recv(1) == b""
