@@ -106,7 +106,7 @@ def refuse_without(client: Client, role: Role | None) -> None:
     )
     raise Refused(
         401,
-        f"{who}: show a token, 'Authorization: Bearer NAME.SECRET.FINGERPRINT'; 'lbr token add' makes one",
+        f"{who}: show a token, 'Authorization: Bearer NAME.SECRET.FINGERPRINT'; 'lbr token add NAME --for web' makes one",
         {"WWW-Authenticate": 'Bearer realm="lbr"'},
     )
 

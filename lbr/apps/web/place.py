@@ -70,5 +70,5 @@ class Place:
     def _who(self) -> str:
         networks = [one for one in self._settings.trusted if not names.is_local(one.partition("/")[0])]
         if networks:
-            return f"Whoever is in {' or '.join(networks)} needs no token; everybody else does ('lbr token add')."
-        return "Other machines need a token ('lbr token add'), or their network in the setting 'trusted'."
+            return f"Whoever is in {' or '.join(networks)} needs no token; everybody else does ('lbr token add NAME --for web')."
+        return "Other machines need a token ('lbr token add NAME --for web'), or their network in the setting 'trusted'."
