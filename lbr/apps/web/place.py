@@ -71,4 +71,6 @@ class Place:
         networks = [one for one in self._settings.trusted if not names.is_local(one.partition("/")[0])]
         if networks:
             return f"Whoever is in {' or '.join(networks)} needs no token; everybody else does ('lbr token add NAME --for web')."
-        return "Other machines need a token ('lbr token add NAME --for web'), or their network in the setting 'trusted'."
+        return (
+            "Other machines need a token ('lbr token add NAME --for web'), or their network in the setting 'trusted'."
+        )
