@@ -1,11 +1,13 @@
 """The `lbr` command. Every subcommand is imported only when it runs, so that all of them start fast."""
 
+import contextlib
 import importlib
 import sys
 from importlib import metadata
 
 import click
 
+from lbr import surroundings
 from lbr.errors import AlreadyRunningError, InputError, LbrError, RowError
 
 FAILED, BAD_INPUT, ALREADY_RUNNING, INTERRUPTED = 1, 2, 3, 130
@@ -80,7 +82,19 @@ def cli() -> None:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run `lbr`; return its exit code."""
+    surroundings.plug_streams()
+    code = _run(arguments)
+    if code == INTERRUPTED:
+        surroundings.drop_output()
+    elif why := surroundings.output_failure():
+        code = _complain(why, code or FAILED)
+        surroundings.drop_output()
+    return code
+
+
+def _run(arguments: list[str] | None) -> int:
     try:
+        surroundings.lift_limits()
         code = cli.main(arguments, prog_name="lbr", standalone_mode=False)
     except click.exceptions.Exit as leaving:
         code = leaving.exit_code
@@ -92,6 +106,12 @@ def main(arguments: list[str] | None = None) -> int:
         code = INTERRUPTED
     except LbrError as err:
         code = _complain(str(err), code_of(err))
+    except OSError as err:
+        why = surroundings.explained(err)
+        if not why:
+            raise
+        code = _complain(why, FAILED)
+        surroundings.drop_output()
     return code if isinstance(code, int) else 0
 
 
@@ -114,8 +134,9 @@ def code_of(err: LbrError) -> int:
 
 
 def _complain(text: str, code: int) -> int:
-    for line in text.splitlines() or ["failed"]:
-        print(f"lbr: {line}", file=sys.stderr)
+    with contextlib.suppress(OSError):
+        for line in text.splitlines() or ["failed"]:
+            print(f"lbr: {line}", file=sys.stderr, flush=True)
     return code
 
 

@@ -41,7 +41,10 @@ class Running(Struct, frozen=True, kw_only=True):
 
 def home() -> Path:
     """Return the home, created for its owner alone if need be; whose it is, is not looked at."""
-    return _made(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute())
+    try:
+        return _made(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute())
+    except RuntimeError:  # neither HOME nor an account says where
+        raise InputError("it is not known where your home directory is: set HOME, or LBR_HOME") from None
 
 
 def directory(name: str) -> Path:

@@ -1,0 +1,162 @@
+"""What a process gets from the shell that starts it: standard streams, and limits. What is missing is one sentence."""
+
+import contextlib
+import errno
+import os
+import resource
+import select
+import stat
+import sys
+from pathlib import Path
+
+from lbr.errors import InputError
+
+OPEN_FILES = 1024
+"""What a system that sets no limit of its own gives."""
+LEAST_OPEN_FILES = 64
+ROBOT_OPEN_FILES = 256
+"""Twice what the largest robot that ships has open, so that others may connect to it."""
+ROBOT_FILE_BYTES = 64 * 1024 * 1024
+"""Logs are cut at 2 MB; a database with its write-ahead log may grow by as much as the audit trail does."""
+
+
+def plug_streams() -> None:
+    """Put something behind standard streams that are closed, so that no file of ours takes their place.
+
+    What is read there is empty, and what is written there fails, as it should.
+    """
+    for fd, mode, name in ((0, "r", "stdin"), (1, "w", "stdout"), (2, "w", "stderr")):
+        if _is_open(fd):
+            continue
+        plug = os.open(os.devnull, os.O_WRONLY if fd == 0 else os.O_RDONLY)
+        if plug != fd:
+            os.dup2(plug, fd)
+            os.close(plug)
+        setattr(sys, name, open(fd, mode, closefd=False, encoding="utf-8"))  # noqa: SIM115 - it stays open
+
+
+def lift_limits() -> None:
+    """Raise soft limits as far as the hard ones allow; raise InputError if that is too little for any command."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if 0 <= soft < OPEN_FILES:
+        with contextlib.suppress(ValueError, OSError):
+            most = OPEN_FILES if hard < 0 else min(hard, OPEN_FILES)
+            resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, most), hard))
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    if soft != hard:
+        with contextlib.suppress(ValueError, OSError):
+            resource.setrlimit(resource.RLIMIT_FSIZE, (hard, hard))
+    _need_open_files(LEAST_OPEN_FILES, "lbr")
+
+
+def need_room_for_a_robot() -> None:
+    """Raise InputError if limits are too tight for what a robot opens and writes."""
+    _need_open_files(ROBOT_OPEN_FILES, "a robot")
+    most, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
+    if 0 <= most < ROBOT_FILE_BYTES:
+        raise InputError(
+            f"files may not grow beyond {most} bytes here, and a robot's may need {ROBOT_FILE_BYTES}: "
+            "say 'ulimit -f unlimited' first, or have the hard limit raised (LimitFSIZE= of a service)"
+        )
+
+
+def need_a_console() -> None:
+    """Raise InputError if there is nothing to read lines from, or no place to print results."""
+    how = "'lbr run --no-console' runs a robot without one, and a terminal has both"
+    if not can_write(1):
+        raise InputError(f"standard output is closed, and a console prints there: {how}")
+    if _at_end(0):
+        raise InputError(f"standard input is empty, and its end shuts a robot down that has a console: {how}")
+
+
+def can_write(fd: int) -> bool:
+    """Say whether a descriptor is open for writing."""
+    import fcntl  # noqa: PLC0415 - light commands need none of it
+
+    try:
+        return fcntl.fcntl(fd, fcntl.F_GETFL) & os.O_ACCMODE != os.O_RDONLY
+    except OSError:
+        return False
+
+
+def explained(err: OSError) -> str:
+    """Return what a person can do about an error of the surroundings; nothing if it is none."""
+    if why := output_failure(probe=True):
+        return why
+    what = f"{os.fsdecode(err.filename)}: " if isinstance(err.filename, str | bytes) else ""
+    if err.errno in {errno.EMFILE, errno.ENFILE}:
+        most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+        whose = (
+            f"{most} files are open, the most for this process"
+            if err.errno == errno.EMFILE
+            else "too many files are open on this machine"
+        )
+        return f"{what}{whose}: 'ulimit -n {OPEN_FILES}' allows more"
+    if err.errno == errno.EFBIG:
+        return f"{what}a file or standard output would grow beyond the limit of this process: 'ulimit -f unlimited' lifts it"
+    if err.errno in {errno.ENOSPC, errno.EDQUOT}:
+        return f"{what or 'standard output or a file of its own: '}there is no room left on the disk: make some, or set LBR_HOME to another one"
+    if err.errno in {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR} and what:
+        return f"{what}{err.strerror}; give yourself the right to it, or set LBR_HOME to a directory of your own"
+    return ""
+
+
+def output_failure(*, probe: bool = False) -> str:
+    """Return why standard output does not take what was printed there, nothing if it does.
+
+    `probe` also asks where nothing is left to be printed.
+    """
+    try:
+        sys.stdout.flush()
+        if probe:
+            os.write(1, b"")
+    except OSError as err:
+        if err.errno == errno.EBADF:
+            return "standard output is closed: give it a terminal, a file or /dev/null"
+        if err.errno == errno.EPIPE:
+            return ""
+        return f"standard output cannot be written ({err.strerror}): give it a file with room, or /dev/null"
+    except ValueError:
+        return ""
+    return ""
+
+
+def drop_output() -> None:
+    """Lead standard output and error nowhere, so that the interpreter's end waits for no reader."""
+    with contextlib.suppress(OSError):
+        nowhere = os.open(os.devnull, os.O_WRONLY | os.O_CLOEXEC)
+        for fd in (1, 2):
+            os.dup2(nowhere, fd)
+        os.close(nowhere)
+
+
+def _need_open_files(least: int, who: str) -> None:
+    most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if 0 <= most < least:
+        raise InputError(
+            f"this process may open {most} files, and {who} needs {least}: "
+            f"say 'ulimit -n {OPEN_FILES}' first, or have the hard limit raised (LimitNOFILE= of a service)"
+        )
+
+
+def _is_open(fd: int) -> bool:
+    try:
+        os.fstat(fd)
+    except OSError:
+        return False
+    return True
+
+
+def _at_end(fd: int) -> bool:
+    """Say whether reading from a descriptor gives its end at once."""
+    try:
+        about = os.fstat(fd)
+        if stat.S_ISCHR(about.st_mode):
+            return not os.isatty(fd) and about.st_rdev == Path(os.devnull).stat().st_rdev
+        if stat.S_ISREG(about.st_mode):
+            return os.lseek(fd, 0, os.SEEK_CUR) >= about.st_size
+    except OSError:
+        return True
+    poll = select.poll()
+    poll.register(fd, select.POLLIN)
+    return any(event & select.POLLHUP and not event & select.POLLIN for _, event in poll.poll(0))

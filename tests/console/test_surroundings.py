@@ -1,0 +1,128 @@
+"""What a shell may give a command that is too little: each is one sentence and an exit code, never a traceback."""
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lbr import home, surroundings
+from lbr.errors import InputError
+from tests import robot as robots
+
+LBR = f"{sys.executable} -m lbr.cli"
+
+
+@pytest.fixture
+def shell(tmp_path):
+    """Run a line of a shell in which `lbr` is the command, and return its code and what it complained of."""
+
+    def run(line: str, **variables: str) -> tuple[int, list[str]]:
+        environment = os.environ | {"LBR_HOME": str(tmp_path / "home")} | variables
+        done = subprocess.run(
+            ["bash", "-c", f'lbr() {{ {LBR} "$@"; }}; {line}'],
+            env={name: value for name, value in environment.items() if value},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=9,
+            check=False,
+        )  # fmt: skip
+        return done.returncode, done.stderr.splitlines()
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "said"),
+    [
+        ("lbr run", 2, "standard input is empty, and its end shuts a robot down that has a console"),
+        ("lbr run <&-", 2, "'lbr run --no-console' runs a robot without one"),
+        (": | lbr run", 2, "standard input is empty"),
+        ("sleep 1 | lbr run >&-", 2, "standard output is closed"),
+        ("lbr --help >/dev/full", 1, "standard output cannot be written (No space left on device)"),
+        ("lbr doctor >/dev/full", 1, "standard output cannot be written"),
+        ("lbr --version >&-", 1, "standard output is closed"),
+        ("lbr db init && lbr db check >&-", 1, "standard output is closed"),
+        ("ulimit -n 40; lbr status", 2, "this process may open 40 files, and lbr needs 64: say 'ulimit -n 1024' first"),
+        ("ulimit -n 100; lbr run --no-console", 2, "a robot needs 256"),
+        ("ulimit -f 100; lbr run --no-console", 2, "files may not grow beyond 102400 bytes here"),
+        ("ulimit -f 100; lbr db init", 2, "robot.db cannot be read or written"),
+        ("HOME=/dev/null LBR_HOME= lbr status", 2, "/dev/null/.lbr cannot be made (Not a directory); set LBR_HOME"),
+        ("HOME=/proc LBR_HOME= lbr run --no-console", 2, "/proc/.lbr cannot be made"),
+        ("LBR_HOME=/dev/null lbr token list", 2, "set LBR_HOME"),
+    ],
+)
+def test_too_little_is_one_sentence_and_a_code(shell, line, code, said):
+    got, complaints = shell(line)
+    assert (got, len(complaints)) == (code, 1)
+    assert complaints[0].startswith("lbr: ")
+    assert said in complaints[0]
+
+
+def test_soft_limits_are_no_obstacle(shell):
+    assert shell("ulimit -Sn 40; ulimit -Sf 10; lbr db init") == (0, [])
+
+
+def test_what_prints_nothing_needs_no_output():
+    code = "from lbr import surroundings as s; s.plug_streams(); exit(bool(s.output_failure()))"
+    line = f"{sys.executable} -c '{code}' >&- <&- 2>&-"
+    assert subprocess.run(["bash", "-c", line], timeout=9, check=False).returncode == 0
+
+
+def test_nobody_knows_the_home(monkeypatch):
+    monkeypatch.delenv("LBR_HOME", raising=False)
+    monkeypatch.setattr("pathlib.Path.home", lambda: (_ for _ in ()).throw(RuntimeError("no home")))
+    with pytest.raises(InputError, match="set HOME, or LBR_HOME"):
+        home.home()
+
+
+@pytest.mark.parametrize(("number", "said"), [(24, "ulimit -n"), (27, "ulimit -f"), (28, "no room"), (13, "a right")])
+def test_errors_of_the_surroundings_say_what_to_do(number, said):
+    text = surroundings.explained(OSError(number, os.strerror(number), "/some/file"))
+    assert text.startswith("/some/file: ")
+    assert said in text.replace("the right", "a right")
+
+
+def test_other_errors_are_faults_and_stay_loud():
+    assert surroundings.explained(OSError(5, "Input/output error")) == ""
+
+
+def test_limits_are_not_lowered():
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    surroundings.lift_limits()
+    after = resource.getrlimit(resource.RLIMIT_NOFILE)
+    assert after[1] == before[1]
+    assert after[0] < 0 or after[0] >= before[0]
+
+
+def test_a_robot_with_nowhere_to_print_runs_and_tells_of_it(tmp_path):
+    home = robots.prepare(tmp_path / "h")
+    with Path(os.devnull).open() as nothing:  # a descriptor that takes no output
+        popen = subprocess.Popen(
+            [*robots.LBR, "run", "--no-console"], env=robots.environment(home), stdout=nothing, stdin=nothing
+        )
+    try:
+        robots.until(lambda: "cannot be printed" in robots.lbr(home, "send", "/report/events").stdout, limit_s=8)
+    finally:
+        popen.terminate()
+        assert popen.wait(6) == 0
+
+
+def test_commands_that_talk_to_a_robot_say_that_they_cannot_print(tmp_path):
+    with robots.running(robots.prepare(tmp_path / "h")) as robot:
+        for command in (["status"], ["send", "/r/0.1/90", "--hold", "9"], ["console"]):
+            with Path("/dev/full").open("w") as full:
+                done = subprocess.run(
+                    [*robots.LBR, *command],
+                    env=robots.environment(robot.home),
+                    input=b"s\n",
+                    stdout=full,
+                    stderr=subprocess.PIPE,
+                    timeout=5,
+                    check=False,
+                )
+            assert done.returncode == 1
+            assert done.stderr.startswith(b"lbr: standard output cannot be written")
