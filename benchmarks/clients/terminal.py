@@ -1,8 +1,11 @@
 """A program on a pseudo-terminal that is its controlling one, as a person would run it."""
 
+import fcntl
 import os
 import select
+import struct
 import sys
+import termios
 import threading
 import time
 from collections.abc import Sequence
@@ -19,8 +22,11 @@ TAKE_TERMINAL = "import fcntl,os,sys,termios; fcntl.ioctl(0,termios.TIOCSCTTY,0)
 class OnTerminal:
     """The program, and the person's end of its terminal."""
 
-    def __init__(self, home: Path, argv: Sequence[str]) -> None:
+    def __init__(self, home: Path, argv: Sequence[str], *, answers: bool = True) -> None:
         self.said = b""
+        self._answers = answers
+        self._reading = threading.Event()
+        self._reading.set()
         self._master, slave = os.openpty()
         self.popen = programs.start(
             [sys.executable, "-c", TAKE_TERMINAL, *argv],
@@ -46,6 +52,19 @@ class OnTerminal:
         """Type keys."""
         os.write(self._master, keys)
 
+    def freeze(self) -> None:
+        """Read no more of what the program shows, as a frozen terminal does; what is typed still arrives."""
+        self._reading.clear()
+
+    def thaw(self) -> None:
+        """Read on."""
+        self._reading.set()
+
+    @property
+    def unread(self) -> int:
+        """Return how much of what was shown waits to be read."""
+        return struct.unpack("i", fcntl.ioctl(self._master, termios.FIONREAD, b"\0" * 4))[0]  # type: ignore[no-any-return]
+
     def hang_up(self) -> None:
         """Close the terminal, as when its window is closed or the line is cut."""
         master, self._master = self._master, -1
@@ -57,6 +76,7 @@ class OnTerminal:
         if self.popen.poll() is None:
             self.popen.kill()
         self.popen.wait()
+        self.thaw()
         if self._master >= 0:
             self.hang_up()
 
@@ -64,10 +84,11 @@ class OnTerminal:
         while self._master >= 0:
             try:
                 ready, _, _ = select.select([self._master], [], [], 0.1)
+                self._reading.wait()
                 if ready:
                     data = os.read(self._master, 4096)
                     self.said = (self.said + data)[-20000:]
-                    if WHERE_IS_THE_CURSOR in data:
+                    if self._answers and WHERE_IS_THE_CURSOR in data:
                         os.write(self._master, CURSOR_IS_HERE)
             except (OSError, ValueError):
                 return

@@ -24,6 +24,10 @@ def command(host: str, connect: str, robot: str | None, token_file: Path | None)
     machine's LBR_HOME. When contact is lost or the robot shuts down they end, and the agent waits for the robot to come
     back. SIGTERM and Ctrl-C end it.
     """
-    from lbr.executive.agent import Agent  # noqa: PLC0415 - the bus is for those who use it
+    from lbr import surroundings  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console.outlet import unhurried  # noqa: PLC0415
+    from lbr.executive.agent import Agent  # noqa: PLC0415
 
-    return Agent(host, connect, token_file, robot, click.echo).run()
+    surroundings.need_room_for_a_robot()
+    with unhurried():
+        return Agent(host, connect, token_file, robot, click.echo).run()

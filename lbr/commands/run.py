@@ -29,6 +29,12 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
 
     End of input and Ctrl-C at the console stop the motors and shut the robot down in order.
     """
-    from lbr.executive.executive import run  # noqa: PLC0415 - only `run` needs the database and the supervisor
+    from lbr import surroundings  # noqa: PLC0415 - only `run` needs the database and the supervisor
+    from lbr.console.outlet import unhurried  # noqa: PLC0415
+    from lbr.executive.executive import run  # noqa: PLC0415
 
-    return run(profile, database, listen, console=not no_console)
+    surroundings.need_room_for_a_robot()
+    if not no_console:
+        surroundings.need_a_console()
+    with unhurried():
+        return run(profile, database, listen, console=not no_console)

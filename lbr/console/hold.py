@@ -9,6 +9,7 @@ import msgspec
 from lbr.bus import wire
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
+from lbr.console.ear import Ear
 from lbr.errors import BusError, MalformedError
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
@@ -33,13 +34,17 @@ class Ending(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Holder:
-    """Renews one hold at 10 Hz from a thread of its own, until it ends by itself, is released or dropped."""
+    """Renews one hold at 10 Hz from a thread of its own, until it ends by itself, is released or dropped.
+
+    It ceases and stops the motion once `ear` is deaf: what renews is not what would hear a stop.
+    """
 
     def __init__(
         self,
         session: Session,
         hold: Hold,
         source: str,
+        ear: Ear,
         *,
         on_end: Callable[[Ending], None] = lambda _ending: None,
         clock: Callable[[], float] = time.monotonic,
@@ -48,6 +53,7 @@ class Holder:
         self.ending: Ending | None = None
         self._session = session
         self._source = source
+        self._ear = ear
         self._on_end = on_end
         self._clock = clock
         self._started = clock()
@@ -103,6 +109,9 @@ class Holder:
             if hold.goal:
                 self._ask_result()
             while self.ending is None:
+                if why := self._ear.deaf(self._started):
+                    self._give_up(why)
+                    return
                 if self._clock() >= due:
                     self._renew()
                     due += PERIOD_S * max(1, int((self._clock() - due) / PERIOD_S))
@@ -115,6 +124,10 @@ class Holder:
         finally:
             if results is not None:
                 results.close()
+
+    def _give_up(self, why: str) -> None:
+        self._end(Ending(good=False, text=f"stopped: {why}"))
+        stop(self._session, self.hold.stop_key, self._source, why)
 
     def _renew(self) -> None:
         if not self._refused and len(self._asked) < MAX_WAITING:

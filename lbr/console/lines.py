@@ -1,15 +1,17 @@
 """Lines from a pipe or the command line: one after the other, each motion held until its end."""
 
+import math
 import queue
 import threading
 import time
 from collections.abc import Callable, Iterable
+from concurrent import futures
 from typing import IO
 
 from lbr.console.hold import Ending, Holder
 from lbr.console.operator import Operator, is_stop
 from lbr.console.printable import one_line
-from lbr.errors import InputError, LbrError
+from lbr.errors import BusError, InputError, LbrError
 from lbr.messages.system import ConsoleResult
 
 FAILED, BAD_INPUT = 1, 2
@@ -36,6 +38,7 @@ class Lines:
         try:
             while (line := self._take()) is not None:
                 self._say(line)
+            self._out.flush()
         finally:
             self._operator.release()
         return self._worst
@@ -54,8 +57,9 @@ class Lines:
             self._waiting.put(None)
 
     def _take(self) -> str | None:
-        line = self._next.pop() if self._next else self._waiting.get()
-        return None if self.closing else line
+        while not self._peek(POLL_S):
+            self._operator.ear.beat()
+        return None if self.closing else self._next.pop()
 
     def _peek(self, timeout_s: float) -> bool:
         """Say whether a next line (or the end) is there, waiting a little for it."""
@@ -69,7 +73,7 @@ class Lines:
 
     def _say(self, line: str) -> None:
         try:
-            result = self._operator.submit(line)
+            result = self._submitted(line)
         except LbrError as err:
             self._failed(one_line(str(err)), BAD_INPUT if isinstance(err, InputError) else FAILED)
             return
@@ -84,9 +88,30 @@ class Lines:
         elif ending is not None:
             self._failed(ending.text, FAILED)
 
+    def _submitted(self, line: str) -> ConsoleResult:
+        """Say a line and return its result; a stop that comes meanwhile is said at once."""
+        result: futures.Future[ConsoleResult] = futures.Future()
+
+        def submit() -> None:
+            try:
+                result.set_result(self._operator.submit(line))
+            except BaseException as err:  # noqa: BLE001 - it belongs to the thread that waits
+                result.set_exception(err)
+
+        threading.Thread(target=submit, name="console line", daemon=True).start()
+        while not self.closing:
+            futures.wait([result], POLL_S)
+            if result.done():
+                return result.result()
+            self._operator.ear.beat()
+            if self._peek(0.0) and self._is_stop():
+                self._say(str(self._next.pop()))
+        raise BusError("the console ends; nobody waited for the answer")
+
     def _hold(self, held: Holder) -> Ending | None:
         until = time.monotonic() + self._hold_s if self._hold_s is not None else None
         while held.ending is None and not self.closing:
+            self._operator.ear.beat()
             ready = self._peek(POLL_S)
             if ready and self._is_stop():
                 return None
@@ -129,7 +154,9 @@ def say_once(operator: Operator, line: str, *, hold_s: float, announce: Announce
     held = operator.latest()
     if held is None or held.hold is not result.hold:
         return result, result.code, ""
-    ending = held.wait(None if held.hold.goal else hold_s)
+    until = time.monotonic() + (hold_s if not held.hold.goal else math.inf)
+    while (ending := held.wait(min(POLL_S, max(0.0, until - time.monotonic())))) is None and time.monotonic() < until:
+        operator.ear.beat()
     if ending is None:
         operator.release(f"the {hold_s:g} s are over")
         return result, result.code, f"stopped after {held.elapsed_s:.1f} s"

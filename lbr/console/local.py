@@ -8,6 +8,7 @@ import termios
 import threading
 import time
 from collections.abc import Callable, Iterator
+from typing import IO, cast
 
 from lbr import home
 from lbr.bus import session
@@ -15,12 +16,14 @@ from lbr.console import target
 from lbr.console.interrupt import interruptible
 from lbr.console.lines import Lines
 from lbr.console.operator import BusOperator
+from lbr.console.outlet import Outlet, Stream
 from lbr.messages.system import ConsoleResult
 
 LOCAL_SOURCE = "console"
 LEAVE_S = 3.0
 READY_S = 15.0
 POLL_S = 0.05
+LAST_OUTPUT_S = 1.0
 
 
 class _Open:
@@ -68,14 +71,27 @@ def _run(operator: BusOperator, *, local: bool, hold_s: float | None = None) -> 
     try:
         if sys.stdin.isatty() and sys.stdout.isatty():
             return _run_terminal(operator, local=local)
-        lines = Lines(operator, sys.stdout, sys.stderr, hold_s=hold_s)
-        _open.close = lines.close
+        return _run_lines(operator, local=local, hold_s=hold_s)
+    finally:
+        operator.close()
+
+
+def _run_lines(operator: BusOperator, *, local: bool, hold_s: float | None) -> int:
+    """Say lines from a pipe; what is not read of their results is left out, and nothing waits for it but the end."""
+    outlet = Outlet()
+    out, err = (cast("IO[str]", Stream(outlet, stream.fileno(), strict=True)) for stream in (sys.stdout, sys.stderr))
+    lines = Lines(operator, out, err, hold_s=hold_s)
+    _open.close = lines.close
+    try:
         if local:
             _wait_ready(operator, lines)
         with interruptible():
-            return lines.run(lines_of(sys.stdin.fileno()))
+            code = lines.run(lines_of(sys.stdin.fileno()))
+            outlet.drain(LAST_OUTPUT_S if local else None)
+            out.flush()
+            return code
     finally:
-        operator.close()
+        outlet.close()
 
 
 def _run_terminal(operator: BusOperator, *, local: bool) -> int:
@@ -89,7 +105,7 @@ def _run_terminal(operator: BusOperator, *, local: bool) -> int:
             return terminal.run()
     finally:
         with contextlib.suppress(termios.error, OSError):
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, modes)
+            termios.tcsetattr(sys.stdin, termios.TCSANOW, modes)
 
 
 def _wait_ready(operator: BusOperator, lines: Lines) -> None:

@@ -11,6 +11,7 @@ from lbr.bus import keys, wire
 from lbr.bus.access import Credentials
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
+from lbr.console.ear import Ear
 from lbr.console.hold import Ending, Holder, stop
 from lbr.console.news import News
 from lbr.console.printable import clean
@@ -44,9 +45,13 @@ class Telemetry(Struct, frozen=True, kw_only=True):
 
 
 class Operator(Protocol):
-    """What a front end needs of a robot. `submit` may be called by several threads at once."""
+    """What a front end needs of a robot. `submit` may be called by several threads at once.
+
+    What moves goes on only while the thread that would take a stop beats at `ear`, ten times a second.
+    """
 
     robot: str
+    ear: Ear
 
     def submit(self, line: str) -> ConsoleResult:
         """Say a line, hold the motion that it starts, and return its result; InputError and BusError say why not."""
@@ -101,6 +106,7 @@ class BusOperator:
     ) -> None:
         self.robot = robot
         self.on_end = on_end
+        self.ear = Ear()
         self._session = session
         self._source = source
         self._role = role
@@ -179,7 +185,9 @@ class BusOperator:
     def _take(self, line: str, turn: int, result: ConsoleResult) -> None:
         if result.hold is None:
             return
-        holder = Holder(self._session, result.hold, self._source, on_end=lambda ending: self._ended(line, ending))
+        holder = Holder(
+            self._session, result.hold, self._source, self.ear, on_end=lambda ending: self._ended(line, ending)
+        )
         with self._lock:
             late = turn != self._said
             before = None if late else self._holder

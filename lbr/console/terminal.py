@@ -1,10 +1,15 @@
-"""The terminal: a prompt with completion, history and a live status bar. Whatever it held stops when it ends."""
+"""The terminal: a prompt with completion, history and a live status bar. Whatever it held stops when it ends.
 
+Its loop gives the pulse without which nothing is held, and no part of it waits for the terminal to take output.
+"""
+
+import asyncio
 import contextlib
 import os
 import queue
 import re
 import sys
+import termios
 import threading
 import time
 from pathlib import Path
@@ -19,14 +24,14 @@ from prompt_toolkit.history import FileHistory, History, InMemoryHistory
 from prompt_toolkit.input import Input
 from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
 from prompt_toolkit.keys import Keys
-from prompt_toolkit.output import Output
 from prompt_toolkit.styles import Style
 
 from lbr.console.above import Above, Screen
 from lbr.console.asking import LET_BE, QUESTION, Question
 from lbr.console.completion import LineCompleter
+from lbr.console.ear import BEAT_S, STUCK_S, Contact
 from lbr.console.hold import Ending
-from lbr.console.operator import BusOperator
+from lbr.console.operator import BusOperator, is_stop
 from lbr.console.printable import one_line, wrapped
 from lbr.console.toolbar import CONTACT_S, toolbar
 from lbr.errors import LbrError
@@ -36,6 +41,9 @@ PROMPT = "Robot> "
 REFRESH_S = 0.25
 PATIENCE_S = 0.3  # so long the next line waits for a line's result
 SHUTDOWN = "executive.shutdown"
+LAST_ANSWER_S = 0.2
+LAST_OUTPUT_S = 0.3
+WHERE_IS_THE_CURSOR = "\x1b[6n"
 STYLE = Style.from_dict(
     {
         "bottom-toolbar": "noreverse bg:#303030 #d0d0d0",
@@ -47,6 +55,7 @@ STYLE = Style.from_dict(
 _COLOURS = {"error": "\x1b[31m", "warning": "\x1b[33m"}
 _OWN_STOP = re.compile(r"(?P<who>[^:]+(?::[0-9]+)?): stopped by (?P=who)(?:: (?P<why>.+))?")
 _PLAIN = "\x1b[0m"
+_CURSOR_IS_HERE = re.compile(r"\x1b\[[0-9]+;[0-9]+R")
 
 
 class Terminal:
@@ -59,12 +68,13 @@ class Terminal:
         local: bool = False,
         history: Path | None = None,
         source: Input | None = None,
-        screen: Output | None = None,
+        screen: Screen | None = None,
     ) -> None:
         self._operator = operator
         self._local = local
         self._source = source
-        self._screen = screen or Screen.from_pty(sys.stdout, term=os.environ.get("TERM"))
+        self._screen = screen or Screen.on(sys.stdout, term=os.environ.get("TERM"))
+        self._contact = Contact()
         self._closing = False
         self._lock = threading.Lock()
         self._under_way: dict[str, float] = {}
@@ -88,12 +98,13 @@ class Terminal:
             erase_when_done=True,
         )
         self._session.default_buffer.accept_handler = self._accept
-        self._above = Above(self._session.app)
+        self._above = Above(self._session.app, self._screen)
         self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
 
     def run(self) -> int:
         """Read lines until end of input, Ctrl-C, a shutdown or `close`; then stop what is held. Return an exit code."""
         self._operator.on_end = self._ended
+        self._operator.ear.also = self._unheard
         helpers = [
             threading.Thread(target=self._follow, name="console events", daemon=True),
             threading.Thread(target=self._say_all, name="console lines", daemon=True),
@@ -116,6 +127,10 @@ class Terminal:
             for helper in helpers:
                 helper.join(1.0)
             self._above.ended()
+            self._screen.outlet.drain(LAST_OUTPUT_S if self._screen.outlet.stuck_s < STUCK_S else 0.0)
+            self._screen.outlet.close()
+            if self._contact.open:
+                self._forget_input()
         return 0
 
     def close(self) -> None:
@@ -125,7 +140,7 @@ class Terminal:
         loop = app.loop
         if loop is not None and app.is_running:
             with contextlib.suppress(RuntimeError):
-                loop.call_soon_threadsafe(self._exit)
+                loop.call_soon_threadsafe(self._leave, EOFError)
 
     def _parting(self) -> str:
         if self._local:
@@ -134,22 +149,68 @@ class Terminal:
             return "Leaving without contact: nobody acknowledged a stop. What you held has lapsed by itself."
         return "Stopped; leaving. The robot runs on."
 
-    def _exit(self) -> None:
+    def _leave(self, why: type[BaseException]) -> None:
+        """Leave the prompt, after what the terminal still answers: the shell behind it is not to read that."""
+        app = self._session.app
+        loop = app.loop
+        if self._contact.awaited and loop is not None:
+            self._contact.on_answer = lambda: self._exit(why)
+            loop.call_later(LAST_ANSWER_S, self._exit, why, context=app.context)
+        else:
+            self._exit(why)
+
+    def _exit(self, why: type[BaseException]) -> None:
         app = self._session.app
         if app.is_running and not app.is_done:
-            app.exit(exception=EOFError, style="class:exiting")
+            app.exit(exception=why, style="class:exiting")
+
+    def _forget_input(self) -> None:
+        """Drop an answer of the terminal that came when nothing read it any more."""
+        with contextlib.suppress(OSError, termios.error):
+            termios.tcflush(self._session.app.input.fileno(), termios.TCIFLUSH)
 
     def _begin(self) -> None:
         self._above.started()
+        self._session.app.create_background_task(self._beat())
         if self._closing:
-            self._exit()
+            self._leave(EOFError)
+
+    async def _beat(self) -> None:
+        """Show that keys are heard, and ask the terminal now and then whether it is there."""
+        while True:
+            self._operator.ear.beat()
+            if self._screen.free and self._contact.due(held=self._operator.held() is not None):
+                self._contact.asked()
+                self._screen.write_raw(WHERE_IS_THE_CURSOR)
+                self._screen.flush()
+            await asyncio.sleep(BEAT_S)
+
+    def _unheard(self) -> str:
+        """Return why the person at the terminal is not taken to see what moves, nothing if there is no sign of that."""
+        if self._screen.outlet.error(self._screen.fileno()) is not None:
+            return "the terminal is gone"
+        if self._screen.outlet.stuck_s > STUCK_S:
+            return f"the terminal has taken no output for {STUCK_S:g} s"
+        return self._contact.lost()
 
     def _accept(self, buffer: Buffer) -> bool:
         """Take a line without leaving the prompt: when its turn comes it moves above it, and its result follows."""
         line = buffer.text.strip()
-        if line or self._question.open:
+        self._contact.typed()
+        if is_stop(line):
+            self._stop(line)
+        elif line or self._question.open:
             self._lines.put(line)
         return False
+
+    def _stop(self, line: str) -> None:
+        """Say a stop at once, and nothing of what was typed before it and still waits for its turn."""
+        dropped = self._forget_lines()
+        self._above.print(PROMPT + one_line(line))
+        if dropped:
+            self._print(f"Not said any more: {', '.join(dropped)}", "warning")
+        self._question.answer(line)
+        self._start(line, threading.Event())
 
     def _say_all(self) -> None:
         while not self._over.is_set():
@@ -166,8 +227,11 @@ class Terminal:
                 continue
             line = meant
             answered = threading.Event()
-            threading.Thread(target=self._say, args=(line, answered), name="console line", daemon=True).start()
+            self._start(line, answered)
             answered.wait(PATIENCE_S)
+
+    def _start(self, line: str, answered: threading.Event) -> None:
+        threading.Thread(target=self._say, args=(line, answered), name="console line", daemon=True).start()
 
     def _say(self, line: str, answered: threading.Event) -> None:
         with self._lock:
@@ -226,12 +290,16 @@ class Terminal:
 
         @keys.add(Keys.BracketedPaste)
         def _paste(event: KeyPressEvent) -> None:
-            text = event.data.replace("\r\n", "\n").replace("\r", "\n").strip("\n")
+            text = _CURSOR_IS_HERE.sub("", event.data).replace("\r\n", "\n").replace("\r", "\n").strip("\n")
             if "\n" in text:
                 count = len(text.splitlines())
                 self._print(f"The paste has {count} lines, and none was run: paste one line at a time.", "error")
             else:
                 event.current_buffer.insert_text(text)
+
+        @keys.add(Keys.CPRResponse, save_before=lambda _event: False)
+        def _answered(_event: KeyPressEvent) -> None:
+            self._contact.answered()
 
         @keys.add("c-c")
         def _interrupt(event: KeyPressEvent) -> None:
@@ -239,21 +307,27 @@ class Terminal:
             if event.app.current_buffer.text:
                 event.app.current_buffer.reset()
                 return
-            event.app.exit(exception=KeyboardInterrupt, style="class:aborting")
+            self._leave(KeyboardInterrupt)
 
         @keys.add("c-d", filter=Condition(lambda: not self._session.default_buffer.text))
-        def _end_of_input(event: KeyPressEvent) -> None:
+        def _end_of_input(_event: KeyPressEvent) -> None:
             self._let_go()
-            event.app.exit(exception=EOFError, style="class:exiting")
+            self._leave(EOFError)
 
         return keys
 
     def _let_go(self) -> None:
         """Stop the motors now, whatever the prompt does next; lines that wait are not said."""
+        self._forget_lines()
+        threading.Thread(target=self._operator.release, name="let go", daemon=True).start()
+
+    def _forget_lines(self) -> list[str]:
+        """Take the lines that wait for their turn."""
+        found = []
         with contextlib.suppress(queue.Empty):
             while True:
-                self._lines.get_nowait()
-        threading.Thread(target=self._operator.release, name="let go", daemon=True).start()
+                found.append(self._lines.get_nowait())
+        return found
 
 
 def describe(event: Event) -> str:
@@ -271,4 +345,12 @@ def _history(path: Path | None) -> History:
         path.touch(mode=0o600)
     except OSError:
         return InMemoryHistory()
-    return FileHistory(path)
+    return _Kept(path)
+
+
+class _Kept(FileHistory):
+    """Lines in a file, as far as the disk takes them: that it is full is no reason to hear no line."""
+
+    def store_string(self, string: str) -> None:
+        with contextlib.suppress(OSError):
+            super().store_string(string)

@@ -11,7 +11,6 @@ import os
 import secrets
 import signal
 import socket
-import sys
 import threading
 import time
 from collections.abc import Callable
@@ -20,6 +19,7 @@ from pathlib import Path
 from lbr.bus import session
 from lbr.capability.confine import keep_private
 from lbr.console import remote, target
+from lbr.console.outlet import settle
 from lbr.console.remote import RefusedError
 from lbr.console.target import Target
 from lbr.errors import BusError
@@ -65,7 +65,7 @@ class Agent:
                 self._tell(f"{why}; waiting for the robot")
                 self._pause()
         if self._closing.is_alive():
-            sys.stdout.flush()
+            settle()
             os._exit(0)  # its thread is in the bus library, and would hold up the end
         return 0
 

@@ -20,6 +20,7 @@ from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
 from lbr.capability.confine import OWNER_ONLY
+from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import copies, store
@@ -399,7 +400,9 @@ class Executive:
                 "failed": found.failed,
                 "degraded": found.degraded,
             }
-            print(json.dumps(said), flush=True)
+            if why := say(json.dumps(said)):
+                text = f"the line that says so cannot be printed: standard output cannot be written ({why})"
+                self._happened("trouble", "executive", text, "warning")
 
     # -- small parts ------------------------------------------------------------------------------------------------
 

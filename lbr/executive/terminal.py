@@ -26,7 +26,9 @@ def start(
         try:
             code = run_local(robot, connect, submit)
         except LbrError as err:
-            why = str(err)
+            code, why = 1, str(err)
+        except OSError as err:
+            code, why = 1, f"the console's output cannot be written ({err.strerror})"
         finally:
             ended(code, why)
 

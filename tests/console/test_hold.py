@@ -3,6 +3,7 @@ import threading
 import pytest
 from fake_robot import wait_for
 
+from lbr.console.ear import Ear
 from lbr.console.hold import Holder, describe
 from lbr.messages.drive import GoalResult
 
@@ -15,9 +16,10 @@ def ended():
 @pytest.fixture
 def hold(client, ended):
     holders = []
+    hearing = Ear(clock=lambda: 0.0)
 
-    def start(what):
-        holder = Holder(client, what, "console@here", on_end=ended.append)
+    def start(what, ear=hearing):
+        holder = Holder(client, what, "console@here", ear, on_end=ended.append)
         holders.append(holder)
         holder.start()
         return holder
@@ -94,6 +96,25 @@ def test_a_robot_that_falls_silent_ends_the_hold(robot, hold):
     ending = holder.wait(4)
     assert not ending.good
     assert "does not answer" in ending.text
+
+
+def test_what_nobody_would_hear_a_stop_of_is_stopped(robot, hold, ended):
+    holder = hold(robot.hold("L1"), Ear())
+    wait_for(lambda: robot.renewed)
+    assert "would not have heard a stop" in holder.wait(3).text
+    wait_for(lambda: robot.stopped)
+    before = len(robot.renewed)
+    holder.join()
+    assert (len(robot.renewed), [ending.good for ending in ended]) == (before, [False])
+
+
+def test_what_else_speaks_against_going_on_stops_it_too(robot, hold):
+    ear = Ear(clock=lambda: 0.0)
+    holder = hold(robot.hold("L1"), ear)
+    wait_for(lambda: len(robot.renewed) > 2)
+    ear.also = lambda: "the terminal is gone"
+    assert holder.wait(3).text == "stopped: the terminal is gone"
+    wait_for(lambda: robot.stopped == ["the terminal is gone"])
 
 
 def test_closing_the_session_ends_the_hold(robot, client, hold, ended):

@@ -4,8 +4,10 @@ import contextlib
 import os
 import pty
 import re
+import shutil
 import termios
 import threading
+from pathlib import Path
 
 import pytest
 from fake_robot import ROBOT, wait_for
@@ -26,17 +28,20 @@ CODES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 class Screen:
     """What a person does and sees at the other end of the pty."""
 
-    def __init__(self, operator: BusOperator, rows: int = 30, columns: int = 120) -> None:
+    def __init__(self, operator: BusOperator, rows: int = 30, columns: int = 120, history: Path | None = None) -> None:
         self.master, slave = pty.openpty()
         self.size = rows, columns
         termios.tcsetwinsize(slave, self.size)
         self._keys = os.fdopen(os.dup(slave), "r", encoding="utf-8")
         self._text = os.fdopen(slave, "w", encoding="utf-8")
         source = Vt100Input(self._keys)
-        output = TerminalScreen.from_pty(self._text, term="xterm-256color")
-        self.terminal = Terminal(operator, source=source, screen=output)
+        output = TerminalScreen.on(self._text, term="xterm-256color")
+        self.terminal = Terminal(operator, source=source, screen=output, history=history)
         self.code: int | None = None
         self._seen = b""
+        self.answers = False
+        self.reads = threading.Event()
+        self.reads.set()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._runner = threading.Thread(target=self._run, daemon=True)
         self._reader.start()
@@ -84,6 +89,7 @@ class Screen:
         self.master = -1
 
     def close(self) -> None:
+        self.reads.set()
         self.terminal.close()
         self._runner.join(5)
         with contextlib.suppress(OSError):
@@ -103,6 +109,9 @@ class Screen:
             except OSError:
                 return
             self._seen += seen
+            if self.answers and b"\x1b[6n" in seen:
+                self.types("\x1b[7;9R")
+            self.reads.wait()
 
 
 @pytest.fixture
@@ -325,6 +334,112 @@ def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
     screen.types("".join(f"{word}\r" for word in words))
     wait_for(lambda: len(said(robot)) == len(words))
     assert said(robot) == words
+
+
+def flood(robot, screen) -> None:
+    """Tell more than the terminal takes; what it answers then is what it would see last."""
+    screen.reads.clear()
+    for number in range(40):
+        robot.tell(f"{number} {'x' * 1000}")
+    wait_for(lambda: robot.tell("more") or screen.terminal._screen.outlet.stuck_s > 0.05)
+
+
+def test_a_terminal_that_is_not_read_stops_what_it_holds(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    flood(robot, screen)
+    wait_for(lambda: robot.stopped)
+    assert robot.stopped == ["the terminal has taken no output for 0.4 s"]
+
+
+def test_a_stop_typed_at_a_terminal_that_is_not_read_is_said(robot, screen):
+    flood(robot, screen)
+    screen.types("s\r")
+    wait_for(lambda: said(robot) == ["s"])
+
+
+@pytest.mark.parametrize("leave", ["\x03", "\x04", ""])
+def test_a_terminal_that_is_not_read_can_be_left(robot, screen, leave):
+    flood(robot, screen)
+    if leave:
+        screen.types(leave)
+    else:
+        screen.terminal.close()
+    assert screen.ends() == 0
+
+
+def test_a_reader_who_is_back_sees_a_whole_screen_and_how_much_was_left_out(robot, screen, monkeypatch):
+    flood(robot, screen)
+    monkeypatch.setattr("lbr.console.above.KEPT_CHARS", 100)
+    for number in range(50):
+        screen.terminal._above.print(f"line {number}")
+    screen.types("abc")
+    wait_for(lambda: screen.terminal._session.default_buffer.text == "abc")
+    screen.reads.set()
+    wait_for(lambda: screen.shown[-MENU_ROWS - 2 : -MENU_ROWS] == ["line 49", "Robot> abc"])
+    lines = screen.shown
+    assert [line for line in lines if line.endswith("lines were not read in time and left out)")]
+    assert sum(line.startswith("Robot>") for line in lines) == 1
+    assert sum(line.startswith(f" {ROBOT} | ") for line in lines) == 1
+
+
+def test_a_terminal_that_ceases_to_answer_stops_what_it_holds(robot, screen):
+    screen.answers = True
+    screen.types("\x1b[7;9R")  # to the question at the start
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: screen._seen.count(b"\x1b[6n") > 4)
+    assert robot.stopped == []
+    screen.answers = False
+    wait_for(lambda: robot.stopped)
+    assert robot.stopped == ["the terminal has not answered for 1 s"]
+
+
+def test_a_loop_that_hears_no_key_stops_what_it_holds(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    gate = threading.Event()
+    screen.terminal._session.app.loop.call_soon_threadsafe(gate.wait, 5)
+    wait_for(lambda: robot.stopped)
+    gate.set()
+    assert "would not have heard a stop" in robot.stopped[0]
+
+
+def test_answers_of_the_terminal_never_come_into_the_line(robot, screen):
+    screen.types("ab\x1b[7;9Rc")
+    for piece in ("d\x1b", "[12;3", "4Re", PASTE.format("f\x1b[7;9Rg"), "\x1b[7;9R"):
+        screen.types(piece)
+    wait_for(lambda: screen.terminal._session.default_buffer.text == "abcdefg")
+    screen.shows("Robot> abcdefg")
+
+
+def test_a_stop_waits_for_no_line_before_it_and_those_are_not_said(robot, screen):
+    robot.lines["clock"] = ConsoleResult(code=0, text="it is late")
+    gate = robot.blocked["clock"] = threading.Event()
+    screen.types("clock\r")
+    wait_for(lambda: said(robot) == ["clock"])
+    screen.types("clock\rword1\rword2\rs\r")
+    wait_for(lambda: "s" in said(robot))
+    gate.set()
+    screen.sees("word2")
+    screen.types("end\r")
+    wait_for(lambda: "end" in said(robot))
+    assert "word2" not in said(robot)
+
+
+def test_a_history_that_cannot_be_written_keeps_no_line_from_being_said(robot, client, tmp_path):
+    operator = BusOperator(client, ROBOT, "console")
+    (tmp_path / "gone").mkdir()
+    seen = Screen(operator, history=tmp_path / "gone" / "history")
+    shutil.rmtree(tmp_path / "gone")
+    robot.lines["s"] = ConsoleResult(code=0, text="motors stopped")
+    for _ in range(2):
+        seen.types("s\r")
+    wait_for(lambda: said(robot) == ["s", "s"])
+    seen.close()
+    operator.close()
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ class Vt:
         if final in "hl":
             self._wrap = final == "h" if numbers == "?7" else self._wrap
             return
-        if final == "m":
+        if final == "m" or numbers + final == "6n":
             return
         self._pending = False
         count = int(numbers or 1) if numbers.isdigit() or not numbers else 1

@@ -1,0 +1,213 @@
+"""Consoles of a real robot whose output is not read: the robot stops, and whoever is told to end ends."""
+
+import fcntl
+import os
+import signal
+import subprocess
+import sys
+import termios
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from benchmarks.clients.terminal import OnTerminal
+from benchmarks.trace import Trace
+from lbr.bus import wire
+from tests import robot as robots
+from tests.robot import LBR, environment, until
+
+TURN = "/r/0.4/90"
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory):
+    with robots.running(robots.prepare(tmp_path_factory.mktemp("h"))) as robot:
+        yield robot
+
+
+@pytest.fixture
+def trace(robot):
+    trace = Trace(robot.trace)
+    yield trace
+    robot.line("stop")
+
+
+@contextmanager
+def flooded(robot) -> Iterator[None]:
+    """Let the robot tell more than a frozen terminal takes."""
+    over = threading.Event()
+    with robot.as_owner() as bus:
+
+        def tell() -> None:
+            number = 0
+            while not over.wait(0.005):
+                number += 1
+                event = {"kind": "test", "subject": "x", "text": f"{number} {'y' * 500}", "level": "warning"}
+                wire.put(bus, f"{robot.name}/@event", event, source="test")
+
+        teller = threading.Thread(target=tell)
+        teller.start()
+        try:
+            yield
+        finally:
+            over.set()
+            teller.join()
+
+
+@contextmanager
+def terminal(robot, *command: str, answers: bool = True) -> Iterator[OnTerminal]:
+    on = OnTerminal(robot.home, [*LBR, *command], answers=answers)
+    try:
+        on.wait_for(b"Robot>")
+        yield on
+    finally:
+        on.end()
+
+
+def full_pipe() -> tuple[int, int]:
+    """Return the ends of a pipe that takes no byte more."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    try:
+        while True:
+            os.write(writer, b"x" * 4096)
+    except BlockingIOError:
+        os.set_blocking(writer, True)
+    return reader, writer
+
+
+@contextmanager
+def into_full_pipe(robot, *command: str) -> "Iterator[subprocess.Popen[bytes]]":
+    reader, writer = full_pipe()
+    popen = subprocess.Popen(
+        [*LBR, *command], env=environment(robot.home), stdin=subprocess.PIPE, stdout=writer, stderr=subprocess.DEVNULL
+    )
+    os.close(writer)
+    try:
+        yield popen
+    finally:
+        popen.kill()
+        popen.communicate()
+        os.close(reader)
+
+
+def unread(fd: int) -> int:
+    return int.from_bytes(fcntl.ioctl(fd, termios.FIONREAD, bytes(4)), sys.byteorder)
+
+
+def moving(trace) -> None:
+    until(lambda: trace.now().least >= 0.3, what="motion")
+
+
+def at_rest(trace) -> None:
+    until(lambda: trace.now().zero, what="rest")
+
+
+def test_a_terminal_that_takes_no_output_stops_the_wheels(robot, trace):
+    with terminal(robot, "console", answers=False) as on, flooded(robot):
+        on.type(f"{TURN}\r".encode())
+        moving(trace)
+        on.freeze()
+        at_rest(trace)
+        on.thaw()
+        on.wait_for(b"the terminal has taken no output")
+
+
+def test_a_terminal_that_answers_no_more_stops_the_wheels(robot, trace):
+    with terminal(robot, "console") as on:
+        on.type(f"{TURN}\r".encode())
+        moving(trace)
+        until(lambda: on.said.count(b"\x1b[6n") > 2)
+        assert trace.now().least >= 0.3
+        on.freeze()
+        at_rest(trace)
+
+
+@pytest.mark.parametrize("way", [b"\x03", b"\x04", signal.SIGTERM, signal.SIGHUP])
+def test_a_console_on_a_frozen_terminal_can_be_left(robot, trace, way):
+    with terminal(robot, "console", answers=False) as on, flooded(robot):
+        on.freeze()
+        until(lambda: on.unread > 3000)
+        if isinstance(way, bytes):
+            on.type(way)
+        else:
+            on.popen.send_signal(way)
+        assert on.popen.wait(4) == 0
+
+
+def test_a_stop_is_heard_from_a_pipe_when_nobody_reads_the_results(robot, trace):
+    with into_full_pipe(robot, "console") as popen:
+        assert popen.stdin is not None
+        popen.stdin.write(f"{TURN}\n".encode())
+        popen.stdin.flush()
+        moving(trace)
+        popen.stdin.write(b"stop\n")
+        popen.stdin.flush()
+        at_rest(trace)
+        popen.terminate()
+        assert popen.wait(4) == 130
+
+
+def test_a_console_into_a_full_pipe_leaves_when_told(robot, trace):
+    with into_full_pipe(robot, "console") as popen:
+        assert popen.stdin is not None
+        popen.stdin.write(f"{TURN}\n".encode())
+        popen.stdin.flush()
+        moving(trace)
+        popen.terminate()
+        assert popen.wait(4) == 130
+        at_rest(trace)
+
+
+def test_what_is_sent_into_a_full_pipe_is_not_held(robot, trace):
+    with into_full_pipe(robot, "send", TURN, "--hold", "20") as popen:
+        moving(trace)
+        at_rest(trace)
+        popen.send_signal(signal.SIGINT)
+        assert popen.wait(4) == 130
+
+
+def test_who_prints_into_a_pipe_that_is_read_no_more_can_be_interrupted(robot):
+    reader, writer = os.pipe()
+    fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
+    popen = subprocess.Popen([*LBR, "topic", "echo", "drive/state"], env=environment(robot.home), stdout=writer)
+    os.close(writer)
+    try:
+        until(lambda: unread(reader) > 3000, what="a full pipe")
+        popen.send_signal(signal.SIGINT)
+        assert popen.wait(4) == 130
+    finally:
+        popen.kill()
+        popen.wait()
+        os.close(reader)
+
+
+@pytest.mark.parametrize("way", [signal.SIGTERM, signal.SIGHUP])
+def test_the_robots_own_terminal_ends_it_though_frozen(tmp_path, way):
+    on = OnTerminal(robots.prepare(tmp_path / "h"), [*LBR, "run"], answers=False)
+    try:
+        on.wait_for(b"ready")
+        on.freeze()
+        on.type(b"!print('z' * 100000)\r")
+        until(lambda: on.unread > 3000)
+        on.popen.send_signal(way)
+        assert on.popen.wait(6) == 0
+    finally:
+        on.end()
+
+
+def test_the_ready_line_holds_up_no_robot(tmp_path):
+    home = robots.prepare(tmp_path / "h")
+    reader, writer = full_pipe()
+    popen = subprocess.Popen([*LBR, "run", "--no-console"], env=environment(home), stdout=writer)
+    os.close(writer)
+    try:
+        until(lambda: '"ready":true' in robots.lbr(home, "status", "--json").stdout, limit_s=8)
+        popen.terminate()
+        assert popen.wait(6) == 0
+    finally:
+        popen.kill()
+        popen.wait()
+        os.close(reader)
