@@ -54,6 +54,10 @@ STATED: dict[str, Promise] = {
         hard=500,
         robot="base, imu, attitude",
     ),
+    "S21 full": Promise(what="operator's terminal takes no output, to motor zero", target=800, hard=2000),
+    "S21 silent": Promise(what="operator's terminal answers no more, to motor zero", target=1500, hard=2500),
+    "S21 s": Promise(what="`s` typed at a terminal that is not read, to motor zero", target=100, hard=STOP_HARD_MS),
+    "S21 left": Promise(what="Ctrl-C or SIGTERM at such a terminal, to console gone", target=1000, hard=3000),
     "E1 console": Promise(what="estop as a console line, to motor zero", target=20, statistic="p99", hard=250),
     "E1 put": Promise(what="estop as a plain put, to motor zero", target=20, statistic="p99", hard=250),
     "E1 console H": Promise(

@@ -25,6 +25,7 @@ from benchmarks.scenarios import (
     starts,
     storms,
     turns,
+    unread,
     writers,
 )
 from benchmarks.scenarios.freezes import repeated
@@ -75,6 +76,7 @@ SCENARIOS: dict[str, Scenario] = {
     "S16": Scenario(repeated(devices.motors_unplugged), 50, 5),
     "S17": Scenario(repeated(devices.motors_deaf), 30, 3),
     "S19": Scenario(turns.turns_lost, 20, 1),
+    "S21": Scenario(unread.unread, 100, 1),
     "E5": Scenario(roles.everybody, 5, 1),
     "E6": Scenario(latch.last_stops, 60, 4),
     "F2": Scenario(replays.replays, 10_000, 1_000),
