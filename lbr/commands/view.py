@@ -51,10 +51,14 @@ def _live(frame: Callable[[int, int], list[str]]) -> int:
     from rich.live import Live  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
-    with Live(Text(""), screen=True, auto_refresh=False) as live:
+    from lbr.console.outlet import unhurried  # noqa: PLC0415
+
+    with unhurried() as outlet, Live(Text(""), screen=True, auto_refresh=False) as live:
         while True:
             size = shutil.get_terminal_size()
-            live.update(Text("\n".join(frame(size.columns, size.lines)), no_wrap=True), refresh=True)
+            lines = frame(size.columns, size.lines)
+            if not outlet.waiting:  # else the terminal is not read, and would only fall behind
+                live.update(Text("\n".join(lines), no_wrap=True), refresh=True)
             time.sleep(FRAME_S)
 
 

@@ -182,13 +182,13 @@ class Stream:
 
 
 @contextlib.contextmanager
-def unhurried() -> Iterator[None]:
+def unhurried() -> Iterator[Outlet]:
     """Let nothing that this process prints wait for who reads it, for the time of a `with`."""
     outlet = Outlet()
     out, err = (cast("IO[str]", Stream(outlet, stream.fileno())) for stream in (sys.stdout, sys.stderr))
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
-            yield
+            yield outlet
         finally:
             outlet.drain(LAST_OUTPUT_S)
             outlet.close()

@@ -301,6 +301,11 @@ class Terminal:
         def _answered(_event: KeyPressEvent) -> None:
             self._contact.answered()
 
+        @keys.add("c-s")
+        @keys.add("c-q")
+        def _flow(_event: KeyPressEvent) -> None:
+            """Terminals send these by themselves, to be given time; they are no keys of ours."""
+
         @keys.add("c-c")
         def _interrupt(event: KeyPressEvent) -> None:
             self._let_go()

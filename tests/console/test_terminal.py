@@ -353,6 +353,21 @@ def test_a_terminal_that_is_not_read_stops_what_it_holds(robot, screen):
     assert robot.stopped == ["the terminal has taken no output for 0.4 s"]
 
 
+def test_a_terminal_whose_output_is_held_back_stops_what_it_holds(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    termios.tcflow(screen._text.fileno(), termios.TCOOFF)
+    flood(robot, screen)
+    wait_for(lambda: robot.stopped)
+    termios.tcflow(screen._text.fileno(), termios.TCOON)
+
+
+def test_ctrl_s_and_ctrl_q_are_no_keys(robot, screen):
+    screen.types("\x13s\x11\r")
+    wait_for(lambda: said(robot) == ["s"])
+
+
 def test_a_stop_typed_at_a_terminal_that_is_not_read_is_said(robot, screen):
     flood(robot, screen)
     screen.types("s\r")

@@ -184,6 +184,18 @@ def test_who_prints_into_a_pipe_that_is_read_no_more_can_be_interrupted(robot):
         os.close(reader)
 
 
+def test_a_view_on_a_frozen_terminal_can_be_left(robot):
+    on = OnTerminal(robot.home, [*LBR, "view"])
+    try:
+        on.wait_for(b"[?1049h")
+        on.freeze()
+        until(lambda: on.unread > 3000)
+        on.popen.send_signal(signal.SIGINT)
+        assert on.popen.wait(4) == 130
+    finally:
+        on.end()
+
+
 @pytest.mark.parametrize("way", [signal.SIGTERM, signal.SIGHUP])
 def test_the_robots_own_terminal_ends_it_though_frozen(tmp_path, way):
     on = OnTerminal(robots.prepare(tmp_path / "h"), [*LBR, "run"], answers=False)
