@@ -24,6 +24,7 @@ FLOORS = {
     "messages": {"messages"},
     "ownership": {"errors"},
     "home": {"errors", "ownership"},
+    "surroundings": {"errors"},
     "bus": BUS,
     "capability": CAPABILITY,
     "drivers": CAPABILITY | {"drivers"},

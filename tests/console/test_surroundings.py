@@ -10,6 +10,7 @@ import pytest
 
 from lbr import home, surroundings
 from lbr.errors import InputError
+from tests import programs
 from tests import robot as robots
 
 LBR = f"{sys.executable} -m lbr.cli"
@@ -21,7 +22,7 @@ def shell(tmp_path):
 
     def run(line: str, **variables: str) -> tuple[int, list[str]]:
         environment = os.environ | {"LBR_HOME": str(tmp_path / "home")} | variables
-        done = subprocess.run(
+        done = programs.run(
             ["bash", "-c", f'lbr() {{ {LBR} "$@"; }}; {line}'],
             env={name: value for name, value in environment.items() if value},
             stdin=subprocess.DEVNULL,
@@ -69,7 +70,7 @@ def test_soft_limits_are_no_obstacle(shell):
 def test_what_prints_nothing_needs_no_output():
     code = "from lbr import surroundings as s; s.plug_streams(); exit(bool(s.output_failure()))"
     line = f"{sys.executable} -c '{code}' >&- <&- 2>&-"
-    assert subprocess.run(["bash", "-c", line], timeout=9, check=False).returncode == 0
+    assert programs.run(["bash", "-c", line], timeout=9, check=False).returncode == 0
 
 
 def test_nobody_knows_the_home(monkeypatch):
@@ -101,7 +102,7 @@ def test_limits_are_not_lowered():
 def test_a_robot_with_nowhere_to_print_runs_and_tells_of_it(tmp_path):
     home = robots.prepare(tmp_path / "h")
     with Path(os.devnull).open() as nothing:  # a descriptor that takes no output
-        popen = subprocess.Popen(
+        popen = programs.start(
             [*robots.LBR, "run", "--no-console"], env=robots.environment(home), stdout=nothing, stdin=nothing
         )
     try:
@@ -115,7 +116,7 @@ def test_commands_that_talk_to_a_robot_say_that_they_cannot_print(tmp_path):
     with robots.running(robots.prepare(tmp_path / "h")) as robot:
         for command in (["status"], ["send", "/r/0.1/90", "--hold", "9"], ["console"]):
             with Path("/dev/full").open("w") as full:
-                done = subprocess.run(
+                done = programs.run(
                     [*robots.LBR, *command],
                     env=robots.environment(robot.home),
                     input=b"s\n",

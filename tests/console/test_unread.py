@@ -15,6 +15,7 @@ import pytest
 from benchmarks.clients.terminal import OnTerminal
 from benchmarks.trace import Trace
 from lbr.bus import wire
+from tests import programs
 from tests import robot as robots
 from tests.robot import LBR, environment, until
 
@@ -81,7 +82,7 @@ def full_pipe() -> tuple[int, int]:
 @contextmanager
 def into_full_pipe(robot, *command: str) -> "Iterator[subprocess.Popen[bytes]]":
     reader, writer = full_pipe()
-    popen = subprocess.Popen(
+    popen = programs.start(
         [*LBR, *command], env=environment(robot.home), stdin=subprocess.PIPE, stdout=writer, stderr=subprocess.DEVNULL
     )
     os.close(writer)
@@ -172,7 +173,7 @@ def test_what_is_sent_into_a_full_pipe_is_not_held(robot, trace):
 def test_who_prints_into_a_pipe_that_is_read_no_more_can_be_interrupted(robot):
     reader, writer = os.pipe()
     fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
-    popen = subprocess.Popen([*LBR, "topic", "echo", "drive/state"], env=environment(robot.home), stdout=writer)
+    popen = programs.start([*LBR, "topic", "echo", "drive/state"], env=environment(robot.home), stdout=writer)
     os.close(writer)
     try:
         until(lambda: unread(reader) > 3000, what="a full pipe")
@@ -213,7 +214,7 @@ def test_the_robots_own_terminal_ends_it_though_frozen(tmp_path, way):
 def test_the_ready_line_holds_up_no_robot(tmp_path):
     home = robots.prepare(tmp_path / "h")
     reader, writer = full_pipe()
-    popen = subprocess.Popen([*LBR, "run", "--no-console"], env=environment(home), stdout=writer)
+    popen = programs.start([*LBR, "run", "--no-console"], env=environment(home), stdout=writer)
     os.close(writer)
     try:
         until(lambda: '"ready":true' in robots.lbr(home, "status", "--json").stdout, limit_s=8)
