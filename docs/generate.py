@@ -21,12 +21,14 @@ from lbr.capability import registry
 from lbr.capability.kind import Kind
 from lbr.console.fields import Message
 from lbr.console.verbs import Vocabulary
+from lbr.database import builtin
 from lbr.database.arguments import told
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.executive.profile import Profile
 from lbr.executive.reports import NAMES as REPORTS
-from lbr.executive.wiring import EXECUTIVE_VERBS
+from lbr.executive.wiring import EXECUTIVE_VERBS, least_roles
 from lbr.messages import system
+from lbr.messages.system import higher
 from lbr.simulation import faults
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -338,11 +340,6 @@ def settings_page(known: list[Kind]) -> str:
 def console_page(sql: str) -> str:
     """Return the reference of the shipped vocabulary."""
     verbs, external = _shipped_words(sql)
-    targets = {
-        f"{name}.{command}": message
-        for name, kind in _shipped_kinds(sql).items()
-        for command, message in kind.commands.items()
-    }
     parts = [
         "# Words of the console\n",
         (
@@ -352,11 +349,31 @@ def console_page(sql: str) -> str:
             + ", ".join(f"`{name}`" for name in sorted(EXECUTIVE_VERBS))
             + f". Reports: {', '.join(f'`{name}`' for name in REPORTS)}.\n"
         ),
+        "A word needs the role that its row names, or the one that the command it asks for needs, if that is higher.\n",
+        "## Every robot\n",
+        "These are there whatever the rows say, and no row may take one of them, in capital letters or small ones.\n",
+        _table(
+            ("say", "what it does", "least role"), [(f"`{row.pattern}`", row.help, row.role) for row in builtin.WORDS]
+        ),
     ]
     for robot, rows in verbs.items():
+        kinds = _shipped_kinds(sql, robot)
+        targets = {
+            f"{name}.{command}": message for name, kind in kinds.items() for command, message in kind.commands.items()
+        }
+        needed = least_roles(kinds)
         Vocabulary(rows, external[robot], targets)  # refuses patterns that it could not say
         parts.append(f"## Robot `{robot}`\n")
-        words = [(f"`{row.pattern}`", row.help, f"`{row.target}`", row.role, _payload(row)) for row in rows]
+        words = [
+            (
+                f"`{row.pattern}`",
+                row.help,
+                f"`{row.target}`",
+                higher(row.role, needed.get(row.target, "view")),
+                _payload(row),
+            )
+            for row in rows
+        ]
         parts.append(_table(("say", "what it does", "asks", "least role", "fixed fields"), words))
         parts.append("### Fields\n")
         parts.append(_table(("field", "allowed"), _fields(rows, targets)))
@@ -390,9 +407,10 @@ def _shipped_words(sql: str) -> tuple[dict[str, list[VerbRow]], dict[str, list[E
     return verbs, external
 
 
-def _shipped_kinds(sql: str) -> dict[str, Kind]:
+def _shipped_kinds(sql: str, robot: str) -> dict[str, Kind]:
     database = _database(sql)
-    found = {name: registry.find(kind, NOWHERE) for name, kind in database.execute("SELECT name, kind FROM capability")}
+    rows = database.execute("SELECT name, kind FROM capability WHERE robot = ?", (robot,))
+    found = {name: registry.find(kind, NOWHERE) for name, kind in rows}
     database.close()
     return found
 

@@ -83,6 +83,7 @@ class Robot:
         self.name = ready["robot"]
         self.endpoints = ready["endpoints"]
         self.bus = session.open_client(self.endpoints)
+        self._owner: session.Session | None = None
 
     def as_owner(self) -> session.Session:
         """Open a session with all rights, as `lbr`'s own commands do."""
@@ -97,9 +98,12 @@ class Robot:
     def put(self, key: str, message: Any, *, source: str = "test") -> None:
         wire.put(self.bus, f"{self.name}/{key}", message, source=source)
 
-    def line(self, text: str) -> dict[str, Any]:
-        """Send a console line over the bus."""
-        query = self.bus.get(keys.console(self.name), payload=text, timeout=5.0)
+    def line(self, text: str, role: str = "admin") -> dict[str, Any]:
+        """Send a console line over the bus, with all rights as `lbr send` does, or as who may do less."""
+        if self._owner is None and role == "admin":
+            self._owner = self.as_owner()
+        bus = self._owner if role == "admin" and self._owner is not None else self.bus
+        query = bus.get(keys.console(self.name, role), payload=text, timeout=5.0)
         return json.loads(next(iter(query)).ok.payload.to_bytes())
 
     def status(self) -> dict[str, Any]:
@@ -133,6 +137,8 @@ class Robot:
 
     def close(self) -> int:
         self.bus.close()
+        if self._owner is not None:
+            self._owner.close()
         if self.popen.poll() is None:
             self.popen.send_signal(signal.SIGTERM)
         assert self.popen.stdout is not None

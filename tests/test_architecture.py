@@ -187,7 +187,7 @@ def test_families_of_devices_and_operations_do_not_import_one_another(path):
 @pytest.mark.parametrize("path", [p for p in MODULES if floor(dotted(p)) == "console"], ids=dotted)
 def test_the_console_uses_of_the_database_only_its_light_rows_and_patterns(path):
     used = {name for name in imports(path.read_text(), dotted(path)) if name.startswith("lbr.database")}
-    light = ("lbr.database.rows", "lbr.database.patterns", "lbr.database.arguments")
+    light = ("lbr.database.rows", "lbr.database.patterns", "lbr.database.arguments", "lbr.database.builtin")
     assert all(name.startswith(light) for name in used), used
 
 

@@ -322,12 +322,18 @@ def ask(
 
 
 def ask_all(
-    session: zenoh.Session, keys: Iterable[str], payload: bytes = b"", *, source: str, timeout_s: float
+    session: zenoh.Session,
+    keys: Iterable[str],
+    payload: bytes = b"",
+    *,
+    source: str,
+    timeout_s: float,
+    attachment: bytes = b"",
 ) -> list[Raw]:
-    """Query several keys at once and return all answers that come in time."""
+    """Query several keys at once and return all answers that come in time; `attachment` instead of a stamp of ours."""
     woken = threading.Event()
     questions = [
-        Question(session, key, payload, timeout_s=timeout_s, source=source, wake=woken.set)
+        Question(session, key, payload, timeout_s=timeout_s, source=source, attachment=attachment, wake=woken.set)
         for key in dict.fromkeys(keys)
     ]
     end = time.monotonic() + timeout_s

@@ -6,12 +6,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.console.fields import Field, Message, MessageType
 from lbr.console.printable import clean, listed, shown
-from lbr.database import arguments, patterns
+from lbr.database import arguments, builtin, patterns
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.errors import InputError
+from lbr.messages.system import Role, higher
 
 
 class VerbCall(Struct, frozen=True, kw_only=True):
@@ -52,10 +54,11 @@ Parsed = VerbCall | ExternalCall | ExternalStop | PythonLine
 
 
 class Vocabulary:
-    """What can be said to one robot.
+    """What can be said to one robot: the words that every robot has, and those of its rows.
 
     `messages` gives the type (a Struct or a JSON Schema) of a target's message, by target (`drive.command`);
-    fields of a target that it does not name are texts.
+    fields of a target that it does not name are texts. `roles` gives the least role that a target needs, whatever the
+    row says; the row may need more.
     """
 
     def __init__(
@@ -63,10 +66,13 @@ class Vocabulary:
         verbs: Iterable[VerbRow],
         external: Iterable[ExternalCommandRow] = (),
         messages: Mapping[str, MessageType] | None = None,
+        roles: Mapping[str, Role] | None = None,
     ) -> None:
-        self._verbs = [_Verb(row, patterns.parse(row.pattern), messages or {}) for row in verbs]
+        needed = roles or {}
+        rows = (*builtin.WORDS, *(replace(row, role=higher(row.role, needed.get(row.target, "view"))) for row in verbs))
+        self._verbs = [_Verb(row, patterns.parse(row.pattern), messages or {}) for row in rows]
         self._external = {row.name: row for row in external if row.enabled}
-        self._bare = {verb.pattern.word: verb for verb in self._verbs if verb.pattern.alias}
+        self._bare = {verb.pattern.word: verb for verb in reversed(self._verbs) if verb.pattern.alias}
 
     def parse(self, line: str | bytes) -> Parsed | None:
         """Return what a line asks for, None if it is empty; raise InputError with one line saying what is allowed."""
@@ -121,6 +127,8 @@ class Vocabulary:
     def _path(self, line: str) -> Parsed:
         parts = [part for part in line.split("/") if part]
         word = parts[0].strip() if parts else ""
+        if len(parts) == 1 and builtin.taken(word) and self._is_bare(word):
+            return self._words(word)
         known = [verb for verb in self._verbs if not verb.pattern.alias and verb.pattern.word == word]
         fitting = [verb for verb in known if verb.takes(parts[1:])]
         if not fitting and len(parts) == 1 and self._is_bare(word):
@@ -160,9 +168,10 @@ class Vocabulary:
             return InputError(f"'{shown(word)}' is not a word of this robot; {_HINTS[word.lower().lstrip('/')]}")
         words = {verb.pattern.word if verb.pattern.alias else f"/{verb.pattern.word}" for verb in self._verbs}
         words |= set(self._external)
-        exact = [known for known in sorted(words) if known.lower().lstrip("/") == word.lower().lstrip("/")]
-        near = exact or difflib.get_close_matches(word[:80], sorted(words), n=1, cutoff=0.6)
-        hint = f"did you mean '{near[0]}'? " if near else ""
+        said = {known.lstrip("/"): known for known in sorted(words)}
+        exact = [known for known in said if known.lower() == word.lower().lstrip("/")]
+        near = exact or difflib.get_close_matches(word[:80].lstrip("/"), sorted(said), n=1, cutoff=0.6)
+        hint = f"did you mean '{said[near[0]]}'? " if near else ""
         return InputError(f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said")
 
 

@@ -5,13 +5,15 @@ from collections.abc import Iterable, Sequence
 import msgspec
 from msgspec import Struct
 
-from lbr.database import decode, patterns
+from lbr.database import builtin, decode, patterns
 from lbr.database.reader import json_strictly, shown
 from lbr.database.rows import JointRow, MotionStepRow, Problem, RobotRow, RobotRows, VerbRow
 from lbr.database.tables import KEYS, RawRow, RawTables
 
 EXECUTIVE = "executive"
 """What verbs and channels may have as their target without a row of its own: lbr itself."""
+
+BUILT_IN = "is a word that every robot has, and no row changes: drop this row, or choose another word"
 
 _LISTS = (
     "capabilities",
@@ -150,11 +152,17 @@ class _Between:
     def _same_lines(self) -> None:
         said: dict[tuple[str, ...], VerbRow] = {}
         for row in self._rows.verbs:
-            first = said.setdefault(patterns.parse(row.pattern).shape, row)
+            pattern = patterns.parse(row.pattern)
+            if builtin.shadowed(pattern):
+                self._wrong("verb", row, "word", f"'{row.word}' {BUILT_IN}")
+                continue
+            first = said.setdefault(pattern.shape, row)
             if first is not row:
                 self._wrong("verb", row, "pattern", f"takes the same lines as '{first.pattern}'")
         for command in self._rows.external_commands:
-            if (command.name,) in said:
+            if builtin.taken(command.name):
+                self._wrong("external_command", command, "name", f"'{command.name}' {BUILT_IN}")
+            elif (command.name,) in said:
                 self._wrong("external_command", command, "name", f"'{command.name}' is a verb already")
 
     def _same_servos(self) -> None:

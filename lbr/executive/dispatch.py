@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from lbr import home
 from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
+from lbr.capability.kind import STOP
 from lbr.console.printable import clean
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
 from lbr.errors import InputError, LbrError
@@ -21,10 +22,11 @@ from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.joints import JointMove, JointsCommand, PlayCommand
-from lbr.messages.leases import DEAD_LEASE
+from lbr.messages.leases import DEAD_LEASE, StopCommand
 from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
+STOPPED = "stopped"
 MAX_RUN_S = 30.0
 BOUNDED_RUN_S = 86_400.0
 """What knows its own end is held until then, unless its capability sets a limit."""
@@ -69,11 +71,12 @@ class Dispatcher:
         self._reports = Reports(robot, bus)
         self._namespace = dict(namespace)
         self._leases: dict[tuple[str, str, bool], str] = {}
-        self._built_in: dict[str, Callable[[VerbCall, str], ConsoleResult]] = {
+        self._built_in: dict[str, Callable[[VerbCall, _Speaker], ConsoleResult]] = {
+            "stop": self._stop,
             "report": self._report,
-            "status": lambda _call, _source: ConsoleResult(code=DONE, text=self._reports.health()),
-            "estop": lambda call, source: robot.estop(str(call.payload.get("reason", "")), source),
-            "reset": lambda _call, source: robot.estop_reset(source),
+            "status": lambda _call, _by: ConsoleResult(code=DONE, text=self._reports.health()),
+            "estop": lambda call, by: robot.estop(str(call.payload.get("reason", "")), by.source),
+            "reset": lambda _call, by: robot.estop_reset(by.source),
             "help": self._help,
             "shutdown": self._shutdown,
             "restart": self._restart,
@@ -120,7 +123,7 @@ class Dispatcher:
         if isinstance(parsed, ExternalCall):
             return self._robot.run_external(parsed, by.told)
         if parsed.capability == "executive":
-            return self._built_in[parsed.command](parsed, by.source)
+            return self._built_in[parsed.command](parsed, by)
         return self._ask(parsed, by)
 
     def _ask(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
@@ -194,20 +197,40 @@ class Dispatcher:
     def _found(self, name: str) -> CapabilityStatus | None:
         return next((unit for unit in self._robot.status().capabilities if unit.name == name), None)
 
-    def _report(self, call: VerbCall, _source: str) -> ConsoleResult:
+    def _stop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+        """Stop whatever moves, all of it at once: what one does not answer delays the stop of no other."""
+        robot = self._robot.plan.robot
+        movers = {keys.port(robot, name, STOP): name for name in self._robot.plan.stoppable()}
+        if not movers:
+            return ConsoleResult(code=DONE, text="nothing of this robot moves by commands: there is nothing to stop")
+        payload = wire.encode(StopCommand(reason=str(call.payload.get("reason", ""))))
+        attachment = by.afar or stamp.make(by.source, 0, sent_s=by.sent_s)
+        answers = wire.ask_all(self._bus, movers, payload, source=by.source, timeout_s=2.0, attachment=attachment)
+        said = {movers[answer.key]: codec.decode(answer.payload) for answer in answers if answer.key in movers}
+        silent = [name for name in movers.values() if name not in said and self._has_process(name)]
+        told = dict.fromkeys(_stopped(name, answer) for name, answer in said.items())
+        texts = [*told, *(f"'{name}' did not answer; {self._why_silent(name)}" for name in silent)]
+        good = not silent and all(text == STOPPED for text in told)
+        text = "; ".join(texts) or f"nothing runs that could move: {', '.join(movers.values())}"
+        return ConsoleResult(code=DONE if good else FAILED, text=text)
+
+    def _has_process(self, name: str) -> bool:
+        return (found := self._found(name)) is not None and found.pid is not None
+
+    def _report(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
         data, text = self._reports.make(str(call.payload.get("name", "telemetry")))
         return ConsoleResult(code=DONE, text=text, data=data)
 
-    def _help(self, _call: VerbCall, _source: str) -> ConsoleResult:
+    def _help(self, _call: VerbCall, _by: _Speaker) -> ConsoleResult:
         words = self._robot.vocabulary
         known = choices(self._robot.plan, home.home())
         return ConsoleResult(code=DONE, text=words.help(), data=words.entries(known))
 
-    def _shutdown(self, _call: VerbCall, source: str) -> ConsoleResult:
-        self._robot.shutdown(source)
+    def _shutdown(self, _call: VerbCall, by: _Speaker) -> ConsoleResult:
+        self._robot.shutdown(by.source)
         return ConsoleResult(code=DONE, text="shutting down")
 
-    def _restart(self, call: VerbCall, _source: str) -> ConsoleResult:
+    def _restart(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
         name = str(call.payload.get("name", ""))
         if name not in self._robot.plan.units:
             raise InputError(f"'{name}' does not run; {', '.join(self._robot.plan.units)} do")
@@ -230,6 +253,14 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}")
         text = out.getvalue() + ("" if value is None else repr(value))
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
+
+
+def _stopped(name: str, answer: object) -> str:
+    """Return what became of a stop, as one mover answers it."""
+    if isinstance(answer, dict) and answer.get("accepted"):
+        return str(answer.get("reason", "")) or STOPPED
+    reason = answer.get("reason") if isinstance(answer, dict) else None
+    return f"'{name}' did not stop: {reason or 'it gave no reason'}"
 
 
 def _evaluate(code: str, namespace: dict[str, Any]) -> Any:

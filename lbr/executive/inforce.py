@@ -12,6 +12,7 @@ from lbr.executive import plan as plans
 from lbr.executive.keeper import Keeper
 from lbr.executive.plan import Change, Plan
 from lbr.executive.watch import RowWatch
+from lbr.executive.wiring import least_roles
 from lbr.messages.faces import EditCommand
 from lbr.messages.joints import CapturedFrame
 
@@ -137,4 +138,4 @@ def _first(problems: tuple[str, ...]) -> str:
 
 def _words(plan: Plan) -> Vocabulary:
     messages = {f"{name}.{command}": kind for name in plan.kinds for command, kind in plan.kinds[name].commands.items()}
-    return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages)
+    return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages, least_roles(plan.kinds))

@@ -9,7 +9,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.capability import registry
-from lbr.capability.kind import Kind
+from lbr.capability.kind import STOP, Kind
 from lbr.capability.registry import KindError
 from lbr.database.rows import CapabilityRow, Problem, RobotRows
 from lbr.executive import machine, placement, rights
@@ -39,6 +39,11 @@ class Plan(Struct, frozen=True, kw_only=True):
     def commands(self, name: str) -> tuple[str, ...]:
         """Return what a unit can be asked for."""
         return commands_of(self.units[name], self.kinds[name])
+
+    def stoppable(self) -> tuple[str, ...]:
+        """Return the units that move something and can be told to stop: of their kind, or programs that take a stop."""
+        moving = (name for name, unit in self.units.items() if unit.moves or unit.program is not None)
+        return tuple(name for name in moving if STOP in self.commands(name))
 
     def streams(self) -> tuple[str, ...]:
         """Return the keys of all streams that units publish under their own names."""

@@ -15,7 +15,7 @@ from lbr.messages.system import ConsoleResult, Role, Stamp
 
 MAX_LINE_BYTES = 1 << 16
 MOST_UNDER_WAY = 64
-STOPS = ("s", "stop", "estop", "/estop")
+STOPS = ("s", "stop", "estop")
 
 
 class Service:
@@ -99,8 +99,10 @@ def _caller(found: Stamp | None) -> str:
 
 
 def _is_stop(line: str | bytes) -> bool:
-    text = line[:64].decode(errors="replace") if isinstance(line, bytes) else line[:64]
-    return text.strip().lower() in STOPS or text.strip().startswith("/estop")
+    begins = line.strip()[:64]
+    text = begins.decode(errors="replace") if isinstance(begins, bytes) else begins
+    word, _, more = text.strip("/").partition("/")
+    return word.strip().lower() in STOPS and (not more or word == "estop")
 
 
 def _line(payload: bytes) -> str | bytes:

@@ -14,7 +14,7 @@ from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.rows import ChannelRow, Problem, RobotRows, VerbRow
 from lbr.messages.faces import EditCommand
-from lbr.messages.system import EstopResetCommand
+from lbr.messages.system import EstopResetCommand, Role
 
 EXECUTIVE = "executive"
 EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {
@@ -24,12 +24,29 @@ EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {
 """What capabilities may ask the executive for, if their rows wire them to it."""
 
 EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
+    "stop": frozenset({"reason"}),
     "report": frozenset({"name"}),
     "estop": frozenset({"reason"}),
     "restart": frozenset({"name"}),
     **dict.fromkeys(("reset", "help", "shutdown", "status"), frozenset()),
 }
 """What the executive does by itself, and the fields that each takes."""
+
+EXECUTIVE_ROLES: Mapping[str, Role] = {
+    **dict.fromkeys(("stop", "estop", "status", "help", "report"), "view"),
+    "reset": "operate",
+    **dict.fromkeys(("restart", "shutdown"), "admin"),
+}
+"""The least role that each needs."""
+
+
+def least_roles(kinds: Mapping[str, Kind]) -> dict[str, Role]:
+    """Return the least role that each command of a robot needs, by `capability.command`: its kind says so."""
+    found = {f"{EXECUTIVE}.{command}": role for command, role in EXECUTIVE_ROLES.items()}
+    return found | {
+        f"{name}.{command}": kind.role(command) for name, kind in kinds.items() for command in kind.commands
+    }
+
 
 _FIELD = re.compile(r"\{([a-z_]+)(?:\.\.\.)?\}")
 ANY = object()

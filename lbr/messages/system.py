@@ -6,6 +6,13 @@ from msgspec import Meta, Struct
 
 Role = Literal["view", "operate", "admin"]
 RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
+
+
+def higher(one: Role, other: Role) -> Role:
+    """Return the role of the two that fewer have."""
+    return max(one, other, key=RANKS.__getitem__)
+
+
 """A role may do what those below it may."""
 TokenRole = Literal["view", "operate", "admin", "host"]
 """What a token lets its holder do; `host` is for another machine that runs a share of the robot, and looks and stops besides."""

@@ -18,7 +18,6 @@ VOCABULARY = Vocabulary(
         verb("/r/{power}/{angle_deg}", "drive.command"),
         verb("/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}", "drive.command"),
         verb("/report/{name}", "executive.report"),
-        verb("stop", "drive.stop"),
     ],
     [ExternalCommandRow(name="clock", argv=("/bin/date",))],
     {"drive.command": DriveCommand},
@@ -36,9 +35,9 @@ def offered(text: str) -> list[str]:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("", ["/r/", "/report/", "stop", "clock"]),
+        ("", ["s", "S", "stop", "estop", "/estop/", "reset", "status", "help", "Shutdown", "/r/", "/report/", "clock"]),
         ("/re", ["/report/"]),
-        ("ST", ["stop"]),
+        ("ST", ["stop", "status"]),
         ("stop c", ["clock"]),
         ("/r/", ["power: 0 to 1"]),
         ("/r/0.2/", ["angle: -360 to 360 degrees"]),

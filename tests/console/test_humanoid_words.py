@@ -65,7 +65,7 @@ def said(line: str) -> tuple[str, dict]:
         ("arm", "power.arm", {"armed": True}),
         ("/arm/10.8/10.2", "power.arm", {"armed": True, "warn_v": 10.8, "shutdown_v": 10.2}),
         ("cancel", "power.cancel", {}),
-        ("S", "joints.stop", {}),
+        ("S", "executive.stop", {}),
     ],
 )
 def test_a_line_becomes_its_message(line, target, payload):

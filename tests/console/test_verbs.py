@@ -1,8 +1,10 @@
+import msgspec
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lbr.console.verbs import ExternalCall, ExternalStop, PythonLine, VerbCall, Vocabulary
+from lbr.database import builtin
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.errors import InputError
 from lbr.messages.drive import DriveCommand
@@ -26,16 +28,12 @@ VOCABULARY = Vocabulary(
         verb("/r/{power}/{angle_deg}", "drive.command"),
         verb("/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}", "drive.command"),
         verb("/go/{distance_cm}/{power}", "drive.command", {"angle_deg": 0}),
-        verb("s", "drive.stop"),
-        verb("S", "drive.stop"),
-        verb("stop", "drive.stop"),
         verb("f", "drive.command", {"power": 0.25, "angle_deg": 0}),
         verb("/s/{text...}", "speech.say"),
         verb("/d/{song}", "dance.play"),
         verb("/d/{song}/{times}", "dance.play"),
         verb("/report/{name}", "executive.report"),
         verb("/report/all", "executive.report", {"name": "*"}),
-        verb("Shutdown", "executive.shutdown"),
     ],
     [CLOCK, BEAM, ExternalCommandRow(name="gone", argv=("/bin/true",), enabled=False)],
     {"drive.command": DriveCommand, "drive.stop": StopCommand, "dance.play": SONG_SCHEMA},
@@ -53,13 +51,13 @@ VOCABULARY = Vocabulary(
             "drive.command",
             {"power": 0.2, "angle_deg": 0.0, "range_cm": 40.0, "sensor": "forward", "interval_s": 0.0},
         ),
-        ("S", "drive.stop", {}),
-        ("s", "drive.stop", {}),
-        ("stop", "drive.stop", {}),
-        ("STOP", "drive.stop", {}),
-        ("/stop", "drive.stop", {}),
-        ("/S/", "drive.stop", {}),
-        ("/s", "drive.stop", {}),
+        ("S", "executive.stop", {}),
+        ("s", "executive.stop", {}),
+        ("stop", "executive.stop", {}),
+        ("STOP", "executive.stop", {}),
+        ("/stop", "executive.stop", {}),
+        ("/S/", "executive.stop", {}),
+        ("/s", "executive.stop", {}),
         ("f", "drive.command", {"power": 0.25, "angle_deg": 0}),
         ("F", "drive.command", {"power": 0.25, "angle_deg": 0}),
         ("/s/a/b", "speech.say", {"text": "a/b"}),
@@ -174,8 +172,8 @@ def test_what_may_be_of_several_types_is_taken_as_it_is_written(text):
 
 def test_entries_tell_completion_the_fields_and_their_choices():
     entries = VOCABULARY.entries({"executive.report": ["drive", "battery"], "drive.command.power": ["0.2"]})
-    assert entries[1]["fields"][0]["choices"] == ["0.2"]
-    assert entries[1]["fields"][3] == {
+    assert entries[len(builtin.WORDS) + 1]["fields"][0]["choices"] == ["0.2"]
+    assert entries[len(builtin.WORDS) + 1]["fields"][3] == {
         "name": "sensor",
         "hint": "back, bottom, forward, left or right",
         "choices": ["back", "bottom", "forward", "left", "right"],
@@ -219,3 +217,18 @@ def test_every_number_in_range_comes_through(power, angle):
     call = VOCABULARY.parse(f"/r/{power:.6f}/{angle:.6f}")
     assert call.payload["power"] == pytest.approx(power, abs=1e-6)
     assert call.payload["angle_deg"] == pytest.approx(angle, abs=1e-6)
+
+
+@pytest.mark.parametrize("line", ["s", "S", "stop", "STOP", "/stop", "//s/", " stop "])
+def test_the_stop_words_are_there_without_rows_and_whatever_rows_say(line):
+    stolen = [verb(pattern, "drive.command", {"power": 1.0, "angle_deg": 0}) for pattern in ("s", "S", "stop", "/stop")]
+    for vocabulary in (Vocabulary([]), Vocabulary(stolen, [ExternalCommandRow(name="s", argv=("/bin/true",))])):
+        call = vocabulary.parse(line)
+        assert isinstance(call, VerbCall)
+        assert (call.capability, call.command, call.verb.role) == ("executive", "stop", "view")
+
+
+def test_a_word_needs_the_higher_of_the_roles_of_its_row_and_of_its_command():
+    rows = [verb("a", "x.low"), verb("b", "x.high"), msgspec.structs.replace(verb("c", "x.low"), role="admin")]
+    vocabulary = Vocabulary(rows, (), {}, {"x.low": "view", "x.high": "admin"})
+    assert [vocabulary.parse(line).verb.role for line in "abc"] == ["operate", "admin", "admin"]

@@ -128,7 +128,8 @@ BAD_VALUES = [
     ("verb", 0, "payload", "[]", "is not a JSON object"),
     ("verb", 0, "payload", '{"power": 1}', "sets 'power', which the pattern binds"),
     ("verb", 0, "role", "root", "'root' is none of view, operate, admin"),
-    ("external_command", 0, "name", "stop", "'stop' is a verb already"),
+    ("external_command", 0, "name", "stop", "'stop' is a word that every robot has, and no row changes: drop this row"),
+    ("external_command", 0, "name", "f", "'f' is a verb already"),
     ("external_command", 0, "argv", "[]", "names no program"),
     ("external_command", 0, "argv", '[""]', "names no program"),
     ("external_command", 0, "argv", '"/bin/date"', "is not a JSON list of strings"),
@@ -328,3 +329,38 @@ def check_sound(rows):
 )
 def test_arbitrary_tables_never_raise(tables):
     check_sound(check(tables, "lbr"))
+
+
+@pytest.mark.parametrize(
+    ("word", "pattern"),
+    [
+        ("stop", "stop"),
+        ("s", "s"),
+        ("S", "/S"),
+        ("STOP", "STOP"),
+        ("Stop", "/Stop"),
+        ("estop", "estop"),
+        ("estop", "/estop/{reason...}"),
+        ("estop", "/estop/{name}"),
+        ("Estop", "/Estop/now/{name}"),
+        ("reset", "/reset"),
+        ("status", "status"),
+        ("help", "help"),
+        ("Shutdown", "Shutdown"),
+        ("shutdown", "shutdown"),
+    ],
+)
+@pytest.mark.parametrize("target", ["drive.stop", "executive.report", "drive.command"])
+def test_a_row_that_would_change_a_word_of_every_robot_is_refused_by_name(word, pattern, target):
+    tables = copy.deepcopy(SHIPPED)
+    row = {"robot": "lbr", "word": word, "pattern": pattern, "target": target, "payload": None, "role": "admin"}
+    tables["verb"].append(row | {"help": ""})
+    rows = check(tables, "lbr")
+    why = f"'{word}' is a word that every robot has, and no row changes: drop this row, or choose another word"
+    assert [str(problem) for problem in rows.problems] == [f"verb 'lbr/{word}/{pattern}', word: {why}"]
+    assert all(verb.pattern != pattern for verb in rows.verbs)
+
+
+def test_a_path_that_begins_like_a_word_of_every_robot_is_nobodys_and_may_be_a_row():
+    assert any(row["pattern"] == "/s/{text...}" for row in SHIPPED["verb"])
+    assert not check(SHIPPED, "lbr").problems

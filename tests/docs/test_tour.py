@@ -5,6 +5,7 @@ import re
 import pytest
 
 from lbr.console.verbs import ExternalCall, ExternalStop, PythonLine, VerbCall, Vocabulary
+from lbr.database import builtin
 from lbr.database.store import Database, create
 from lbr.errors import InputError
 from tests.docs.pages import ROOT, blocks
@@ -31,7 +32,7 @@ def test_every_word_of_the_console_is_in_the_tour(rows):
     words = Vocabulary(rows.verbs, rows.external_commands)
     said = [words.parse(line) for line in typed() if line not in REFUSED]
     patterns = {call.verb.pattern for call in said if isinstance(call, VerbCall)}
-    assert {row.pattern for row in rows.verbs} - patterns == set()
+    assert {row.pattern for row in (*builtin.WORDS, *rows.verbs)} - patterns == set()
     started = {call.command.name for call in said if isinstance(call, ExternalCall)}
     assert {row.name for row in rows.external_commands if row.enabled} - started == set()
     assert any(isinstance(call, ExternalStop) for call in said)

@@ -4,13 +4,45 @@ from types import SimpleNamespace
 
 import pytest
 
+from lbr.database import builtin
 from lbr.errors import InputError
+from lbr.executive import service
 from lbr.executive.dispatch import Dispatcher
-from lbr.executive.wiring import EXECUTIVE_VERBS
+from lbr.executive.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
 
 
 def test_every_word_that_a_row_may_name_exists():
     assert set(Dispatcher(None, None, {})._built_in) == set(EXECUTIVE_VERBS)
+
+
+def test_each_has_a_least_role():
+    assert set(EXECUTIVE_ROLES) == set(EXECUTIVE_VERBS)
+
+
+def test_the_words_of_every_robot_have_the_roles_of_what_they_ask_for():
+    assert all(row.role == EXECUTIVE_ROLES[row.target_end[1]] for row in builtin.WORDS)
+
+
+@pytest.mark.parametrize(
+    ("line", "is_stop"),
+    [
+        (b"s", True),
+        ("S", True),
+        ("/stop", True),
+        ("//s// ", True),
+        (b"  STOP\n", True),
+        ("estop", True),
+        ("/estop/it burns", True),
+        (" " * 99 + "stop", True),
+        (b"\xff", False),
+        ("/s/Hello", False),
+        ("stop navcam", False),
+        ("/stop/it", False),
+        ("", False),
+    ],
+)
+def test_a_stop_waits_behind_no_other_line(line, is_stop):
+    assert service._is_stop(line) is is_stop
 
 
 def test_what_waits_for_a_machine_that_is_not_there_is_not_said_to_start_anew():

@@ -81,6 +81,34 @@ def test_a_word_is_a_row(robot):
     until(lambda: robot.line("creep")["code"] == 2)
 
 
+def test_no_row_takes_the_words_that_stop_and_end_a_robot(robot):
+    said = robot.status()["revision"]
+    robot.edit("DELETE FROM verb WHERE word IN ('s', 'S', 'stop', 'estop', 'reset', 'status', 'help', 'Shutdown')")
+    until(lambda: revision(robot) > said)
+    for line in ("s", "S", "stop", "/stop", "STOP"):
+        assert (robot.line(line, role="view")["code"], robot.line(line)["text"]) == (0, "stopped"), line
+    assert robot.line("estop", role="view")["code"] == 0
+    assert "needs the role 'operate'" in robot.line("reset", role="view")["text"]
+    until(lambda: robot.line("reset", role="operate")["code"] == 0)
+    assert all(robot.line(line, role="view")["code"] == 0 for line in ("status", "help"))
+    assert "needs the role 'admin'" in robot.line("Shutdown", role="operate")["text"]
+    robot.edit(
+        "INSERT INTO verb (robot, word, pattern, target, role) VALUES ('lbr', 'stop', 'stop', 'drive.command', 'admin')"
+    )
+    sentence = "verb 'lbr/stop/stop', word: 'stop' is a word that every robot has, and no row changes"
+    until(lambda: sentence in " ".join(event["text"] for event in robot.events()), what="it is refused by name")
+    assert robot.line("stop", role="view")["text"] == "stopped"
+    robot.edit("DELETE FROM verb WHERE word = 'stop'")
+
+
+def test_who_may_less_than_a_command_needs_is_refused_whatever_its_row_says(robot):
+    robot.edit("UPDATE verb SET role = 'view' WHERE word IN ('restart', 'fault', 'picture')")
+    role = {entry["word"]: entry["role"] for entry in robot.line("help")["data"]}
+    assert {role[word] for word in ("restart", "fault", "picture")} == {"admin"}
+    for line in ("/restart/ranges", "/fault/range_board/silent", "picture"):
+        assert robot.line(line, role="operate")["text"] == "this needs the role 'admin', and you have 'operate'"
+
+
 def test_an_external_command_is_a_row_and_ends_with_it(robot):
     robot.edit(
         "INSERT INTO external_command (robot, name, argv, blocking, help) VALUES ('lbr', 'nap', ?, 0, '')",

@@ -1,4 +1,4 @@
-"""What may be typed after the name of an external command, and who may start it; where a token lets in."""
+"""What follows the name of an external command, and who may start it; where a token lets in; words of no row."""
 
 from alembic import op
 
@@ -56,6 +56,22 @@ BEGIN
             NULL);
 END;
     """,
+    "DROP TRIGGER verb_delete",
+    """
+DELETE FROM verb
+WHERE lower(word) IN ('s', 'stop', 'estop', 'reset', 'status', 'help', 'shutdown')
+AND (pattern IN (word, '/' || word) OR lower(word) = 'estop')
+    """,
+    """
+CREATE TRIGGER verb_delete AFTER DELETE ON verb
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('verb', json_array(OLD.robot, OLD.word, OLD.pattern), 'delete',
+            json_object('robot', OLD.robot, 'word', OLD.word, 'pattern', OLD.pattern, 'target', OLD.target,
+            'payload', OLD.payload, 'role', OLD.role, 'help', OLD.help),
+            NULL);
+END;
+    """,
     """
 ALTER TABLE user_token ADD COLUMN good_for TEXT NOT NULL DEFAULT 'both'
     CHECK (good_for IN ('bus', 'web', 'both'))
@@ -64,7 +80,10 @@ ALTER TABLE user_token ADD COLUMN good_for TEXT NOT NULL DEFAULT 'both'
 
 
 def upgrade() -> None:
-    """Add the columns: what was typed after a name before is taken no more, and every token lets in as it did."""
+    """Add the columns: what was typed after a name before is taken no more, and every token lets in as it did.
+
+    Rows of words that every robot has now, whatever they meant, go: no row may change what stops it.
+    """
     for statement in STATEMENTS:
         op.execute(statement)
 
