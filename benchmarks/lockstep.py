@@ -118,11 +118,7 @@ class Lockstep:
         known = self._state.hold.lease if self._state.hold else ""
         command = DriveCommand(power=wanted.power, angle_deg=wanted.angle_deg, lease=known)
         named = f"lease-{next(self._order)}"
-        self._decide(
-            Command(
-                command=command, source="approach", role="operate", new_lease=named, new_goal=named, received=self.now
-            )
-        )
+        self._decide(Command(command=command, source="approach", new_lease=named, new_goal=named, received=self.now))
 
     def _decide(self, event: Event) -> None:
         self._state, outputs = decide(self._state, event, self.now)

@@ -15,7 +15,7 @@ HEADINGS = (0.0, 90.0, 180.0, 270.0, 360.0)
 DISTANCES_CM = (2.0, 20.0, 100.0, 500.0)
 TTLS = (None, None, None, None, 0.05, 0.15, 0.6, 1.0)
 
-Habit = Literal["renews", "streams", "looks"]
+Habit = Literal["renews", "streams"]
 
 
 class Post(Protocol):
@@ -103,7 +103,6 @@ class Client:
             interval_s=dice.choice((0.1, 0.5, 2.0, 6.0)) if kind > 0.3 and dice.random() < 0.2 else 0.0,
             ttl_s=dice.choice(TTLS),
             take_over=dice.random() < 0.3,
-            role="view" if self.habit == "looks" else "operate",
             remote=self.remote,
             answerable=dice.random() < 0.9,
             ahead_s=self.clock_ahead_s,
@@ -120,7 +119,6 @@ class Client:
             wanted.interval_s,
             wanted.ttl_s,
             wanted.take_over,
-            wanted.role,
             wanted.remote,
             wanted.answerable,
             now,

@@ -15,7 +15,6 @@ AHEAD_S = {"console": 0.0, "bench": nan, "page": 1e4, "phone": -50.0, "plain": n
 REMOTE = {"page", "phone", "plain"}
 
 sources = st.sampled_from(sorted(AHEAD_S))
-roles = st.sampled_from(["operate"] * 6 + ["admin", "view"])
 powers = st.sampled_from([0.0, 0.1, 0.4, 0.8, 1.0])
 angles = st.sampled_from(sorted(GUARDED))
 rarely = st.sampled_from([False, False, False, True])
@@ -144,7 +143,6 @@ class MotionMachine(RuleBasedStateMachine):
 
     @rule(
         source=sources,
-        role=roles,
         power=powers,
         angle=angles,
         bound=bounds,
@@ -161,7 +159,6 @@ class MotionMachine(RuleBasedStateMachine):
 
     @rule(
         source=sources,
-        role=roles,
         turn_deg=turns,
         heading_deg=headings,
         to_heading=st.booleans(),
@@ -222,7 +219,7 @@ class MotionMachine(RuleBasedStateMachine):
 
     def _say(self, asked: Message, *, lease: str, age_s: float = 0.0) -> None:
         """Say once more what was asked, under its lease."""
-        self._send(replace(asked, lease=lease, take_over=False, role="operate", answerable=True, check=None), age_s)
+        self._send(replace(asked, lease=lease, take_over=False, answerable=True, check=None), age_s)
 
     def _send(self, message: Message, age_s: float) -> None:
         remote, ahead_s = message.source in REMOTE, AHEAD_S[message.source]

@@ -23,7 +23,6 @@ class Message(Struct, frozen=True):
     interval_s: float = 0.0
     ttl_s: float | None = None
     take_over: bool = False
-    role: str = "operate"
     remote: bool = False
     answerable: bool = True
     sent: float = 0.0
@@ -67,7 +66,6 @@ def command_event(message: Message, name: str, now: float) -> Command:
     return Command(
         command=_command(message),
         source=message.source,
-        role=message.role,  # type: ignore[arg-type]  # also roles that do not exist
         new_lease=name,
         new_goal=f"G{name}",
         received=min(now, message.sent) if dated else now,

@@ -251,7 +251,7 @@ class Reference:
             return False
         if moves and message.remote and not message.lease and not message.answerable:
             return False
-        if message.role == "view" or (checked and not message.check):
+        if checked and not message.check:
             return False
         if not self._may_hold(message, dated):
             return False

@@ -258,7 +258,6 @@ def _clients(dice: Random) -> tuple[Client, ...]:
         Client("console", clock_ahead_s=0.0),
         Client("bench"),
         Client("stuck", habit="streams", clock_ahead_s=0.0),
-        Client("viewer", habit="looks"),
         Client("page", remote=True, clock_ahead_s=1000.0 * dice.random()),
         Client("phone", remote=True, clock_ahead_s=-50.0),
         Client("plain", remote=True),

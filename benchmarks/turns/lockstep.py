@@ -132,9 +132,7 @@ class Robot:
 
     def _say(self, command: TurnCommand | HeadingCommand, name: str) -> None:
         now = self.plant.now
-        event = Command(
-            command=command, source="bench", role="operate", new_lease=f"L{name}", new_goal=name, received=now
-        )
+        event = Command(command=command, source="bench", new_lease=f"L{name}", new_goal=name, received=now)
         self._happens(event)
 
     def _happens(self, event: Event) -> None:

@@ -10,7 +10,6 @@ from lbr.bus import stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
 from lbr.messages.leases import CommandReply
-from lbr.messages.system import Role
 
 UNSTAMPED = "a bus client"
 
@@ -35,7 +34,6 @@ class BusCall:
         self.name = name
         self.message = message
         self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
-        self.role: Role = "operate"
         self.arrived = stamp.sent_s(found, request.arrived)
         boot = found.boot if found is not None else ""
         self.remote = (found is not None and bool(found.via)) or (away and boot != stamp.boot_id())

@@ -11,7 +11,7 @@ from lbr.messages.dance import DanceStep
 from lbr.messages.faces import Button, EditCommand, Motor
 from lbr.messages.joints import CapturedFrame, Joint, Motion
 from lbr.messages.speech import Phrase
-from lbr.messages.system import Role, Stamp
+from lbr.messages.system import Stamp
 
 S_co = TypeVar("S_co", bound=Struct, covariant=True)
 
@@ -39,7 +39,6 @@ class Call(Protocol):
     name: str
     message: Any
     source: str
-    role: Role
     arrived: float
     remote: bool
     sender_s: float

@@ -92,7 +92,6 @@ class CheckRequest(Struct, frozen=True, kw_only=True):
     """
 
     source: str
-    role: str
     command: DriveCommand
     turn: TurnCommand | None = None
     heading: HeadingCommand | None = None

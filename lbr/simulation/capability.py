@@ -16,7 +16,7 @@ from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine
 from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
-from lbr.simulation.plugged import Plugged, may, tell_of_drawing
+from lbr.simulation.plugged import Plugged, tell_of_drawing
 from lbr.simulation.requests import (
     FaultRequest,
     PictureRequest,
@@ -88,8 +88,6 @@ class World(Capability[WorldSettings]):
 
     def command(self, call: Call) -> None:
         """Answer `fault`, `place`, `remove` and `picture`."""
-        if not may(call):
-            return
         if isinstance(call.message, FaultRequest) and self._plugged is not None:
             self._plugged.fault(call, call.message)
         elif isinstance(call.message, PlaceRequest | RemoveRequest):

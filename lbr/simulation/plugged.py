@@ -1,4 +1,4 @@
-"""The devices of a world: a twin for each device row that has one, and what is made to go wrong with them; who may ask."""
+"""The devices of a world: a twin for each device row that has one, and what is made to go wrong with them."""
 
 import json
 from collections.abc import Iterable
@@ -6,19 +6,10 @@ from collections.abc import Iterable
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.simulation.cameras.orders import Drawing
-from lbr.simulation.requests import FaultReply, FaultRequest, PictureRequest
+from lbr.simulation.requests import FaultReply, FaultRequest
 from lbr.simulation.twins import TWINS, WITHOUT_TWIN, Surroundings, Twin
 
 _LOCAL = ("/", "unix:/")
-
-
-def may(call: Call) -> bool:
-    """Say whether somebody may ask this of a world; refuse whoever only looks all but a picture at no named place."""
-    drawn = isinstance(call.message, PictureRequest)
-    if call.role != "view" or (drawn and not call.message.path):
-        return True
-    call.refuse(f"{call.name} needs the role operate{', unless no path is named' if drawn else ''}")
-    return False
 
 
 def tell_of_drawing(ctx: Context, said: Iterable[Drawing]) -> None:  # type: ignore[type-arg]  # any world's

@@ -25,7 +25,6 @@ class FakeCall:
     message: Any
     arrived: float = 0.0
     source: str = "console"
-    role: str = "operate"
     remote: bool = False
     sender_s: float = nan
     answerable: bool = True

@@ -37,11 +37,6 @@ def test_what_cannot_be_is_refused_with_a_reason(bench, name, message, reason):
     assert reason in bench.ask(name, message).refusal
 
 
-@pytest.mark.parametrize(("name", "message"), [("place", PlaceRequest(x_m=3.0, y_m=0.0)), ("remove", RemoveRequest())])
-def test_who_may_only_look_changes_nothing(bench, name, message):
-    assert "needs the role operate" in bench.ask(name, message, role="view").refusal
-
-
 def test_things_come_and_go_while_the_world_runs(bench):
     for turn in range(30):
         assert bench.ask("place", PlaceRequest(name=f"box {turn % 3}", x_m=1.0 + turn / 10, y_m=0.5)).answer

@@ -143,25 +143,23 @@ def test_a_picture_is_saved_where_asked(bench, tmp_path):
 
 def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    call = bench.ask("picture", PictureRequest(), role="view")
+    call = bench.ask("picture", PictureRequest())
     assert bench.until(lambda: call.answer is not None)
     assert call.answer.path.startswith(str(tmp_path / "home" / "pictures" / "lbr-"))
 
 
 @pytest.mark.parametrize(
-    ("name", "message", "role", "reason"),
+    ("name", "message", "reason"),
     [
-        ("fault", FaultRequest(device="legs", name="unplug"), "operate", "there are: motors, ranges"),
-        ("fault", FaultRequest(device="motors", name="explode"), "operate", "allowed here: unplug, silent"),
-        ("fault", FaultRequest(device="motors", name="drop", value=7.0), "operate", "fault 'drop'"),
-        ("fault", FaultRequest(device="motors", name="unplug"), "view", "needs the role operate"),
-        ("picture", PictureRequest(path="/tmp/room.png"), "view", "needs the role operate, unless no path"),
-        ("picture", PictureRequest(path="room.png"), "operate", "absolute"),
-        ("picture", PictureRequest(path="/etc/passwd"), "operate", "ends in .png"),
+        ("fault", FaultRequest(device="legs", name="unplug"), "there are: motors, ranges"),
+        ("fault", FaultRequest(device="motors", name="explode"), "allowed here: unplug, silent"),
+        ("fault", FaultRequest(device="motors", name="drop", value=7.0), "fault 'drop'"),
+        ("picture", PictureRequest(path="room.png"), "absolute"),
+        ("picture", PictureRequest(path="/etc/passwd"), "ends in .png"),
     ],
 )
-def test_what_cannot_be_done_is_refused_with_a_reason(bench, name, message, role, reason):
-    assert reason in bench.ask(name, message, role=role).refusal
+def test_what_cannot_be_done_is_refused_with_a_reason(bench, name, message, reason):
+    assert reason in bench.ask(name, message).refusal
 
 
 def test_what_ends_the_worlds_thread_ends_the_capability(bench, monkeypatch):

@@ -45,10 +45,8 @@ class FakeContext:
 
 
 class FakeCall:
-    role = "operate"
-
-    def __init__(self, name, message, role="operate"):
-        self.name, self.message, self.role = name, message, role
+    def __init__(self, name, message):
+        self.name, self.message = name, message
         self.answer = self.refusal = None
 
     def reply(self, answer, *, quiet=False):

@@ -23,7 +23,6 @@ def asks(event: Command, settings: DriveSettings) -> Ask:
     command = event.command
     return Ask(
         source=event.source,
-        role=event.role,
         lease=command.lease,
         what=what(command),
         moves=moves(command),
@@ -98,12 +97,6 @@ def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
     )
 
 
-def _rights(state: State, event: Command, ask: Ask, now: float) -> str:
-    """Whoever may only look may not drive."""
-    del event, now
-    return acceptance.rights(state.holding, ask)
-
-
 def _holder(state: State, event: Command, ask: Ask, now: float) -> str:
     """One holder."""
     del event
@@ -155,4 +148,4 @@ def _renews(state: State, ask: Ask) -> bool:
     return acceptance.intent(state.holding, ask) == "renewal"
 
 
-CHAIN: tuple[Link, ...] = (_form, _rights, _holder, _state, _limits, _rules, _checks)
+CHAIN: tuple[Link, ...] = (_form, _holder, _state, _limits, _rules, _checks)

@@ -48,10 +48,10 @@ def straight(command: DriveCommand) -> bool:
     return fmod(command.angle_deg, 180.0) == 0.0
 
 
-def shown(source: str, role: str, command: Motion, settings: DriveSettings) -> CheckRequest:
+def shown(source: str, command: Motion, settings: DriveSettings) -> CheckRequest:
     """Return what the user's checks are shown: a turn as the spin that it is, and as what was asked."""
     if isinstance(command, DriveCommand):
-        return CheckRequest(source=source, role=role, command=command)
+        return CheckRequest(source=source, command=command)
     spin = DriveCommand(
         power=power_of(command, settings),
         angle_deg=towards_deg(command),
@@ -60,5 +60,5 @@ def shown(source: str, role: str, command: Motion, settings: DriveSettings) -> C
         take_over=command.take_over,
     )
     if isinstance(command, TurnCommand):
-        return CheckRequest(source=source, role=role, command=spin, turn=command)
-    return CheckRequest(source=source, role=role, command=spin, heading=command)
+        return CheckRequest(source=source, command=spin, turn=command)
+    return CheckRequest(source=source, command=spin, heading=command)

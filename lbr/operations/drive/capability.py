@@ -148,7 +148,7 @@ class Drive(Capability[DriveSettings]):
 
     def _ask(self, call: Call, command: Motion) -> None:
         timeout_s = self.ctx.settings.checks_timeout_s
-        question = shown(call.source, call.role, command, self.ctx.settings)
+        question = shown(call.source, command, self.ctx.settings)
         asked = self.ctx.ask("checks", question, timeout_s=timeout_s)
         self._waiting.append(Waiting(call, asked, self.ctx.clock() + 2 * timeout_s))
 
@@ -193,7 +193,6 @@ def _event(call: Call, answers: dict[str, Any] | None = None) -> Command:
     return Command(
         command=call.message,
         source=call.source,
-        role=call.role,
         new_lease=secrets.token_hex(8),
         new_goal=f"goal-{secrets.token_hex(4)}",
         received=call.arrived,

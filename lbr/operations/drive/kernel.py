@@ -29,7 +29,6 @@ from lbr.operations.leasing.state import EstopChanged, Happened, Stop, Words, fi
 BACK = "the clock went back"
 WORDS = Words(
     noun="the base",
-    verb="drive",
     rest="send power 0, or pause, before driving again",
     idle="nobody drives",
 )

@@ -10,7 +10,6 @@ from lbr.messages.drive import CheckVerdict, GoalResult, Sensor
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges
-from lbr.messages.system import Role
 from lbr.operations.drive import bearing, mileage
 from lbr.operations.drive.asked import Motion
 from lbr.operations.drive.bearing import Bearing
@@ -32,7 +31,6 @@ class Command(Struct, frozen=True, kw_only=True):
 
     command: Motion
     source: str
-    role: Role
     new_lease: str
     new_goal: str
     received: float

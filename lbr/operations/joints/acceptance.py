@@ -26,7 +26,6 @@ def asks(state: State, event: Command) -> Ask:
     command = event.command
     ask = Ask(
         source=event.source,
-        role=event.role,
         lease=command.lease,
         what=asked(command, event.new_goal),
         moves=True,
@@ -68,10 +67,10 @@ def _form(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
 
 
 def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
-    """One holder, who may, and in time."""
+    """One holder, and in time."""
     del command
     held = state.holding
-    return acceptance.form(held, ask, now) or acceptance.rights(held, ask) or acceptance.holder(held, ask, now)
+    return acceptance.form(held, ask, now) or acceptance.holder(held, ask, now)
 
 
 def _busy(state: State, command: JointsCommand, ask: Ask, now: float) -> str:

@@ -8,7 +8,6 @@ from msgspec import Struct
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, TorqueCommand
 from lbr.messages.servos import ServoSetpoint, ServosState, ServoState
-from lbr.messages.system import Role
 from lbr.operations.joints.body import Body
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.settings import JointsSettings
@@ -30,7 +29,6 @@ class Command(Struct, frozen=True, kw_only=True):
 
     command: JointsCommand
     source: str
-    role: Role
     new_lease: str
     new_goal: str
     received: float
@@ -44,7 +42,6 @@ class Torque(Struct, frozen=True, kw_only=True):
 
     command: TorqueCommand
     source: str
-    role: Role
     received: float
     remote: bool = False
     answerable: bool = True
@@ -138,7 +135,6 @@ class State(Struct, frozen=True, kw_only=True):
 
 WORDS = Words(
     noun="the joints",
-    verb="move",
     rest="stop, or pause, before moving again",
     idle="nobody moves the joints",
 )

@@ -5,7 +5,7 @@ bounds, whatever it needs); it makes an `Ask` of every command that comes in. Th
 
 - before every event: `ending.lapse` ends what was not renewed, or `ending.lose_time` everything if the clock went back;
 - a command: `acceptance.intent` says what is wanted. A "stop" is `holding.stop`. Anything else passes the links `form`,
-  `rights`, `holder` and `at_rest` of `acceptance`, and the kernel's own after them; one that objects makes it `refuse`.
+  `holder` and `at_rest` of `acceptance`, and the kernel's own after them; one that objects makes it `refuse`.
   Then, all in `holding`, a "renewal" is `renew`, a "change" is `change`, and the rest `begin`, or `offer` if the ask is
   `remote` and the intent "new"; `with_motion` keeps how far the motion has come;
 - `holding.latch` for the emergency stop, and `ending.end` for a motion that is over by itself or by a fault.

@@ -31,13 +31,6 @@ def form(holding: Holding[M], ask: Ask, now: float) -> str:
     return not_fresh(holding, ask, now)
 
 
-def rights(holding: Holding[M], ask: Ask) -> str:
-    """Whoever may only look may not move anything."""
-    if ask.role in {"operate", "admin"}:
-        return ""
-    return f"role '{ask.role}' may stop the robot but not {holding.words.verb} it"
-
-
 def holder(holding: Holding[M], ask: Ask, now: float) -> str:
     """One holder: a quoted lease must be the live one; without a lease nobody may hold it, or it is taken over."""
     hold, owner = holding.hold, quoted(holding, ask)

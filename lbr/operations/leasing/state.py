@@ -19,10 +19,9 @@ TELLINGS_PER_S = 5.0
 
 
 class Words(Struct, frozen=True, kw_only=True):
-    """How a kernel speaks of what it moves: the base, drive it, send power 0."""
+    """How a kernel speaks of what it moves: the base, send power 0."""
 
     noun: str
-    verb: str
     rest: str
     idle: str
 
@@ -36,7 +35,6 @@ class Ask(Struct, frozen=True, kw_only=True):
     """
 
     source: str
-    role: str
     lease: str
     what: Hashable
     moves: bool

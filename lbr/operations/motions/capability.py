@@ -203,7 +203,6 @@ class Motions(Capability[MotionsSettings]):
 def _ask(call: Call, command: PlayCommand) -> Ask:
     return Ask(
         source=call.source,
-        role=call.role,
         lease=command.lease,
         what=(command.motion, command.times, command.speed, command.mirror),
         moves=True,

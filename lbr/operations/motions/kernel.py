@@ -106,7 +106,6 @@ def _refusal(state: State, event: Play, now: float, *, renewal: bool) -> str:
     ask, held = event.ask, state.holding
     return (
         acceptance.form(held, ask, now)
-        or acceptance.rights(held, ask)
         or _busy(held.hold, ask.lease, take_over=ask.take_over)
         or acceptance.holder(held, ask, now)
         or acceptance.at_rest(held, ask, now, event.trouble)

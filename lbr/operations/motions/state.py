@@ -10,9 +10,7 @@ from lbr.messages.leases import CommandReply
 from lbr.operations.leasing.state import Ask, EstopChanged, Happened, Hold, Holding, Reply, Stop, Words, first
 from lbr.operations.motions.programme import Programme
 
-WORDS = Words(
-    noun="the motions", verb="move", rest="stop, or pause, before playing again", idle="nothing was played yet"
-)
+WORDS = Words(noun="the motions", rest="stop, or pause, before playing again", idle="nothing was played yet")
 
 
 class Play(Struct, frozen=True, kw_only=True):

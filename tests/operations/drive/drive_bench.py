@@ -83,18 +83,18 @@ class Bench:
             self.noise_m = -self.noise_m
             self.event(RangesSeen(ranges=_shifted(self.around, self.noise_m), arrived=self.now))
 
-    def drive(self, power, angle_deg=0.0, *, source="console", role="operate", checks=None, sent=None, **more):
+    def drive(self, power, angle_deg=0.0, *, source="console", checks=None, sent=None, **more):
         """Send a command now or, on the same clock, at `sent`."""
-        return self._command(power, angle_deg, source, more, role=role, checks=checks or {}, received=sent)
+        return self._command(power, angle_deg, source, more, checks=checks or {}, received=sent)
 
     def drive_from_afar(self, power, angle_deg=0.0, *, source="page", sender_s=nan, answerable=True, **more):
         """Send a command from another machine, whose clock says `sender_s`."""
         return self._command(power, angle_deg, source, more, remote=True, sender_s=sender_s, answerable=answerable)
 
-    def turn(self, angle_deg, *, source="console", role="operate", checks=None, remote=False, **more):
+    def turn(self, angle_deg, *, source="console", checks=None, remote=False, **more):
         """Ask for a turn on the spot."""
         command = TurnCommand(angle_deg=angle_deg, **more)
-        return self.send(command, source, role=role, checks=checks or {}, remote=remote)
+        return self.send(command, source, checks=checks or {}, remote=remote)
 
     def head(self, heading_deg, *, source="console", **more):
         """Ask for a turn to a heading."""
@@ -103,14 +103,13 @@ class Bench:
     def _command(self, power, angle_deg, source, more, **marks):
         return self.send(DriveCommand(power=power, angle_deg=angle_deg, **more), source, **marks)
 
-    def send(self, command, source="console", *, role="operate", received=None, **marks):
+    def send(self, command, source="console", *, received=None, **marks):
         """Send any motion command."""
         self._ids += 1
         self.event(
             Command(
                 command=command,
                 source=source,
-                role=role,
                 new_lease=f"lease{self._ids}",
                 new_goal=f"goal{self._ids}",
                 received=self.now if received is None else received,

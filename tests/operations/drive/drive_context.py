@@ -68,8 +68,8 @@ class FakeContext:
     def said(self, output):
         return [message for name, message in self.published if name == output]
 
-    def command(self, power, angle_deg=0.0, *, source="console", role="operate", **more):
-        return FakeCall("command", DriveCommand(power=power, angle_deg=angle_deg, **more), self.now, source, role)
+    def command(self, power, angle_deg=0.0, *, source="console", **more):
+        return FakeCall("command", DriveCommand(power=power, angle_deg=angle_deg, **more), self.now, source)
 
     def turn(self, angle_deg, **more):
         return FakeCall("turn", TurnCommand(angle_deg=angle_deg, **more), self.now)
@@ -78,4 +78,4 @@ class FakeContext:
         return FakeCall("heading", HeadingCommand(heading_deg=heading_deg, **more), self.now)
 
     def stop(self, source="phone"):
-        return FakeCall("stop", StopCommand(reason="test"), self.now, source, "view")
+        return FakeCall("stop", StopCommand(reason="test"), self.now, source)

@@ -176,7 +176,7 @@ def test_new_and_changed_motion_is_shown_to_the_checks_but_no_renewal(robot):
 
 
 def test_what_is_refused_anyway_is_not_shown_to_the_checks(robot):
-    robot.send(robot.ctx.command(0.5, role="view"))
+    robot.send(robot.ctx.command(0.5, lease="dead"))
     assert robot.ctx.asked == []
 
 

@@ -247,7 +247,7 @@ def test_a_confirmation_is_checked_only_if_it_asks_for_something_else(bench):
 
     def asks(power):
         command = DriveCommand(power=power, lease=offer.lease)
-        names = {"source": "page", "role": "operate", "new_lease": "x", "new_goal": "y"}
+        names = {"source": "page", "new_lease": "x", "new_goal": "y"}
         return to_be_checked(bench.state, Command(command=command, received=bench.now, remote=True, **names), bench.now)
 
     assert not asks(0.5)

@@ -34,7 +34,7 @@ def moving(bench, power=0.5, angle_deg=0.0, **more):
 
 def test_the_chain_is_in_the_order_of_the_design():
     names = [link.__name__.strip("_") for link in CHAIN]
-    assert names == ["form", "rights", "holder", "state", "limits", "rules", "checks"]
+    assert names == ["form", "holder", "state", "limits", "rules", "checks"]
 
 
 def test_an_accepted_command_gets_a_lease_and_a_life(bench):
@@ -72,11 +72,6 @@ def test_nonsense_is_refused_and_named(bench, fields, complaint):
     assert bench.wheels == STILL
 
 
-@pytest.mark.parametrize(("role", "accepted"), [("view", False), ("operate", True), ("admin", True)])
-def test_only_operators_drive(bench, role, accepted):
-    assert bench.drive(0.5, role=role).accepted is accepted
-
-
 def test_another_sender_is_told_who_holds_the_robot(bench):
     moving(bench)
     assert bench.drive(0.2, source="phone").reason == "held by console"
@@ -89,11 +84,6 @@ def test_taking_over_ends_the_other_lease_and_begins_at_zero(bench):
     assert bench.setpoints[-2].left == 0.0
     assert bench.setpoints[-1].left < 0.1
     assert bench.drive(0.5, lease=first.lease).reason == "lease is dead: taken over by phone"
-
-
-def test_taking_over_needs_the_right_to_drive(bench):
-    moving(bench)
-    assert not bench.drive(0.5, source="phone", role="view", take_over=True).accepted
 
 
 def test_an_unknown_lease_is_dead(bench):
@@ -191,10 +181,9 @@ def test_power_zero_under_the_lease_keeps_it_alive_at_neutral(bench):
     assert bench.drive(0.5, lease=reply.lease).accepted
 
 
-@pytest.mark.parametrize("role", ["view", "operate"])
-def test_power_zero_without_a_lease_is_a_stop_by_anyone(bench, role):
+def test_power_zero_without_a_lease_is_a_stop_by_anyone(bench):
     reply = moving(bench)
-    assert bench.drive(0.0, source="phone", role=role).accepted
+    assert bench.drive(0.0, source="phone").accepted
     assert bench.wheels == STILL
     assert bench.drive(0.5, lease=reply.lease).reason == "lease is dead: stopped by phone"
 

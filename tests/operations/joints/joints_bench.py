@@ -175,13 +175,12 @@ class Bench:
         assert self.torque(on=True).accepted
         return self.run(0.05)
 
-    def command(self, positions=None, *, source="console", role="operate", received=nan, **more):
+    def command(self, positions=None, *, source="console", received=nan, **more):
         """Ask for a motion, and return the answer."""
         remote = {name: more.pop(name) for name in ("remote", "sender_s", "answerable") if name in more}
         event = Command(
             command=JointsCommand(positions=positions or {}, **more),
             source=source,
-            role=role,
             new_lease=f"lease-{len(self.said)}",
             new_goal=f"goal-{len(self.said)}",
             received=self.now if received != received else received,
@@ -189,9 +188,9 @@ class Bench:
         )
         return self.answer(event)
 
-    def torque(self, *joints, on, source="console", role="operate", **more):
+    def torque(self, *joints, on, source="console", **more):
         command = TorqueCommand(on=on, joints=joints, **more)
-        return self.answer(Torque(command=command, source=source, role=role, received=self.now))
+        return self.answer(Torque(command=command, source=source, received=self.now))
 
     def stop(self, source="phone"):
         return self.answer(Stop(source=source, received=self.now, reason="test"))

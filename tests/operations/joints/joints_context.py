@@ -97,7 +97,7 @@ class Robot:
         return self.call("move", JointMove(joint=joint, angle_deg=angle_deg, **more))
 
     def stop(self):
-        return self.call("stop", StopCommand(reason="test"), source="phone", role="view")
+        return self.call("stop", StopCommand(reason="test"), source="phone")
 
     def recover(self, *joints):
         return self.ask("recover", RecoverCommand(joints=joints))

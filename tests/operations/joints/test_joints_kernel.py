@@ -92,7 +92,6 @@ def test_speed_decides_how_long_it_takes_and_the_rows_speed_is_never_passed(benc
         ({"positions": SLOW, "speed_rps": float("inf")}, "speed_rps inf is no speed"),
         ({"positions": SLOW, "ttl_s": float("nan")}, "ttl_s nan is outside 0 to 1"),
         ({"frames": (frame(-1.0, left_knee=0.0),)}, "duration_s -1 is outside 0 to 60"),
-        ({"positions": SLOW, "role": "view"}, "role 'view' may stop the robot but not move it"),
         ({"positions": SLOW, "received": START - 1.0}, "this command came 1.1 s after it was sent; send it again"),
         ({"positions": SLOW, "lease": "old"}, "lease is dead: it is not known here"),
         ({"positions": {"right_grip": 0.5}, "mirror": True}, "right_grip has no joint on the other side to mirror it"),
@@ -560,7 +559,6 @@ def test_torque_is_not_switched_by_others_while_somebody_moves_the_joints(bench)
     ("joints", "more", "said"),
     [
         (("left_kne",), {}, "there is no joint 'left_kne'"),
-        (("left_knee",), {"role": "view"}, "role 'view' may stop the robot but not switch its torque"),
         (("left_knee",), {"lease": "old"}, "lease is dead"),
         (("left_knee",), {}, "left_knee is at -2.30 rad, outside its limits (-2 to 0.1 rad)"),
         (("right_knee",), {}, "right_knee has latched overload"),

@@ -212,7 +212,6 @@ def test_a_driver_that_is_gone_ends_it(bench):
         ({"torque": 0.4}, "the controller plays slot 4 as it is, and nothing beside it"),
         ({"stored": StoredMotion(slot=4, duration_s=float("nan"))}, "duration_s nan is outside 0 to 600"),
         ({"stored": StoredMotion(slot=4, duration_s=1.0, pose={"tail": 0.0})}, "there is no joint 'tail'"),
-        ({"role": "view"}, "role 'view' may stop the robot but not move it"),
     ],
 )
 def test_one_that_makes_no_sense_is_refused(bench, command, said):

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from lbr.operations.leasing import acceptance, ending, holding
 from lbr.operations.leasing.state import Ask, Ended, EstopChanged, Happened, Holding, Stop, Words, confirmed, first
 
-WORDS = Words(noun="the hand", verb="move", rest="pause before moving again", idle="nobody moves it")
+WORDS = Words(noun="the hand", rest="pause before moving again", idle="nobody moves it")
 TTL_S = 0.3
 
 
@@ -26,7 +26,7 @@ class Hand:
     def ask(self, what: str = "wave", *, source: str = "console", **more) -> str:
         """Decide a command; return why it is refused, or nothing."""
         self._ids += 1
-        known = {"role": "operate", "lease": "", "received": self.now, "new_lease": f"lease{self._ids}"} | more
+        known = {"lease": "", "received": self.now, "new_lease": f"lease{self._ids}"} | more
         ask = Ask(source=source, what=what, moves=bool(what), **known)
         self._take(*ending.lapse(self.holding, self.now))
         wanted = acceptance.intent(self.holding, ask)
@@ -66,7 +66,6 @@ class Hand:
         held = self.holding
         return (
             acceptance.form(held, ask, self.now)
-            or acceptance.rights(held, ask)
             or acceptance.holder(held, ask, self.now)
             or acceptance.at_rest(held, ask, self.now)
         )
@@ -137,7 +136,7 @@ def test_from_afar_nothing_moves_until_the_offer_is_quoted(hand):
 def test_an_offer_that_is_answered_with_something_else_is_superseded(hand):
     hand.ask(remote=True, source="page")
     hand.wait(0.05)
-    ask = Ask(source="page", role="operate", lease="lease1", what="clap", moves=True, received=hand.now, new_lease="x")
+    ask = Ask(source="page", lease="lease1", what="clap", moves=True, received=hand.now, new_lease="x")
     assert confirmed(hand.holding, ask) is None
     hand.ask("clap", remote=True, source="page", lease="lease1")
     assert (hand.motion, hand.ends) == ("clap", [("wave", "superseded", False)])
@@ -170,7 +169,6 @@ def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
         ({"ttl_s": 2.0}, "ttl_s 2 is outside 0 to 1"),
         ({"ttl_s": nan}, "ttl_s nan is outside 0 to 1"),
         ({"ttl_s": 0.0}, "ttl_s 0 is no life; leave it out or give up to 1"),
-        ({"role": "view"}, "role 'view' may stop the robot but not move it"),
         ({"received": nan}, "this command has no date that makes sense"),
         ({"received": 99.0}, "this command came 1.0 s after it was sent; send it again"),
         ({"received": -inf}, "this command came inf s after it was sent; send it again"),

@@ -112,7 +112,6 @@ class Motions(RuleBasedStateMachine):
         quoted = self.leases[max(lease, -len(self.leases))] if lease else ""
         ask = Ask(
             source=source,
-            role="operate",
             lease=quoted,
             what=(motion, times),
             moves=True,
