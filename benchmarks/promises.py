@@ -117,6 +117,17 @@ STATED: dict[str, Promise] = {
     ),
     "P8": Promise(what="100 row edits a second: no needless restart, invalid ones change nothing, nothing locked"),
     "P8 edit": Promise(what="time of one such edit", target=50, statistic="p99"),
+    "P9": Promise(
+        what="stop, estop or status while 300 and 40 rows come at once, to its answer", target=100, hard=1000
+    ),
+    "P9 heard": Promise(what="each of them is done"),
+    "P10": Promise(what="descriptors more after adding and removing a capability, again and again", unit="", target=0),
+    "P10 threads": Promise(what="threads more after that", unit="", target=5),
+    "P10 memory": Promise(what="memory of the executive more after that", unit="MiB", target=10),
+    "P10 end": Promise(what="shutdown after that", target=3000, hard=5000),
+    "B5": Promise(what="start under 4 and under 30 busy loops: no process ends, and it is ready"),
+    "B5 H": Promise(what="start of lbr-sim under 4 busy loops, to ready"),
+    "B5 30": Promise(what="start of lbr-sim under 30 busy loops, to ready"),
 }
 
 AT_REST: dict[str, Promise] = {
