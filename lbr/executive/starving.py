@@ -6,6 +6,7 @@ for a lock, and who turns in circles does not wait: what is silent for longer th
 
 import contextlib
 from collections.abc import Mapping
+from math import inf
 from pathlib import Path
 from typing import Literal
 
@@ -16,11 +17,14 @@ SUSPICIOUS_S = 0.3
 """A heartbeat comes five times a second; from here on it is looked at who has the processor."""
 LOOKED_AT_S = 0.5
 """By then it has been, unless who looks is held up as well; what went before is counted up to here."""
-OTHERS_STRETCH = 5.0
+OTHERS_STRETCH = 2.0
 """The main thread may wait for what another thread of its process holds while that is not given the processor; but
 threads that merely carry messages wait as well, so this excuses no longer than so many times the usual patience."""
 HARDLY_S = 0.1
 """So long any thread may have to wait."""
+RUNS_SHARE = 0.25
+"""A round of a capability that runs takes some milliseconds of the processor. One that has had a quarter of its patience, and
+is silent for longer than that, turns in circles, however long it waited; one that starts may have much to do."""
 
 
 class Thread(Struct, frozen=True):
@@ -39,11 +43,19 @@ class Look(Struct, frozen=True):
     others: Mapping[int, Thread] = {}
 
 
-def verdict(silent_s: float, patience_s: float, first: Look, now: Look) -> Verdict:
+def verdict(
+    silent_s: float,
+    patience_s: float,
+    first: Look,
+    now: Look,
+    *,
+    stretch: float = OTHERS_STRETCH,
+    may_run_s: float = inf,
+) -> Verdict:
     """Judge a silence that lasts `silent_s`, of which `first` was the first look and `now` is the latest.
 
     Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come.
-    With patience left `fine`, also where it is only because the first look came late.
+    Who ran for longer than `may_run_s` hangs. `stretch` is for how many times the patience threads beside the main one excuse it. With patience left `fine`, also where it is only because the first look came late.
     """
     if not silent_s > patience_s:
         return "fine"
@@ -51,7 +63,9 @@ def verdict(silent_s: float, patience_s: float, first: Look, now: Look) -> Verdi
     unseen = min(LOOKED_AT_S, max(0.0, silent_s - elapsed))
     main = _waited(first.main, now.main, elapsed)
     others = [_waited(first.others[one], now.others[one], elapsed) for one in first.others.keys() & now.others.keys()]
-    excused = max(main, *others, 0.0) if silent_s <= OTHERS_STRETCH * patience_s else main
+    if now.main.ran - first.main.ran > may_run_s:
+        return "hung"
+    excused = max(main, *others, 0.0) if silent_s <= stretch * patience_s else main
     if unseen + elapsed - excused > patience_s:
         return "hung"
     return "starved" if excused > HARDLY_S else "fine"

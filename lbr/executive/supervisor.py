@@ -6,6 +6,7 @@ Runs in one thread. The clock, the dice and the way to start a process are given
 import random
 import time
 from collections.abc import Callable, Mapping
+from math import inf
 
 from lbr.capability.events import Throttle
 from lbr.errors import LbrError
@@ -15,7 +16,7 @@ from lbr.executive.plan import Change
 from lbr.executive.restart import HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.scheduling import BACKGROUND, MOTION, niceness
 from lbr.executive.slot import Slot, Started
-from lbr.executive.starving import SUSPICIOUS_S, Look, verdict
+from lbr.executive.starving import OTHERS_STRETCH, RUNS_SHARE, SUSPICIOUS_S, Look, verdict
 from lbr.executive.units import Unit
 from lbr.messages.joints import CapturedFrame
 
@@ -265,7 +266,15 @@ class Supervisor:
             slot.suspect = self._look(child.pid, now)
         if not silent_s > patience_s:
             return False
-        said = verdict(silent_s, patience_s, slot.suspect, self._look(child.pid, now))
+        program = slot.unit.program is not None  # its token is shown by any of its threads
+        said = verdict(
+            silent_s,
+            patience_s,
+            slot.suspect,
+            self._look(child.pid, now),
+            stretch=inf if program else OTHERS_STRETCH,
+            may_run_s=inf if program or slot.phase not in RUNNING else RUNS_SHARE * patience_s,
+        )
         if said == "starved":
             slot.look_at = now + LOOK_AGAIN_S
             self._starved(slot, silent_s, now)

@@ -43,6 +43,15 @@ def test_who_turns_in_circles_is_judged_by_the_time_it_was_given(silent_s: float
         assert (says == "hung") == (own_s > PATIENCE_S)
 
 
+@given(st.floats(0.0, 100.0), st.floats(0.0, 10.0), st.floats(0.0, 10.0))
+def test_who_ran_for_longer_than_a_round_takes_hangs_however_long_it_waited(
+    silent_s: float, ran_s: float, may_run_s: float
+) -> None:
+    now = Look(silent_s, Thread(ran_s, silent_s))
+    says = verdict(silent_s, PATIENCE_S, Look(0.0), now, may_run_s=may_run_s)
+    assert (says == "hung") == (silent_s > PATIENCE_S and ran_s > may_run_s)
+
+
 @given(st.floats(PATIENCE_S, 1000.0, exclude_min=True))
 def test_who_gets_nothing_at_all_is_never_killed(silent_s: float) -> None:
     assert judged(silent_s, silent_s) == "starved"
