@@ -7,12 +7,17 @@ import termios
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from fcntl import ioctl
+from math import ceil
+
+from lbr.capability import lifeline
 
 BEAT_S = 0.015
 RESTING_BEAT_S = 0.5
-DEAF_S = 1.0
+DEAF_S = 0.4
+"""So long a guard may leave unread what it is told: three times the silence that it grants its driver."""
 DISMISS_S = 0.2
 LAST_WORDS_S = 0.6
+WOKEN = "its guard process was frozen for a moment, and goes on"
 _LEFT: "list[subprocess.Popen[bytes]]" = []
 
 
@@ -21,10 +26,16 @@ class Guard:
 
     A driver that hangs or is frozen no longer beats: if something may move, the guard kills it after its time of silence.
     `command` makes the command line of its program from the descriptors of the pipe and of the driver's process.
+    A guard that is frozen goes on with the next beat, and when the driver ends, because the kernel continues it. It
+    may take `last_word_s` for its last word.
     """
 
     def __init__(
-        self, command: Callable[[int, int], list[str]], fds: Collection[int], clock: Callable[[], float]
+        self,
+        command: Callable[[int, int], list[str]],
+        fds: Collection[int],
+        clock: Callable[[], float],
+        last_word_s: float,
     ) -> None:
         self._clock = clock
         self._beat_at = clock()
@@ -35,7 +46,8 @@ class Guard:
         try:
             os.set_blocking(self._alive, False)
             driver = os.pidfd_open(os.getpid())
-            self._process = _start(command(watched, driver), (watched, driver, *fds))
+            self._process = _start(command(watched, driver), (watched, driver, *fds), last_word_s)
+            lifeline.wake(watched, self._process.pid)
         except OSError:
             os.close(self._alive)
             raise
@@ -54,6 +66,12 @@ class Guard:
         """Whether it still watches: it lives, and hears the beats."""
         deaf = self._unheard is not None and self._beat_at - self._unheard > DEAF_S
         return not deaf and self._process.poll() is None
+
+    def woken(self) -> bool:
+        """Return whether it was frozen, and goes on, since the last call."""
+        with suppress(ChildProcessError):
+            return os.waitid(os.P_PID, self._process.pid, os.WCONTINUED | os.WNOHANG) is not None
+        return False
 
     def beat(self, *, turning: bool) -> None:
         """Say that the driver's loop goes round, and whether something may move; rate-limited, so call it freely."""
@@ -90,7 +108,7 @@ class Guard:
             self._process.wait()
 
 
-def _start(command: list[str], fds: Collection[int]) -> "subprocess.Popen[bytes]":
+def _start(command: list[str], fds: Collection[int], last_word_s: float) -> "subprocess.Popen[bytes]":
     """Start it in a process group of its own, but in the driver's session: there it shares the driver's priority."""
     return subprocess.Popen(
         [sys.executable, *command],
@@ -98,6 +116,7 @@ def _start(command: list[str], fds: Collection[int]) -> "subprocess.Popen[bytes]
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         pass_fds=[fd for fd in fds if fd >= 0],
+        env=os.environ | {lifeline.LAST_WORD: str(ceil(last_word_s))},
         process_group=0,
     )
 

@@ -9,6 +9,7 @@ from tty import setraw
 import pytest
 from peers import FakeContext, until
 
+from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.drivers.roboteq.guard import PROGRAM
@@ -22,6 +23,7 @@ ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 DRIVER = """
 import sys, time
 from peers import FakeContext
+from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.messages.motors import MotorSetpoint
@@ -57,9 +59,13 @@ def ignores(pid, number):
     return int(status.split("SigIgn:")[1].split()[0], 16) >> (number - 1) & 1
 
 
+def state(pid):
+    return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+
+
 def gone(pid):
     try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
+        return state(pid) == "Z"
     except FileNotFoundError:
         return True
 
@@ -127,19 +133,42 @@ def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
     ctx.clock = clock
     motors = Roboteq(ctx)
     motors.open()
-    os.kill(motors._guard.pid, signal.SIGSTOP)
-    until(lambda: Path(f"/proc/{motors._guard.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "T")
-    guard = motors._guard
+    working, motors._guard = motors._guard, Guard(lambda *_: ["-c", "import time; time.sleep(60)"], (), clock, 1.0)
+    working.dismiss()
     for _ in range(5):
-        clock.ahead_s += 0.5
-        guard.beat(turning=False)
-    assert not guard.standing
+        clock.ahead_s += 0.2
+        motors._guard.beat(turning=True)
+    assert not motors._guard.standing
     with pytest.raises(DeviceError, match="hangs; opening anew"):
         motors.step()
     motors.close()
     motors.open()
     assert motors._guard.standing
     motors.close()
+
+
+def test_a_frozen_guard_goes_on_with_the_next_beat_and_that_is_told(peer):
+    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    motors = Roboteq(ctx)
+    motors.open()
+    motors.step()
+    os.kill(motors._guard.pid, signal.SIGSTOP)
+    until(lambda: state(motors._guard.pid) == "T")
+    motors._guard.beat(turning=True)
+    until(lambda: state(motors._guard.pid) != "T", 0.2)
+    until(lambda: motors.step() or any(event[0] == "guard" for event in ctx.events))
+    motors._guard.beat(turning=False)
+    motors.close()
+
+
+def test_a_frozen_guard_writes_zero_when_its_driver_is_killed(driver, peer):
+    process, guard = driver
+    process.send_signal(signal.SIGSTOP)
+    os.kill(guard, signal.SIGSTOP)
+    until(lambda: state(guard) == "T")
+    process.kill()
+    until(lambda: peer.motor == (0, 0), 0.15)
+    until(lambda: gone(guard))
 
 
 class Clock:

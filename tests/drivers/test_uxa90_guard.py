@@ -2,13 +2,16 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from contextlib import suppress
 from pathlib import Path
+from tty import setraw
 
 import pytest
 from peers import until
 from uxa90_peers import Board
 
+from lbr.drivers.uxa90.let_go import LastWord
 from lbr.errors import DeviceError
 from tests import programs
 
@@ -99,3 +102,19 @@ def test_the_guard_of_a_killed_driver_ends_what_the_main_board_plays_and_a_new_d
     rig.sweeps()
     assert not board.braked
     rig.driver.close()
+
+
+def test_the_guard_is_done_when_the_line_is_gone():
+    peer, line = os.openpty()
+    setraw(line)
+    waited = []
+
+    def pull(_seconds: float) -> None:
+        if not waited:
+            os.close(peer)
+        waited.append(_seconds)
+        assert len(waited) < 5, "it goes on without a line"
+
+    LastWord(line, (0, 1), 0.0, sleep=pull, clock=time.monotonic).act(60.0, 1.0)
+    assert waited
+    os.close(line)

@@ -13,6 +13,7 @@ from lbr.drivers.dynamixel.recovery import recovery
 from lbr.drivers.dynamixel.session import NOTABLE_BYTES, Session
 from lbr.drivers.dynamixel.sweep import Snapshot
 from lbr.drivers.dynamixel.view import servo_state, statistics
+from lbr.drivers.guard import WOKEN
 from lbr.drivers.mover import first, receive, strength, tick
 from lbr.drivers.owner import READ, WRITE
 from lbr.errors import DeviceError
@@ -136,6 +137,8 @@ class Dynamixel(Capability[DynamixelSettings]):
             raise RuntimeError("the bus's thread ended") from failure
         if session.guard is not None and not session.guard.standing:
             raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; opening anew")
+        if session.guard is not None and session.guard.woken():
+            self.ctx.event("guard", WOKEN, level="warning")
         seen = session.sweeper.snapshot.servos.values()
         if self.ctx.clock() - max(session.opened, session.sweeper.heard) > SILENT_S and all(one.reason for one in seen):
             counts = session.bus.counts

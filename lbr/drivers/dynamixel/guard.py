@@ -8,6 +8,8 @@ from lbr.drivers.dynamixel import DynamixelSettings
 from lbr.drivers.dynamixel.line import ServoLine
 
 PROGRAM = "lbr.drivers.dynamixel.let_go"
+SPARE_S = 10.0
+"""For reading servos that do not answer, one after the other."""
 
 
 class Guard(guard.Guard):
@@ -25,4 +27,4 @@ class Guard(guard.Guard):
             words_or_none = words.hex() or "-"
             return ["-m", PROGRAM, *map(str, numbers), words_or_none, *map(str, times), *map(str, servos)]
 
-        super().__init__(command, (line.fileno(), fd), clock)
+        super().__init__(command, (line.fileno(), fd), clock, settings.hold_s + settings.release_s + SPARE_S)

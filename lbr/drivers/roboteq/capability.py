@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Received
+from lbr.drivers.guard import WOKEN
 from lbr.drivers.roboteq import EnableCommand, RoboteqSettings
 from lbr.drivers.roboteq.arming import Arming, Inhibit, Setpoint, receive, tick
 from lbr.drivers.roboteq.controller import Controller
@@ -70,6 +71,8 @@ class Roboteq(Capability[RoboteqSettings]):
         if self._guard is not None and not self._guard.standing:
             raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; opening anew")
         self._beat()
+        if self._guard is not None and self._guard.woken():
+            self.ctx.event("guard", WOKEN, level="warning")
         self._heed_estop(controller)
         self._decide(controller)
         self._act(controller)

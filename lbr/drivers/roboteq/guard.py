@@ -8,6 +8,8 @@ from lbr.drivers import guard
 from lbr.drivers.roboteq.protocol import STOP
 
 PROGRAM = Path(__file__).with_name("zero_on_death.py")
+LAST_WORD_S = 2.0
+"""Several times what `zero_on_death` takes at most: ten tries of 30 ms."""
 
 
 class Guard(guard.Guard):
@@ -21,4 +23,4 @@ class Guard(guard.Guard):
             said = [str(fd), words.hex()] if fd >= 0 else []
             return ["-I", "-S", str(PROGRAM), *numbers, STOP.hex(), *said]
 
-        super().__init__(command, (tty, fd), clock)
+        super().__init__(command, (tty, fd), clock, LAST_WORD_S)

@@ -6,6 +6,7 @@ from math import inf
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
+from lbr.drivers.guard import WOKEN
 from lbr.drivers.mover import bury, ended, first, receive, strength, tick
 from lbr.drivers.uxa90 import Uxa90Settings
 from lbr.drivers.uxa90.answering import Answering
@@ -131,6 +132,8 @@ class Uxa90(Capability[Uxa90Settings]):
             raise RuntimeError("the line's thread ended") from failure
         if session.guard is not None and not session.guard.standing:
             raise DeviceError(f"device '{device}': its guard process died or hangs; opening anew")
+        if session.guard is not None and session.guard.woken():
+            self.ctx.event("guard", WOKEN, level="warning")
         sweeper, controller = session.sweeper, session.controller
         if not (controller.passes and sweeper.reading):
             self._passed_since = inf

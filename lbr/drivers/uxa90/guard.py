@@ -8,6 +8,8 @@ from lbr.drivers.uxa90 import Uxa90Settings
 from lbr.drivers.wire import Wire
 
 PROGRAM = "lbr.drivers.uxa90.let_go"
+SPARE_S = 10.0
+"""For a line that takes what is written slowly."""
 
 
 class Guard(guard.Guard):
@@ -24,4 +26,5 @@ class Guard(guard.Guard):
             times = (settings.hold_s, settings.release_s, settings.settle_s)
             return ["-m", PROGRAM, *map(str, numbers), words.hex() or "-", *map(str, times), *map(str, servos)]
 
-        super().__init__(command, (line.fileno(), fd), clock)
+        last_word_s = settings.hold_s + 2.0 * settings.settle_s + settings.release_s + SPARE_S
+        super().__init__(command, (line.fileno(), fd), clock, last_word_s)

@@ -9,6 +9,7 @@ nothing with torque.
 """
 
 import os
+import select
 import sys
 import termios
 import time
@@ -63,9 +64,14 @@ class LastWord:
         until = self._clock() + seconds
         while (left_s := until - self._clock()) > 0.0:
             self._sleep(min(STEP_S, left_s))
-            with alone(self._tty), suppress(BlockingIOError):
-                os.read(self._tty, 4096)
+            with alone(self._tty):
+                self._look()
             again()
+
+    def _look(self) -> None:
+        """Throw away what has come in; raise OSError when the line is gone."""
+        if select.select([self._tty], [], [], 0.0)[0] and not os.read(self._tty, 4096):
+            raise OSError("end of file")
 
 
 def main(words: list[str]) -> None:
