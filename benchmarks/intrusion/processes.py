@@ -9,10 +9,12 @@ import psutil
 from benchmarks.bench import Bench, bench, processes_of
 from benchmarks.figures import Results
 from benchmarks.fuzzing import intruder
+from lbr.executive.reaper import PROGRAM
 from tests.robot import until
 
-UNCONFINED = {"executive"}
-"""It starts the others, and sets their niceness and their devices first."""
+UNCONFINED = {"executive", "reaper"}
+"""The executive starts the others, and sets their niceness and their devices first; its reaper has to see them all."""
+REAPER = str(PROGRAM)
 EXTERNAL = (
     'UPDATE external_command SET argv = \'["/bin/sleep", "60"]\', blocking = 0',
     (
@@ -72,7 +74,7 @@ def _name(under_test: Bench, process: psutil.Process) -> str:
     pids |= {unit["pid"]: unit["name"] for unit in units}
     while process.pid not in pids and (parent := process.parent()) is not None:
         if parent.pid == under_test.robot.ready["pid"]:
-            return "program"
+            return "reaper" if REAPER in process.cmdline() else "program"
         process = parent
     return pids.get(process.pid, "stranger")
 

@@ -1,7 +1,7 @@
 """A capability's process: `python -m lbr.capability.process`, started by the executive.
 
 Its document comes as one line on standard input, which stays open as the lifeline: when it closes, the executive is
-gone, and the process stops its motion and ends. Every way out that is not a requested stop ends in `os._exit(70)`,
+gone, and the process stops its motion and ends, also if it was frozen. Every way out that is not a requested stop ends in `os._exit(70)`,
 because a thread of the bus library would keep a process alive that Python has left.
 """
 
@@ -20,7 +20,7 @@ from typing import Any
 import msgspec
 
 from lbr.bus import wire
-from lbr.capability import registry
+from lbr.capability import lifeline, registry
 from lbr.capability.base import Capability
 from lbr.capability.config import ProcessConfig
 from lbr.capability.confine import confine
@@ -208,6 +208,7 @@ def main() -> None:
     reporter = Reporter(int(os.environ[HEARTBEAT_VARIABLE]))
     process: Process | None = None
     try:
+        lifeline.wake(0, os.getpid())
         config = msgspec.json.decode(_read_document(), type=ProcessConfig)
         confine((config.home, *(device.address for device in config.devices)))
         process = running = Process(config, reporter)

@@ -14,6 +14,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 from lbr.bus import session
@@ -25,6 +26,7 @@ from lbr.console.target import Target
 from lbr.errors import BusError
 from lbr.executive import scheduling
 from lbr.executive.mainthread import MainThread
+from lbr.executive.reaper import Reaper
 from lbr.executive.stay import Stay
 
 AGAIN_S = 0.5
@@ -54,6 +56,14 @@ class Agent:
         signal.set_wakeup_fd(self._main.wake_fd, warn_on_full_buffer=False)
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             signal.signal(number, lambda _number, _frame: self._stop())
+        with closing(Reaper()) as self._reaper:
+            self._serve()
+        if self._closing.is_alive():
+            settle()
+            os._exit(0)  # its thread is in the bus library, and would hold up the end
+        return 0
+
+    def _serve(self) -> None:
         while not self._stopping:
             try:
                 why = self._stay(self._found())
@@ -64,10 +74,6 @@ class Agent:
             if not self._stopping:
                 self._tell(f"{why}; waiting for the robot")
                 self._pause()
-        if self._closing.is_alive():
-            settle()
-            os._exit(0)  # its thread is in the bus library, and would hold up the end
-        return 0
 
     def _found(self) -> Target:
         """Return the robot; it must be there, know our token, and that must be one for this host."""
@@ -87,7 +93,7 @@ class Agent:
         where = f"{socket.gethostname()[:40]}, pid {os.getpid()}"
         bus = session.open_client(found.endpoints, found.credentials, certificate=found.certificate)
         try:
-            stay = Stay(bus, found, self._host, self._main, agent=self._id, where=where, say=self._tell)
+            stay = Stay(bus, found, self._host, self._main, self._reaper, agent=self._id, where=where, say=self._tell)
             return stay.run(lambda: self._stopping)
         finally:
             self._close(bus)

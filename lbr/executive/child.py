@@ -23,6 +23,7 @@ from lbr.capability.tether import tethered
 from lbr.console import wallet
 from lbr.errors import MalformedError
 from lbr.executive import scheduling
+from lbr.executive.reaper import Mark
 from lbr.executive.units import Unit
 
 LARGEST_DOCUMENT_BYTES = 1 << 20
@@ -31,11 +32,12 @@ _reports = Decoder(Report)
 
 
 class Child:
-    """A running process: capability or program."""
+    """A running process: capability or program; `mark` makes it known to the reaper."""
 
-    def __init__(self, unit: Unit, config: ProcessConfig, log: IO[bytes]) -> None:
+    def __init__(self, unit: Unit, config: ProcessConfig, log: IO[bytes], mark: Mark) -> None:
         self.unit = unit
         self.endpoint = next(iter(config.endpoints), "")
+        self._mark = mark
         self.reports_fd = -1
         self._buffer = b""
         self._popen = self._start_program(unit.program, config, log) if unit.program else self._start(config, log)
@@ -65,7 +67,7 @@ class Child:
                 stdin=subprocess.PIPE,
                 stdout=log,
                 stderr=log,
-                env=_environment(config) | {HEARTBEAT_VARIABLE: str(report_fd)},
+                env=_environment(config) | self._mark.environment | {HEARTBEAT_VARIABLE: str(report_fd)},
                 pass_fds=(report_fd,),
                 start_new_session=True,
             )
@@ -75,6 +77,7 @@ class Child:
         finally:
             os.close(report_fd)
         assert popen.stdin is not None
+        self._mark.began(popen.pid)  # before the document comes, it does nothing and hides nothing
         self._take_rank(popen.pid)
         if len(document) > PIPE_BYTES:
             with contextlib.suppress(OSError):  # so that writing never waits for a reader, if this user has pipes left
@@ -92,9 +95,13 @@ class Child:
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=log,
-            env=_environment(config) | program_environment(program, config) | {"LBR_CONFIG": str(_way_in(config))},
+            env=_environment(config)
+            | program_environment(program, config)
+            | self._mark.environment
+            | {"LBR_CONFIG": str(_way_in(config))},
             start_new_session=True,
         )
+        self._mark.began(popen.pid)
         self._take_rank(popen.pid)
         return popen
 
@@ -147,6 +154,7 @@ class Child:
         if self.reports_fd >= 0:
             os.close(self.reports_fd)
         self._rank.close()
+        self._mark.ended()
 
     def _signal(self, number: int) -> None:
         with contextlib.suppress(ProcessLookupError):

@@ -50,6 +50,7 @@ from lbr.executive.overview import Overview
 from lbr.executive.plan import Plan
 from lbr.executive.profile import Profile
 from lbr.executive.readiness import readiness
+from lbr.executive.reaper import Reaper
 from lbr.executive.service import Service
 from lbr.executive.site import Site
 from lbr.executive.supervisor import Supervisor
@@ -60,6 +61,7 @@ from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
 STATUS_S = 1.0
+NO_REAPER = "if the executive were killed now, frozen processes would be left; the one that ends them cannot be started"
 
 
 def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...] = (), *, console: bool = True) -> int:
@@ -133,7 +135,11 @@ class Executive:
         signal.set_wakeup_fd(self._last_resort.signal_fd, warn_on_full_buffer=False)
         for number in SIGNALS:
             signal.signal(number, lambda n, _frame: self._stop(f"signal {signal.Signals(n).name}"))
-        with closing(Doors(self.plan, self._site, self._main.wake)) as self._doors, self._bus_again() as bus:
+        with (
+            closing(Reaper()) as self._reaper,
+            closing(Doors(self.plan, self._site, self._main.wake)) as self._doors,
+            self._bus_again() as bus,
+        ):
             self._open(bus)
             try:
                 if console:
@@ -193,11 +199,11 @@ class Executive:
         row = call.command
         argv = json.dumps([*row.argv, *call.arguments], ensure_ascii=False)
         self.note("external", f"'{row.name}' is started by {who}: {argv}")
-        popen = self._main.call(lambda: self._external.start(row, call.arguments))
+        command = self._main.call(lambda: self._external.start(row, call.arguments))
         if not row.blocking:
             says = f"it writes to {home.directory('logs') / f'{row.name}.log'}, and 'stop {row.name}' ends it"
-            return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {popen.pid}); {says}")
-        code, output = self._external.wait(row, popen)
+            return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {command.pid}); {says}")
+        code, output = self._external.wait(row, command)
         return ConsoleResult(code=DONE if code == 0 else FAILED, text=output or f"'{row.name}' ended with {code}")
 
     def stop_external(self, name: str, who: str) -> str:
@@ -218,7 +224,7 @@ class Executive:
 
     def _open(self, bus: session.Session) -> None:
         robot = self.plan.robot
-        self._external = ExternalCommands(home.directory("logs"), robot)
+        self._external = ExternalCommands(home.directory("logs"), robot, self._reaper)
         self._journal = Journal(bus, robot, self._database, self._main.wake, self._troubles.tell)
         self._journal.listeners.append(self._remember)
         rows = self.plan.rows.robot
@@ -322,6 +328,7 @@ class Executive:
                 rows_at = now + LOOK_AT_ROWS_S
                 self._rows.look()
                 self._external.prune({row.name for row in self.plan.rows.external_commands})
+                self._troubles.tell(NO_REAPER, self._reaper.step())
             if now >= self._status_due:
                 self._status_due = now + STATUS_S
                 trim_all(home.home() / "logs")
@@ -421,7 +428,7 @@ class Executive:
             inside = inside_endpoint(self.plan.robot, unit.name)
             config = replace(config, lan=replace(config.lan, upstream=place.router_id, inside=inside))
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
-            return Child(unit, config, log)
+            return Child(unit, config, log, self._reaper.mark())
 
     def _say_how_to_reach(self) -> None:
         robot = self.plan.robot

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 from lbr import home
@@ -19,36 +20,62 @@ from lbr.database.rows import ExternalCommandRow
 from lbr.errors import InputError, LbrError
 from lbr.executive import scheduling
 from lbr.executive.logs import open_log
+from lbr.executive.reaper import Mark, Reaper
 
 BLOCKING_LIMIT_S = 60.0
 OUTPUT_LIMIT = 4000
 STOP_S = 2.0
+CLOSE_S = 0.3
 PYTHON = "python"
 """As the program of a row: the interpreter that lbr runs on, with lbr's own packages and none of the directory that
 `lbr run` was started in."""
 
 
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A program that was started for a row, and what the reaper knows it by."""
+
+    row: ExternalCommandRow
+    popen: "subprocess.Popen[bytes]"
+    mark: Mark
+
+    @property
+    def pid(self) -> int:
+        """Its process, or what was."""
+        return self.popen.pid
+
+    @property
+    def over(self) -> bool:
+        """Whether it has ended."""
+        return self.popen.poll() is not None
+
+
 class ExternalCommands:
     """Starts and stops programs. `start` must run on the thread that lives as long as the process does."""
 
-    def __init__(self, logs: Path, robot: str) -> None:
+    def __init__(self, logs: Path, robot: str, reaper: Reaper) -> None:
         self._logs = logs
         self._robot = robot
-        self._running: dict[str, subprocess.Popen[bytes]] = {}
+        self._reaper = reaper
+        self._running: dict[str, Command] = {}
 
-    def start(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> "subprocess.Popen[bytes]":
+    def start(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> Command:
         """Start it; raise InputError if it runs already, LbrError if it cannot be started."""
         known = self._running.get(row.name)
-        if known is not None and known.poll() is None:
+        if known is not None and not known.over:
             raise InputError(f"'{row.name}' runs already (pid {known.pid}); 'stop {row.name}' ends it")
+        mark = self._reaper.mark()
         try:
-            popen = self._spawn(row, arguments)
+            popen = self._spawn(row, arguments, mark)
         except OSError as err:
             raise LbrError(f"'{row.name}' could not be started: {err}") from err
-        self._running[row.name] = popen
-        return popen
+        mark.began(popen.pid)
+        if known is not None:
+            known.mark.ended(kept=not known.row.blocking)
+        self._running[row.name] = command = Command(row, popen, mark)
+        return command
 
-    def _spawn(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> "subprocess.Popen[bytes]":
+    def _spawn(self, row: ExternalCommandRow, arguments: tuple[str, ...], mark: Mark) -> "subprocess.Popen[bytes]":
         with contextlib.ExitStack() as stack:
             out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
             popen = subprocess.Popen(
@@ -56,15 +83,16 @@ class ExternalCommands:
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
-                env=leaf_environment() | {"LBR_ROBOT": self._robot, "LBR_NAME": row.name},
+                env=leaf_environment() | {"LBR_ROBOT": self._robot, "LBR_NAME": row.name} | mark.environment,
                 start_new_session=True,
             )
         scheduling.rank(popen.pid, scheduling.BACKGROUND)
         return popen
 
     @staticmethod
-    def wait(row: ExternalCommandRow, popen: "subprocess.Popen[bytes]") -> tuple[int, str]:
+    def wait(row: ExternalCommandRow, command: Command) -> tuple[int, str]:
         """Wait for a blocking command; return its exit code and the beginning of what it printed. From any thread."""
+        popen = command.popen
         assert popen.stdout is not None
         with popen.stdout:
             output, over = _read(popen.stdout.fileno(), time.monotonic() + BLOCKING_LIMIT_S)
@@ -74,16 +102,18 @@ class ExternalCommands:
             over = False
         _signal(popen, signal.SIGKILL)
         code = popen.wait()
+        command.mark.ended()
         if not over:
             return 1, f"'{row.name}' took longer than {BLOCKING_LIMIT_S:.0f} s and was ended"
         text = output[:OUTPUT_LIMIT].decode(errors="replace").rstrip()
         return code, text + ("\n…" if len(output) > OUTPUT_LIMIT else "")
 
     def stop(self, name: str) -> str:
-        """End a running command, by force after two seconds; from any thread."""
-        popen = self._running.get(name)
-        if popen is None or popen.poll() is not None:
+        """End a running command with all that it has started, by force after two seconds; from any thread."""
+        command = self._running.get(name)
+        if command is None or command.over:
             raise InputError(f"'{name}' does not run")
+        popen = command.popen
         _signal(popen, signal.SIGTERM)
         try:
             popen.wait(STOP_S)
@@ -91,24 +121,28 @@ class ExternalCommands:
             _signal(popen, signal.SIGKILL)
             popen.wait()
             return f"'{name}' did not end within {STOP_S:.0f} s and was killed"
+        finally:
+            command.mark.ended()
         return f"'{name}' has ended"
 
     def prune(self, names: set[str]) -> None:
         """End commands whose rows are gone, and forget those that have ended by themselves."""
-        for name, popen in list(self._running.items()):
-            if popen.poll() is not None:
+        for name, command in list(self._running.items()):
+            if command.over:
                 del self._running[name]
+                command.mark.ended(kept=name in names and not command.row.blocking)
             elif name not in names:
-                _signal(popen, signal.SIGTERM)
+                _signal(command.popen, signal.SIGTERM)
 
     def close(self) -> None:
-        """End them all."""
-        for popen in self._running.values():
-            if popen.poll() is None:
-                _signal(popen, signal.SIGTERM)
-        for popen in self._running.values():
+        """End them all, in the same third of a second."""
+        running = [command.popen for command in self._running.values() if not command.over]
+        for popen in running:
+            _signal(popen, signal.SIGTERM)
+        until = time.monotonic() + CLOSE_S
+        for popen in running:
             try:
-                popen.wait(0.3)
+                popen.wait(max(0.0, until - time.monotonic()))
             except subprocess.TimeoutExpired:
                 _signal(popen, signal.SIGKILL)
                 popen.wait()

@@ -24,6 +24,7 @@ from lbr.executive.hosting import HostReport, HostShare, Measured, Placed
 from lbr.executive.logs import open_log, trim_all
 from lbr.executive.mainthread import MainThread
 from lbr.executive.overview import Overview
+from lbr.executive.reaper import Reaper
 from lbr.executive.supervisor import Supervisor
 from lbr.executive.units import Unit, measured, posed
 from lbr.messages.joints import CapturedFrame
@@ -50,6 +51,7 @@ class Stay:
         found: Target,
         host: str,
         main: MainThread,
+        reaper: Reaper,
         *,
         agent: str,
         where: str,
@@ -59,6 +61,7 @@ class Stay:
         self._found = found
         self._host = host
         self._main = main
+        self._reaper = reaper
         self._agent = agent
         self._where = where
         self._say = say
@@ -98,6 +101,8 @@ class Stay:
                 if now >= self._trim_at:
                     self._trim_at = now + TRIM_S
                     trim_all(home.home() / "logs")
+                    if why := self._reaper.step():
+                        self._say(f"the process that ends what is left over cannot be started: {why}")
                 self._wait(max(0.0, min(due, self._ask_at - now if self._question is None else hosting.REPORT_S)))
         finally:
             self._supervisor.shut_down(self._wait, limit_s=LOST_END_S if self._over else END_S)
@@ -226,7 +231,7 @@ class Stay:
             estop=self._latch() if unit.moves else unit.config.estop,
         )
         with open_log(home.directory("logs") / f"{self._found.robot}-{unit.name}.log") as log:
-            return Child(unit, config, log)
+            return Child(unit, config, log, self._reaper.mark())
 
     def _latch(self) -> EstopState:
         answers = wire.ask(

@@ -12,6 +12,7 @@ from lbr.bus import keys, session, stamp, wire
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
 from lbr.executive.child import Child
 from lbr.executive.logs import open_log
+from lbr.executive.reaper import Reaper
 from lbr.executive.units import Unit
 from lbr.messages.system import EstopState
 from tests.robot import until
@@ -94,6 +95,7 @@ class Stage:
         self.endpoint = endpoint
         self.said = []
         self.child = None
+        self.reaper = Reaper()
 
     def start(self, *, settings="{}", estop=NOT_ENGAGED):
         feed = InputWire(key="r/probe/setpoint", source="drive", seal=KEY, history=8)
@@ -111,7 +113,7 @@ class Stage:
         )
         unit = Unit(name="probe", kind="probe", family="app", moves=True, restart="never", needs=(), config=config)
         with open_log(self.home / "log.txt") as log:
-            self.child = Child(unit, config, log)
+            self.child = Child(unit, config, log, self.reaper.mark())
         return self
 
     def heard(self, phase):
@@ -136,6 +138,7 @@ class Stage:
             self.child.kill()
             self.ended()
             self.child.close()
+        self.reaper.close()
         self.bus.close()
         self.router.close()
 

@@ -1,18 +1,19 @@
 """Programs by name: which one a row means, and where what it prints goes."""
 
 import sys
+from contextlib import closing
 
 import pytest
 
 from lbr.database.rows import ExternalCommandRow
 from lbr.executive.external import ExternalCommands
+from lbr.executive.reaper import Reaper
 
 
 @pytest.fixture
 def commands(tmp_path):
-    external = ExternalCommands(tmp_path, "lbr")
-    yield external
-    external.close()
+    with closing(Reaper()) as reaper, closing(ExternalCommands(tmp_path, "lbr", reaper)) as external:
+        yield external
 
 
 def said(commands: ExternalCommands, *argv: str, arguments: tuple[str, ...] = ()) -> tuple[int, str]:

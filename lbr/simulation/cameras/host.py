@@ -11,13 +11,14 @@ from collections.abc import Callable
 
 import msgspec
 
+from lbr.capability.tether import tethered
 from lbr.simulation.cameras.orders import LONGEST_BYTES, Begin, Drawing, Order, SetFaults, Watch
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.faults import CameraFaults
 
 _AGAIN_S = 2.0
 _AGAIN_AFTER_FAILURE_S = 30.0
-_ENDING_S = 1.0
+_ENDING_S = 0.3
 
 
 class CameraHost:
@@ -86,7 +87,7 @@ class CameraHost:
         self._drawing = False
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "lbr.simulation.cameras", str(theirs.fileno())],
+                tethered((sys.executable, "-P", "-m", "lbr.simulation.cameras", str(theirs.fileno()))),
                 stdin=subprocess.DEVNULL,
                 pass_fds=(theirs.fileno(),),
                 env={**os.environ, "LP_NUM_THREADS": "1"},  # Mesa's software renderer would take every core

@@ -18,6 +18,7 @@ from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessCo
 from lbr.capability.context import Device
 from lbr.executive.child import Child
 from lbr.executive.logs import open_log
+from lbr.executive.reaper import Reaper
 from lbr.executive.units import Unit
 from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.dynamixel import DynamixelTwin
@@ -95,6 +96,7 @@ class Stage:
         self.endpoint = endpoint
         self.router = session.open_router(session.Router(listen=(endpoint,)))
         self.bus = session.open_client([endpoint])
+        self.reaper = Reaper()
         self.children: dict[str, Child] = {}
         self.client: subprocess.Popen[bytes] | None = None
         self.start("servos")
@@ -139,7 +141,7 @@ class Stage:
         family = "driver" if name == "servos" else "operation"
         unit = Unit(name=name, kind=kind, family=family, moves=True, restart="never", needs=(), config=config)
         with open_log(self.home / f"{name}.txt") as log:
-            self.children[name] = Child(unit, config, log)
+            self.children[name] = Child(unit, config, log, self.reaper.mark())
 
     def ask(self, key, message=None):
         answers = wire.ask(self.bus, f"r/{key}", message, source="test")
@@ -194,6 +196,7 @@ class Stage:
             self.kill(name, signal.SIGCONT)
             self.kill(name)
             self.bury(name)
+        self.reaper.close()
         self.bus.close()
         self.router.close()
         self.twin.close()

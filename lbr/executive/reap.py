@@ -1,0 +1,195 @@
+"""The reaper's program: ends what is left of a run when the executive is gone, also what is frozen or hangs.
+
+`python -I -S reap.py LBR_RUN=TOKEN. LBR_LAST_WORD_S=`, with a pipe from the executive on standard input. It hears there
+`+NUMBER PID` when a process was started, `-NUMBER` when one has ended, and `~NUMBER` when one has ended that may leave
+something behind until the end of the run. A dot, or the end of the pipe, is the end of the executive: who can, ends in order
+by itself; then all the rest is killed. To a process belongs what is in its session, and what has its mark in the
+environment. A guard is not killed but continued until it has said its last word. It has the executive's rights, so that it
+sees and ends whatever that has started, and imports nothing of the project.
+"""
+
+import os
+import select
+import signal
+import sys
+import time
+from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
+from typing import NamedTuple
+
+PATIENCE_S = 1.1
+"""A capability that ends in order is gone 1.0 s after its lifeline closed: its own alarm sees to that."""
+LAST_WORD_MOST_S = 7200.0
+LOOK_FIRST_S, LOOK_MOST_S = 0.01, 0.25
+LEFT_S = 0.5
+"""How often what ended processes have left behind is looked at again."""
+DEAD = "ZX"
+END = b"."
+
+
+class Process(NamedTuple):
+    """A process on this machine; `started` tells it from a later one of the same number, `number` is -1 without a mark."""
+
+    pid: int
+    started: str
+    session: int
+    number: int
+    last_word_s: float
+
+
+class Run:
+    """What the executive has started; only processes of this user are seen to the bottom."""
+
+    def __init__(self, mark: bytes, last_word: bytes, clock: Callable[[], float] = time.monotonic) -> None:
+        self._mark = mark
+        self._last_word = last_word
+        self._clock = clock
+        self._running: dict[int, int] = {}
+        self._left: dict[int, int] = {}
+        self._guards: dict[tuple[int, str], float] = {}
+        self._beyond: set[tuple[int, str]] = set()
+
+    @property
+    def tidy(self) -> bool:
+        """Whether nothing is known to be left behind by what has ended."""
+        return not self._left
+
+    def hear(self, word: bytes) -> None:
+        """Take down what the executive has started, or what has ended."""
+        if word == END:
+            return
+        what, number = word[:1], int(word[1:].split()[0])
+        if what == b"+":
+            self._running[number] = int(word.split()[1])
+            return
+        session = self._running.pop(number, 0)
+        if what == b"-" and session:
+            self._left[number] = session
+
+    def clear(self) -> None:
+        """End what processes that have ended have left behind; what is not gone at once is looked at again."""
+        sessions = {session: number for number, session in self._left.items()}
+        found = self._end(sessions, self._left) if sessions else []
+        still = {sessions.get(one.session, one.number) for one in found}
+        self._left = {number: session for number, session in self._left.items() if number in still}
+
+    def end(self, done: Callable[[], object]) -> None:
+        """Let end what ends by itself, then end the rest; return when nothing is left that can be ended.
+
+        Calls `done` again and again while none but guards are left.
+        """
+        self._wait(self._clock() + PATIENCE_S)
+        sessions = {*self._left.values(), *self._running.values()}
+        pause_s = LOOK_FIRST_S
+        while found := self._end(sessions, None):
+            if all(one.last_word_s for one in found):
+                done()
+            time.sleep(pause_s)
+            pause_s = min(2.0 * pause_s, LOOK_MOST_S)
+
+    def _wait(self, until: float) -> None:
+        """Wait until all that the executive has started by itself is gone."""
+        poll = select.poll()
+        running = set()
+        for pid in self._running.values():
+            with suppress(OSError):
+                running.add(os.pidfd_open(pid))
+        for fd in running:
+            poll.register(fd, select.POLLIN)
+        while running and (left_s := until - self._clock()) > 0.0:
+            for fd, _ in poll.poll(left_s * 1000.0):
+                poll.unregister(fd)
+                running.discard(fd)
+
+    def _end(self, sessions: Collection[int], numbers: Collection[int] | None) -> list[Process]:
+        """Kill what belongs to these sessions or bears one of these marks (None: any); return what may still be there."""
+        found = [
+            one
+            for one in self._processes()
+            if one.session in sessions or (one.number >= 0 and (numbers is None or one.number in numbers))
+        ]
+        return [one for one in found if (one.pid, one.started) not in self._beyond and self._treat(one)]
+
+    def _treat(self, one: Process) -> bool:
+        """Kill it, or continue it if it is a guard whose time is not over; say whether it is still ours to end."""
+        known = (one.pid, one.started)
+        number = signal.SIGKILL
+        if one.last_word_s > 0.0:
+            until = self._guards.setdefault(known, self._clock() + min(one.last_word_s, LAST_WORD_MOST_S))
+            number = signal.SIGCONT if self._clock() < until else signal.SIGKILL
+        try:
+            fd = os.pidfd_open(one.pid)
+        except OSError:
+            return False
+        try:
+            if self._look(one.pid) == one:
+                signal.pidfd_send_signal(fd, number)
+        except ProcessLookupError:
+            return False
+        except PermissionError:
+            self._beyond.add(known)
+            return False
+        finally:
+            os.close(fd)
+        return True
+
+    def _processes(self) -> Iterator[Process]:
+        me = os.getpid()
+        for name in os.listdir("/proc"):  # noqa: PTH208 - importing pathlib takes too long
+            if name.isdecimal() and int(name) != me and (found := self._look(int(name))) is not None:
+                yield found
+
+    def _look(self, pid: int) -> Process | None:
+        """Return a process as it is now, unless it is dead; what it does not show us it does not have."""
+        try:
+            fields = _read(f"/proc/{pid}/stat").rpartition(b")")[2].split()
+        except OSError:
+            return None
+        if fields[0].decode() in DEAD:
+            return None
+        environment = b""
+        with suppress(OSError):
+            environment = b"\0" + _read(f"/proc/{pid}/environ")
+        number = _after(environment, self._mark)
+        seconds = _after(environment, self._last_word) if number.isdigit() else b""
+        return Process(
+            pid,
+            started=fields[19].decode(),
+            session=int(fields[3]),
+            number=int(number) if number.isdigit() else -1,
+            last_word_s=float(seconds) if seconds.isdigit() else 0.0,
+        )
+
+
+def _read(path: str) -> bytes:
+    with open(path, "rb", buffering=0) as file:  # noqa: PTH123 - importing pathlib takes too long
+        return file.read()
+
+
+def _after(environment: bytes, variable: bytes) -> bytes:
+    """Return what follows the beginning of a variable, up to its end."""
+    return environment.partition(b"\0" + variable)[2].partition(b"\0")[0]
+
+
+def main(mark: bytes, last_word: bytes) -> None:
+    """Hear what the executive says for as long as it lives, then end what is left."""
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    run = Run(mark, last_word)
+    poll = select.poll()
+    poll.register(0, select.POLLIN)
+    heard = b""
+    ended = False
+    while not ended:
+        if poll.poll(None if run.tidy else LEFT_S * 1000.0):
+            part = os.read(0, 65536)
+            *words, heard = (heard + part).split(b"\n")
+            ended = not part or END in words
+            for word in words:
+                run.hear(word)
+        run.clear()
+    run.end(lambda: os.dup2(2, 0))  # closes the pipe: the other end sees that
+
+
+if __name__ == "__main__":
+    main(*(os.fsencode(word) for word in sys.argv[1:]))
