@@ -66,7 +66,7 @@ SCENARIOS: dict[str, Scenario] = {
     "E7": Scenario(repeated(devices.motors_dumb), 300, 6),
     "E3": Scenario(resets.resets, 300, 9),
     "E2": Scenario(latch.survives, 300, 8),
-    "P5": Scenario(crashes.hangs, 10, 1, alone=True),
+    "P5": Scenario(crashes.hangs, 10, 1),
     "S6": Scenario(kills.kill_executive, 100, 6),
     "S6 frozen": Scenario(orphans.anything_frozen, 100, 4),
     "S2": Scenario(repeated(freezes.motor_driver_frozen), 100, 10),

@@ -12,8 +12,8 @@ import threading
 import time
 from collections.abc import Callable
 
-HEARD_WITHIN_S = 2.0
-"""The main loop goes round five times a second; one that has not begun to close by then hangs."""
+HEARD_WITHIN_S = 2.5
+"""The main loop goes round five times a second, also where it is held up; one that has not begun to close by then hangs."""
 OVER_WITHIN_S = 5.0
 """The processes have 2.5 s to end, then the external commands, the last rows and the routers."""
 FORCED = 70
