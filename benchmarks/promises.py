@@ -6,6 +6,7 @@ from benchmarks.figures import BASE, WHOLE, Promise
 
 STOP_HARD_MS = 300.0
 DEVICES = "base, no simulation"
+SERVED = "uxa90-sim, its joints, motions and server"
 
 STATED: dict[str, Promise] = {
     "S1": Promise(what="kill -9 motor driver, to motor zero", target=50, hard=STOP_HARD_MS),
@@ -130,6 +131,15 @@ STATED: dict[str, Promise] = {
     "B5": Promise(what="start under 4 and under 30 busy loops: no process ends, and it is ready"),
     "B5 H": Promise(what="start of lbr-sim under 4 busy loops, to ready"),
     "B5 30": Promise(what="start of lbr-sim under 30 busy loops, to ready"),
+    "W1": Promise(what="stop by HTTP beside what one address holds open: answered", robot=SERVED),
+    "W1 idle": Promise(what="stop by HTTP beside 40 idle connections, to its answer", target=300, robot=SERVED),
+    "W1 heads": Promise(what="stop by HTTP beside 200 half heads, to its answer", target=300, robot=SERVED),
+    "W1 bodies": Promise(
+        what="stop by HTTP beside 200 bodies that do not come, to its answer", target=300, robot=SERVED
+    ),
+    "W1 stops": Promise(
+        what="stop by HTTP beside 200 stops that are half said, to its answer", target=300, robot=SERVED
+    ),
 }
 
 AT_REST: dict[str, Promise] = {
