@@ -22,7 +22,9 @@ class LineCompleter(Completer):
             yield from self._fields(text)
         elif text.lower().startswith("stop "):
             yield from self._external(text[5:].lstrip())
-        elif " " not in text:
+        elif " " in text:
+            yield from self._arguments(text)
+        else:
             yield from self._words(text)
 
     def _words(self, text: str) -> Iterator[Completion]:
@@ -39,6 +41,16 @@ class LineCompleter(Completer):
         for entry in self.entries:
             if entry.get("target") == "external" and entry["word"].startswith(text):
                 yield Completion(entry["word"], -len(text), display_meta="end this external command")
+
+    def _arguments(self, text: str) -> Iterator[Completion]:
+        """Yield what may follow the name of an external command, as its row allows it."""
+        word, *given = text.split(" ")
+        index, start = len([one for one in given[:-1] if one]), given[-1]
+        for entry in self.entries:
+            fields = entry.get("fields") or []
+            if entry.get("target") == "external" and entry.get("word") == word and index < len(fields):
+                for said, shown, meta in _allowed(fields[index], fields[index]["choices"], start, entry):
+                    yield Completion(said, -len(start) if said else 0, display=shown, display_meta=meta)
 
     def _fields(self, text: str) -> Iterator[Completion]:
         word, *parts = text[1:].split("/")
@@ -67,6 +79,13 @@ def _next(entry: dict[str, Any], index: int, start: str) -> Iterator[tuple[str, 
     fields = entry.get("fields") or []
     field = fields[at] if at < len(fields) else {"name": part.strip("{.}"), "hint": "", "choices": []}
     choices = field.get("choices") or (entry.get("choices", []) if at == 0 else [])
+    yield from _allowed(field, choices, start, entry)
+
+
+def _allowed(
+    field: dict[str, Any], choices: Iterable[Any], start: str, entry: dict[str, Any]
+) -> Iterator[tuple[str, str, str]]:
+    """Yield the choices of a field that begin so, or a hint if it has none."""
     for choice in choices:
         if str(choice).lower().startswith(start.lower()):
             yield str(choice), str(choice), str(field["name"])

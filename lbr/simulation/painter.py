@@ -24,7 +24,7 @@ class Painter:
         self._calls: list[tuple[Call, Path, Future[None]]] = []
 
     def ask(self, call: Call, path: Path, draw: Callable[[], "Image"]) -> None:
-        """Have a picture drawn and saved."""
+        """Have a picture drawn and saved as a new file; one that is there stays as it is."""
         if path.suffix != ".png" or not path.is_absolute():
             call.refuse(f"a picture's path is absolute and ends in .png; '{path}' is not")
         elif len(self._calls) >= _WAITING:
@@ -62,9 +62,13 @@ def _rank_as_usual() -> None:
 def picture_path(robot: str) -> Path:
     """Return where a picture goes that nobody named."""
     home = Path(os.environ.get("LBR_HOME") or "~/.lbr").expanduser()
-    return home / "pictures" / f"{robot}-{time.strftime('%Y%m%d-%H%M%S')}.png"
+    folder = home / "pictures"
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    now = time.time()
+    return folder / f"{robot}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}.png"
 
 
 def _save(path: Path, draw: Callable[[], "Image"]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draw().save(path, compress_level=1)
+    picture = draw()
+    with path.open("xb") as file:
+        picture.save(file, format="PNG", compress_level=1)

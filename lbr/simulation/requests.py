@@ -71,7 +71,7 @@ class BallReply(Struct, frozen=True, kw_only=True):
 
 
 class PictureRequest(Struct, frozen=True, kw_only=True):
-    """Draw the world into a PNG file: at `path`, or below `$LBR_HOME/pictures`.
+    """Draw the world into a new PNG file: at `path`, in a folder that is there, or below `$LBR_HOME/pictures`.
 
     A room is seen from above, a humanoid from its front and its left.
     """

@@ -19,7 +19,10 @@ VOCABULARY = Vocabulary(
         verb("/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}", "drive.command"),
         verb("/report/{name}", "executive.report"),
     ],
-    [ExternalCommandRow(name="clock", argv=("/bin/date",))],
+    [
+        ExternalCommandRow(name="clock", argv=("/bin/date",)),
+        ExternalCommandRow(name="beam", argv=("/bin/echo",), arguments=(("left", "right"), "[0-9]+")),
+    ],
     {"drive.command": DriveCommand},
 )
 COMPLETER = LineCompleter(VOCABULARY.entries({"executive.report": ["health", "events"]}))
@@ -35,7 +38,24 @@ def offered(text: str) -> list[str]:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("", ["s", "S", "stop", "estop", "/estop/", "reset", "status", "help", "Shutdown", "/r/", "/report/", "clock"]),
+        (
+            "",
+            [
+                "s",
+                "S",
+                "stop",
+                "estop",
+                "/estop/",
+                "reset",
+                "status",
+                "help",
+                "Shutdown",
+                "/r/",
+                "/report/",
+                "clock",
+                "beam",
+            ],
+        ),
         ("/re", ["/report/"]),
         ("ST", ["stop", "status"]),
         ("stop c", ["clock"]),
@@ -48,7 +68,12 @@ def offered(text: str) -> list[str]:
         ("/nothing/", []),
         ("//", []),
         ("///x", []),
+        ("clock ", []),
         ("clock -", []),
+        ("beam ", ["left", "right"]),
+        ("beam r", ["right"]),
+        ("beam left ", ["argument_2: what fits [0-9]+"]),
+        ("beam left 1 ", []),
     ],
 )
 def test_completion_offers_words_then_what_each_field_may_be(text, expected):

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from lbr.console.verbs import Vocabulary
 from lbr.database import builtin
 from lbr.errors import InputError
 from lbr.executive import service
@@ -13,6 +14,18 @@ from lbr.executive.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
 
 def test_every_word_that_a_row_may_name_exists():
     assert set(Dispatcher(None, None, {})._built_in) == set(EXECUTIVE_VERBS)
+
+
+def test_a_robot_that_moves_nothing_says_so_when_it_is_stopped():
+    plan = SimpleNamespace(robot="lamp", stoppable=tuple)
+    words = Vocabulary([])
+    dispatcher = Dispatcher(SimpleNamespace(plan=plan, vocabulary=words, record=lambda *_: None), None, {})
+    for line in ("s", "S", "stop", "/stop"):
+        result = dispatcher.execute(line, source="console", role="view")
+        assert (result.code, result.text) == (
+            0,
+            "nothing of this robot moves by commands: there is nothing to stop",
+        )
 
 
 def test_each_has_a_least_role():

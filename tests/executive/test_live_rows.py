@@ -2,6 +2,7 @@
 
 import json
 import sqlite3
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -25,6 +26,29 @@ class Hello(Capability[Settings]):
         self.ctx.publish("said", Said(self.ctx.settings.word))
 
 KIND = Kind(name="hello", summary="says a word", family="app", entry=Hello, settings=Settings, outputs={"said": Said})
+"""
+
+DEAF = """
+from msgspec import Struct
+from lbr.capability import Capability, Kind
+from lbr.messages.leases import StopCommand
+
+class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    pass
+
+KEPT = []  # a question that is dropped is over at once
+
+class Deaf(Capability[Settings]):
+    def step(self) -> None:
+        self.ctx.estop.acknowledge(stopped=True)
+
+    def command(self, call) -> None:
+        KEPT.append(call)
+
+KIND = Kind(
+    name="deaf", summary="hears no stop", family="app", entry=Deaf, settings=Settings, commands={"stop": StopCommand},
+    moves=True,
+)
 """
 
 
@@ -82,9 +106,8 @@ def test_a_word_is_a_row(robot):
 
 
 def test_no_row_takes_the_words_that_stop_and_end_a_robot(robot):
-    said = robot.status()["revision"]
     robot.edit("DELETE FROM verb WHERE word IN ('s', 'S', 'stop', 'estop', 'reset', 'status', 'help', 'Shutdown')")
-    until(lambda: revision(robot) > said)
+    until(lambda: robot.line("/s/hello")["code"] == 2, what="the rows are gone")
     for line in ("s", "S", "stop", "/stop", "STOP"):
         assert (robot.line(line, role="view")["code"], robot.line(line)["text"]) == (0, "stopped"), line
     assert robot.line("estop", role="view")["code"] == 0
@@ -99,6 +122,22 @@ def test_no_row_takes_the_words_that_stop_and_end_a_robot(robot):
     until(lambda: sentence in " ".join(event["text"] for event in robot.events()), what="it is refused by name")
     assert robot.line("stop", role="view")["text"] == "stopped"
     robot.edit("DELETE FROM verb WHERE word = 'stop'")
+
+
+def test_a_mover_that_does_not_answer_delays_the_stop_of_no_other(robot):
+    (robot.home / "capabilities" / "deaf.py").write_text(DEAF)
+    robot.edit("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'deaf', 'deaf')")
+    until(lambda: phase(robot, "deaf") == "ready")
+    until(lambda: robot.line("/r/0.2/90")["code"] == 0, what="it drives")
+    with ThreadPoolExecutor() as pool:
+        said = pool.submit(robot.line, "stop")
+        until(lambda: "stopped by" in robot.ask("drive/state")["reason"], limit_s=1.5, what="the drive is stopped")
+        assert not said.done(), "the one that is deaf is still waited for"
+        result = said.result()
+    assert result["code"] == 1
+    assert result["text"].startswith("stopped; 'deaf' did not answer")
+    robot.edit("DELETE FROM capability WHERE name = 'deaf'")
+    until(lambda: phase(robot, "deaf") == "absent")
 
 
 def test_who_may_less_than_a_command_needs_is_refused_whatever_its_row_says(robot):

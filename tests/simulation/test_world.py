@@ -134,11 +134,22 @@ def test_pose_comes_at_its_rate_and_the_scene_at_once(bench):
 
 
 def test_a_picture_is_saved_where_asked(bench, tmp_path):
-    path = tmp_path / "pictures" / "room.png"
+    path = tmp_path / "room.png"
     call = bench.ask("picture", PictureRequest(path=str(path), width_px=300, height_px=300))
     assert bench.until(lambda: call.answer is not None)
     assert call.answer.path == str(path)
     assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_replaces_no_file_and_makes_no_folder(bench, tmp_path):
+    path = tmp_path / "mine.png"
+    path.write_bytes(b"mine")
+    for named, why in ((path, "File exists"), (tmp_path / "new" / "room.png", "No such file")):
+        call = bench.ask("picture", PictureRequest(path=str(named), width_px=300, height_px=300))
+        assert bench.until(lambda call=call: call.refusal is not None)
+        assert why in call.refusal
+    assert path.read_bytes() == b"mine"
+    assert not (tmp_path / "new").exists()
 
 
 def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
