@@ -61,7 +61,7 @@ def flooded(robot) -> Iterator[None]:
 def terminal(robot, *command: str, answers: bool = True) -> Iterator[OnTerminal]:
     on = OnTerminal(robot.home, [*LBR, *command], answers=answers)
     try:
-        on.wait_for(b"Robot>")
+        shows(on, b"Robot>")
         yield on
     finally:
         on.end()
@@ -94,6 +94,16 @@ def into_full_pipe(robot, *command: str) -> "Iterator[subprocess.Popen[bytes]]":
         os.close(reader)
 
 
+def shows(on: OnTerminal, text: bytes) -> None:
+    until(lambda: text in on.said, limit_s=8, what=f"{text!r} on the terminal")
+
+
+def ended(popen: "subprocess.Popen[bytes]") -> int | None:
+    """Return a program's exit code, once it has one."""
+    until(lambda: popen.poll() is not None, what="an end")
+    return popen.returncode
+
+
 def unread(fd: int) -> int:
     return int.from_bytes(fcntl.ioctl(fd, termios.FIONREAD, bytes(4)), sys.byteorder)
 
@@ -113,7 +123,7 @@ def test_a_terminal_that_takes_no_output_stops_the_wheels(robot, trace):
         on.freeze()
         at_rest(trace)
         on.thaw()
-        on.wait_for(b"the terminal has taken no output")
+        shows(on, b"the terminal has taken no output")
 
 
 def test_a_terminal_that_answers_no_more_stops_the_wheels(robot, trace):
@@ -135,7 +145,7 @@ def test_a_console_on_a_frozen_terminal_can_be_left(robot, trace, way):
             on.type(way)
         else:
             on.popen.send_signal(way)
-        assert on.popen.wait(4) == 0
+        assert ended(on.popen) == 0
 
 
 def test_a_stop_is_heard_from_a_pipe_when_nobody_reads_the_results(robot, trace):
@@ -148,7 +158,7 @@ def test_a_stop_is_heard_from_a_pipe_when_nobody_reads_the_results(robot, trace)
         popen.stdin.flush()
         at_rest(trace)
         popen.terminate()
-        assert popen.wait(4) == 130
+        assert ended(popen) == 130
 
 
 def test_a_console_into_a_full_pipe_leaves_when_told(robot, trace):
@@ -158,7 +168,7 @@ def test_a_console_into_a_full_pipe_leaves_when_told(robot, trace):
         popen.stdin.flush()
         moving(trace)
         popen.terminate()
-        assert popen.wait(4) == 130
+        assert ended(popen) == 130
         at_rest(trace)
 
 
@@ -167,7 +177,7 @@ def test_what_is_sent_into_a_full_pipe_is_not_held(robot, trace):
         moving(trace)
         at_rest(trace)
         popen.send_signal(signal.SIGINT)
-        assert popen.wait(4) == 130
+        assert ended(popen) == 130
 
 
 def test_who_prints_into_a_pipe_that_is_read_no_more_can_be_interrupted(robot):
@@ -178,7 +188,7 @@ def test_who_prints_into_a_pipe_that_is_read_no_more_can_be_interrupted(robot):
     try:
         until(lambda: unread(reader) > 3000, what="a full pipe")
         popen.send_signal(signal.SIGINT)
-        assert popen.wait(4) == 130
+        assert ended(popen) == 130
     finally:
         popen.kill()
         popen.wait()
@@ -188,11 +198,11 @@ def test_who_prints_into_a_pipe_that_is_read_no_more_can_be_interrupted(robot):
 def test_a_view_on_a_frozen_terminal_can_be_left(robot):
     on = OnTerminal(robot.home, [*LBR, "view"])
     try:
-        on.wait_for(b"[?1049h")
+        shows(on, b"[?1049h")
         on.freeze()
         until(lambda: on.unread > 3000)
         on.popen.send_signal(signal.SIGINT)
-        assert on.popen.wait(4) == 130
+        assert ended(on.popen) == 130
     finally:
         on.end()
 
@@ -201,12 +211,12 @@ def test_a_view_on_a_frozen_terminal_can_be_left(robot):
 def test_the_robots_own_terminal_ends_it_though_frozen(tmp_path, way):
     on = OnTerminal(robots.prepare(tmp_path / "h"), [*LBR, "run"], answers=False)
     try:
-        on.wait_for(b"ready")
+        shows(on, b"ready")
         on.freeze()
         on.type(b"!print('z' * 100000)\r")
         until(lambda: on.unread > 3000)
         on.popen.send_signal(way)
-        assert on.popen.wait(6) == 0
+        assert ended(on.popen) == 0
     finally:
         on.end()
 
@@ -219,7 +229,7 @@ def test_the_ready_line_holds_up_no_robot(tmp_path):
     try:
         until(lambda: '"ready":true' in robots.lbr(home, "status", "--json").stdout, limit_s=8)
         popen.terminate()
-        assert popen.wait(6) == 0
+        assert ended(popen) == 0
     finally:
         popen.kill()
         popen.wait()
