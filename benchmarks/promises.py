@@ -141,6 +141,7 @@ STATED: dict[str, Promise] = {
         what="stop by HTTP beside 200 stops that are half said, to its answer", target=300, robot=SERVED
     ),
 }
+"""Without `robot` a figure is of the base of lbr, or of all of lbr with `--whole`: what runs anything else names it."""
 
 AT_REST: dict[str, Promise] = {
     f"B4 {robot}{suffix}": Promise(what=what, unit=unit, target=target, robot=f"{robot}-sim, whole")
