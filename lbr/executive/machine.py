@@ -12,11 +12,13 @@ from lbr.capability.kind import Kind
 from lbr.database.rows import CapabilityRow, Problem
 from lbr.executive.profile import Profile
 
-MOST_CAPABILITIES = 100
-"""Five times the largest robot there is; a hundred that wait for work keep one core busy, and start within minutes."""
+MOST_CAPABILITIES = 48
+"""More than twice the largest robot there is. On two cores stops are answered while so many start; with 90 that hear every
+stream the bus no longer keeps up, and answers fail to come."""
 FILES_EACH, FILES_BESIDE = 12, 100
 """The most that the executive holds open for a capability: its pipes, its links, its share of routers; and for itself."""
-FILES_WANTED = FILES_BESIDE + FILES_EACH * MOST_CAPABILITIES
+FILES_WANTED = 2048
+"""For a full robot, and for all who look at it besides."""
 MEMORY_EACH_MB = 16
 """What a driver or an operation has for itself; few capabilities have less."""
 STARTING_PER_CORE = 3
