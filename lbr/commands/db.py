@@ -64,10 +64,12 @@ def add(robot: str, database: Path | None, as_json: bool) -> int:
 @click.option("--robot", metavar="NAME", help="Check one robot alone.")
 @json_option
 def check(database: Path | None, robot: str | None, as_json: bool) -> int:
-    """Check the rows of every robot, as a start would, and the audit trail. Exit code 2 if anything is bad."""
+    """Check the rows of every robot, as a start would, and the audit trail. Exit code 2 if anything is bad.
+
+    A hint is something odd that runs all the same.
+    """
     from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened, problems_of  # noqa: PLC0415
-    from lbr.database.reader import shown  # noqa: PLC0415
+    from lbr.commands.rows import judged, opened  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
     from lbr.executive.watch import loaded  # noqa: PLC0415
 
@@ -76,19 +78,34 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
         if robot is not None and robot not in names:
             raise InputError(f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}")
         all_rows = loaded(rows, [name for name in names if robot in {None, name}])
-        problems = {name: problems_of(of_robot) for name, of_robot in all_rows.items()}
+        both = {name: judged(of_robot) for name, of_robot in all_rows.items()}
+        problems = {name: bad for name, (bad, _) in both.items()}
+        hints = {name: odd for name, (_, odd) in both.items()}
         if not problems:
             raise InputError(f"{rows.path} has no robot row")
         if fault := rows.audit_fault():
             problems["audit"] = [f"the audit trail is not whole: {fault}"]
+        if foreign := rows.foreign():
+            hints["schema"] = list(foreign)
     if as_json:
-        print_json([{"robot": name, "problems": found} for name, found in problems.items()])
-    for name, found in problems.items():
-        for problem in () if as_json else found:
-            click.echo(f"{shown(name)}: {problem}", err=True)
-        if not found and not as_json:
-            click.echo(f"{shown(name)}: good")
+        told = [*problems, *(name for name in hints if name not in problems)]
+        print_json([{"robot": one, "problems": problems.get(one, []), "hints": hints.get(one, [])} for one in told])
+    else:
+        _tell(problems, hints)
     return 2 if any(problems.values()) else 0
+
+
+def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
+    from lbr.database.reader import shown  # noqa: PLC0415
+
+    for name, found in problems.items():
+        for problem in found:
+            click.echo(f"{shown(name)}: {problem}", err=True)
+        if not found:
+            click.echo(f"{shown(name)}: good")
+    for name, odd in hints.items():
+        for hint in odd:
+            click.echo(f"{shown(name)}: hint: {hint}")
 
 
 @command.command("diff")

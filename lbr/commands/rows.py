@@ -33,11 +33,17 @@ def robot_in(database: "Database") -> str:
 
 def problems_of(rows: "RobotRows") -> list[str]:
     """Return what a start would find wrong with a robot's rows."""
+    return judged(rows)[0]
+
+
+def judged(rows: "RobotRows") -> tuple[list[str], list[str]]:
+    """Return what a start would find wrong with a robot's rows, and what is odd in rows that are good."""
     from lbr import home  # noqa: PLC0415
     from lbr.executive import plan  # noqa: PLC0415
+    from lbr.executive.hints import hints  # noqa: PLC0415
     from lbr.executive.profile import Profile  # noqa: PLC0415
     from lbr.executive.site import Site  # noqa: PLC0415
 
     site = Site(home=str(home.home()), endpoints=(), secret=bytes(32))
-    _, problems = plan.make(rows, Profile(robot=rows.robot.name, simulate=True), site)
-    return [str(problem) for problem in problems]
+    made, problems = plan.make(rows, Profile(robot=rows.robot.name, simulate=True), site)
+    return [str(problem) for problem in problems], list(hints(made, home.home())) if made is not None else []

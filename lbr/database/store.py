@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from sqlalchemy import Connection, func, select, update
 from sqlalchemy.dialects.sqlite import insert
 
-from lbr.database import adopted, audit, edits, history, tokens
+from lbr.database import adopted, audit, edits, foreign, history, tokens
 from lbr.database.checks import check
 from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, flush_log, pragma, run, sentences, transaction
 from lbr.database.files import check_file, check_folder
@@ -112,6 +112,11 @@ class Database:
         """Return the rows of all robots as they stand, unchecked."""
         with self._reading() as connection:
             return read_tables(connection)[0]
+
+    def foreign(self) -> tuple[str, ...]:
+        """Return a sentence for each table, trigger, index and view that is not of lbr's schema."""
+        with self._reading() as connection:
+            return tuple(foreign.foreign(connection))
 
     def append_events(self, events: Iterable[Event], trail: Sequence[AuditRow] = ()) -> None:
         """Write events, and entries of the audit trail, in one transaction; a `wall_ns` of 0 becomes now.

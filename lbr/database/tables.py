@@ -16,7 +16,10 @@ RawTables = Mapping[str, Sequence[RawRow]]
 TABLES: tuple[Table, ...] = CONFIGURATION
 WRITTEN_BY_LBR = {("robot", name) for name in ("last_start", "last_shutdown", "estop_engaged", "estop_reason")}
 """Columns that lbr writes while a robot runs; their changes are no edits."""
-KEYS: dict[str, tuple[str, ...]] = {table.name: tuple(column.name for column in table.primary_key) for table in TABLES}
+KEYS: dict[str, tuple[str, ...]] = {
+    str(table.name): tuple(str(column.name) for column in table.primary_key) for table in TABLES
+}
+"""The columns of each table's key; plain texts, which JSON takes, unlike SQLAlchemy's own."""
 
 _ROWS = {
     table.name: f"SELECT {', '.join(column.name for column in table.columns)} FROM {table.name}"  # noqa: S608 - our names
@@ -36,7 +39,7 @@ def read_tables(connection: Connection) -> tuple[RawTables, tuple[Problem, ...]]
     rows: dict[str, list[RawRow]] = {}
     for table in TABLES:
         if _comparable(table, columns.get(table.name, set()), problems):
-            names = [column.name for column in table.columns]
+            names = [str(column.name) for column in table.columns]
             found = connection.exec_driver_sql(_ROWS[table.name]).all()
             rows[table.name] = [dict(zip(names, row, strict=True)) for row in found]
     return rows, tuple(problems)

@@ -72,6 +72,15 @@ class RoboteqSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
             except re.error as err:
                 raise ValueError(f"{field} is no regular expression: {err}") from err
 
+    def doubts(self) -> tuple[str, ...]:
+        """Return what is allowed and mostly wrong: motors that face each other turn the wheels opposite ways."""
+        if self.left.direction != self.right.direction:
+            return ()
+        text = (
+            f"both wheels have direction {self.left.direction}; on a base whose motors are mounted mirrored one has -1"
+        )
+        return (f"{text}, or it turns when it is to drive ahead: try `/r/0.1/0` with the wheels off the floor",)
+
 
 KIND = Kind(
     name="roboteq",

@@ -1,0 +1,31 @@
+"""What is odd in rows that run all the same: inputs that nothing feeds, settings that a kind doubts, code of one's own."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from lbr.capability import registry
+from lbr.executive.plan import Plan
+
+
+def hints(plan: Plan, home: Path) -> tuple[str, ...]:
+    """Return a sentence for each, with what to do; a robot starts with all of them."""
+    return tuple(_found(plan, home))
+
+
+def _found(plan: Plan, home: Path) -> Iterator[str]:
+    enabled = {row.name for row in plan.rows.capabilities if row.enabled}
+    fed = {row.target for row in plan.rows.channels if row.enabled and row.source_end[0] in enabled}
+    for row in plan.rows.capabilities:
+        if row.name not in enabled or row.name not in plan.kinds:
+            continue
+        kind = plan.kinds[row.name]
+        for port in (*kind.inputs, *kind.setpoints):
+            if f"{row.name}.{port}" not in fed:
+                do = f"add a channel whose target is '{row.name}.{port}', or enable its source"
+                yield f"nothing feeds '{row.name}.{port}': {do}"
+        doubts = getattr(kind.parse(row.settings), "doubts", None)
+        for doubt in doubts() if doubts is not None else ():
+            yield f"capability '{row.name}', settings: {doubt}"
+        if registry.fingerprint(row.kind, home):
+            place = registry.user_directory(home) / f"{row.kind}.py"
+            yield f"capability '{row.name}' runs code that did not ship with lbr: {place}"

@@ -1,0 +1,88 @@
+"""What `lbr db` says of rows that are good, odd or changed."""
+
+import json
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from lbr.commands.db import command
+from lbr.database.store import create
+
+SHIPPED = Path(__file__).parents[2] / "docs" / "examples"
+
+
+@pytest.fixture
+def path(tmp_path, monkeypatch) -> Path:
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    create(tmp_path / "home" / "robot.db")
+    return tmp_path / "home" / "robot.db"
+
+
+def edit(path: Path, script: str) -> None:
+    with closing(sqlite3.connect(path, isolation_level=None)) as client:
+        client.executescript(script)
+
+
+def db(*words: str) -> Result:
+    return CliRunner().invoke(command, words, standalone_mode=False)
+
+
+def hints(path: Path, *edits: str) -> dict[str, list[str]]:
+    for one in edits:
+        edit(path, one)
+    return {one["robot"]: one["hints"] for one in json.loads(db("check", "--json").stdout) if one["hints"]}
+
+
+def test_differences_are_told_as_json_too(path):
+    edit(path, "UPDATE capability SET restart = 'never' WHERE robot = 'lbr' AND name = 'drive'")
+    (found,) = json.loads(db("diff", "--json").stdout)
+    assert found["columns"] == {"restart": ["on-failure", "never"]}
+
+
+def test_the_shipped_rows_have_no_hints(path):
+    assert hints(path) == {}
+
+
+@pytest.mark.parametrize(
+    ("sql", "said"),
+    [
+        ("DELETE FROM channel WHERE target = 'drive.ranges'", "nothing feeds 'drive.ranges': add a channel"),
+        ("UPDATE capability SET enabled = 0 WHERE robot = 'lbr' AND name = 'ranges'", "nothing feeds 'drive.ranges'"),
+        (
+            "UPDATE capability SET settings = json_set(settings, '$.left.direction', 1) WHERE name = 'motors'",
+            "capability 'motors', settings: both wheels have direction 1",
+        ),
+    ],
+)
+def test_what_is_odd_is_a_hint_and_no_fault(path, sql, said):
+    assert any(said in hint for hint in hints(path, sql)["lbr"])
+    done = db("check")
+    assert done.return_value == 0
+    assert f"lbr: hint: {said}" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("sql", "said"),
+    [
+        (
+            "CREATE TRIGGER sly AFTER UPDATE ON verb BEGIN UPDATE robot SET owner = 'me'; END",
+            "trigger 'sly' on the table 'verb', which acts by itself at each edit there, is not of lbr's schema",
+        ),
+        ("CREATE TABLE diary (text)", "table 'diary' is not of lbr's schema: unless it is yours, `DROP TABLE diary`"),
+    ],
+)
+def test_what_is_not_of_our_schema_is_a_hint(path, sql, said):
+    (hint,) = hints(path, sql)["schema"]
+    assert said in hint
+
+
+def test_code_of_ones_own_is_a_hint(path):
+    own = path.parent / "capabilities"
+    own.mkdir(mode=0o700)
+    (own / "wander.py").write_text((SHIPPED / "wander.py").read_text())
+    edit(path, (SHIPPED / "wander.sql").read_text())
+    (hint,) = hints(path)["lbr"]
+    assert hint == f"capability 'wander' runs code that did not ship with lbr: {own / 'wander.py'}"
