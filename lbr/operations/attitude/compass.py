@@ -74,7 +74,7 @@ def disturbed(field_ut: Vector, up: Vector, calibration: MagCalibration, setting
     """Say why a calibrated field cannot be the Earth's alone; empty if it can."""
     strength = norm(field_ut)
     if not settings.field_min_ut <= strength <= settings.field_max_ut:
-        remedy = "" if calibration.known else "; the compass was never calibrated"
+        remedy = "" if calibration.known else "; the compass was never calibrated: on wheels `/m/200` does it"
         return (
             f"the magnetic field is disturbed: {strength:.0f} uT, and the Earth's has "
             f"{settings.field_min_ut:g} to {settings.field_max_ut:g}{remedy}"

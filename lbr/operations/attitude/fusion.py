@@ -260,7 +260,7 @@ class Fusion:
         if self._aligned and self._field_s is not None and time_s - self._field_s <= hold_s:
             return ""
         if self.calibration.problem:
-            return f"the compass: {self.calibration.problem}"
+            return f"the compass: {self.calibration.problem}; on wheels `/m/200` calibrates it"
         if self._field_heard_s is None:
             return NO_FIELD
         if time_s - self._field_heard_s > hold_s:
