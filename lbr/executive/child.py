@@ -130,8 +130,9 @@ class Child:
         return [_decode(line) for line in lines]
 
     def terminate(self) -> None:
-        """Ask it to end."""
+        """Ask it to end; one that is frozen goes on, so that it hears."""
         self._signal(signal.SIGTERM)
+        self._signal(signal.SIGCONT)
 
     def kill(self) -> None:
         """End it and everything it started."""

@@ -114,7 +114,7 @@ class ExternalCommands:
         if command is None or command.over:
             raise InputError(f"'{name}' does not run")
         popen = command.popen
-        _signal(popen, signal.SIGTERM)
+        _ask(popen)
         try:
             popen.wait(STOP_S)
         except subprocess.TimeoutExpired:
@@ -132,13 +132,13 @@ class ExternalCommands:
                 del self._running[name]
                 command.mark.ended(kept=name in names and not command.row.blocking)
             elif name not in names:
-                _signal(command.popen, signal.SIGTERM)
+                _ask(command.popen)
 
     def close(self) -> None:
         """End them all, in the same third of a second."""
         running = [command.popen for command in self._running.values() if not command.over]
         for popen in running:
-            _signal(popen, signal.SIGTERM)
+            _ask(popen)
         until = time.monotonic() + CLOSE_S
         for popen in running:
             try:
@@ -165,6 +165,12 @@ def _read(fd: int, until: float) -> tuple[bytes, bool]:
         if time.monotonic() > until:
             break
     return kept, False
+
+
+def _ask(popen: "subprocess.Popen[bytes]") -> None:
+    """Ask it to end; one that is frozen goes on, so that it hears."""
+    _signal(popen, signal.SIGTERM)
+    _signal(popen, signal.SIGCONT)
 
 
 def _signal(popen: "subprocess.Popen[bytes]", number: int) -> None:

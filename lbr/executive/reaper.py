@@ -86,9 +86,10 @@ class Reaper:
         """Have it end what is left, as if this process had died; only guards that still speak are not waited for."""
         self.say(END)
         with self._lock:
-            poll = select.poll()
-            poll.register(self._pipe, 0)
-            poll.poll(END_S * 1000.0)  # until it has closed its end
+            if self._pipe >= 0:
+                poll = select.poll()
+                poll.register(self._pipe, 0)
+                poll.poll(END_S * 1000.0)  # until it has closed its end
             self._hang_up()
         try:
             self._popen.wait(LEAVE_S)

@@ -1,6 +1,7 @@
 """A capability in a process of its own, on a real bus: its ports, its phases, and every way out."""
 
 import json
+import signal
 import textwrap
 import time
 from pathlib import Path
@@ -60,7 +61,8 @@ PROBE = """
             call.reply(CommandReply(accepted=True, reason=" ".join((*self.heard, call.message.what))))
             self.heard.append(call.message.what)
             {"raise": self.boom, "wait": self.wait, "exit": lambda: sys.exit(0), "recurse": self.recurse, "hang": self.hang,
-             "memory": lambda: bytearray(1 << 60)}.get(call.message.what, lambda: None)()
+             "memory": lambda: bytearray(1 << 60),
+             "clutch": lambda: __import__("ctypes").PyDLL(None).sleep(60)}.get(call.message.what, lambda: None)()
 
         def boom(self):
             raise ValueError("out of cheese")
@@ -254,6 +256,28 @@ def test_it_ends_when_its_executive_is_gone(stage):
     stage.start().ready()
     stage.child._popen.stdin.close()
     assert stage.ended(limit_s=2.0) == 0
+
+
+def test_it_goes_on_and_ends_in_order_when_it_was_frozen_and_its_executive_is_gone(stage):
+    stage.start().ready()
+    stage.child._signal(signal.SIGSTOP)
+    stage.child._popen.stdin.close()
+    assert stage.ended(limit_s=2.0) == 0
+
+
+def test_a_frozen_process_that_is_asked_to_end_ends_in_order(stage):
+    stage.start().ready()
+    stage.child._signal(signal.SIGSTOP)
+    stage.child.terminate()
+    assert stage.ended(limit_s=2.0) == 0
+
+
+def test_one_that_holds_the_interpreter_is_killed_when_its_executive_is_gone(stage):
+    stage.start().ready()
+    wire.ask(stage.bus, "r/probe/do", {"what": "clutch"}, source="test")
+    stage.child._popen.stdin.close()
+    stage.reaper.close()
+    assert stage.ended(limit_s=2.0) == -signal.SIGKILL
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Two machines, one robot: what the profile places on the other one runs there, and stops when contact is lost."""
 
 import os
+import signal
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -71,6 +72,7 @@ def test_what_moves_from_the_other_machine_ends_with_the_contact_and_does_not_re
         after = two.pids()
         assert not set(after.values()) & set(before.values())
         two.dancing()
+        os.kill(after["far_mover"], signal.SIGSTOP)
         agent.kill()
         two.stops_within(1.5)
         until(lambda: two.phases() == {"waiting"}, what="the robot knows that the agent is gone")

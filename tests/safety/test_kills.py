@@ -1,8 +1,10 @@
 """Whatever process is killed while the robot drives, the motors stand and stay so."""
 
+import random
+
 import pytest
 
-from benchmarks.scenarios import kills
+from benchmarks.scenarios import kills, orphans
 from tests.safety.limits import holds
 
 pytestmark = pytest.mark.timeout(30)
@@ -22,3 +24,9 @@ def test_a_killed_executive_leaves_the_motors_standing_and_no_process():
     results = holds(lambda results: kills.kill_executive(results, 2))
     assert results.of("S6").n == 2
     assert results.of("S6 gone").n == 2
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_a_whole_robot_leaves_no_process_when_it_was_frozen_and_the_executive_is_killed(seed):
+    results = holds(lambda results: orphans.anything_frozen(results, 1, dice=random.Random(seed)))
+    assert results.of("S6 frozen").n == 1
