@@ -270,9 +270,7 @@ class Reference:
         if foreign and message.remote and message.moves:
             return False
         if hold is not None and quoted is hold:
-            newest = hold.said
-            if message.what == hold.message.what:
-                newest = max(newest, -inf if hold.renewed is None else hold.renewed)
+            newest = max(hold.said, -inf if hold.renewed is None else hold.renewed)
             return not message.moves or dated > newest
         if message.lease and quoted is None:
             return False

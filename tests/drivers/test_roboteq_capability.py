@@ -7,6 +7,7 @@ from peers import FakeContext, until
 
 from lbr.bus.stamp import boot_id
 from lbr.drivers.roboteq import KIND, EnableCommand, capability
+from lbr.drivers.roboteq.arming import Setpoint, receive
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.errors import DeviceError
 from lbr.messages.motors import MotorSetpoint
@@ -99,6 +100,14 @@ def test_a_stamp_of_this_boot_tells_a_setpoint_that_was_long_on_its_way(motors, 
     ctx.give(setpoint(0.5, 0.5), stamp=stamp(age_s, boot_id() if boot == "here" else boot))
     motors.step()
     assert (peer.motor != (0, 0)) is moving
+
+
+def test_a_zero_from_before_the_driver_began_does_not_arm_it(ctx):
+    before = ctx.clock()
+    begun = KIND.load()(ctx)._arming
+    now = ctx.clock()
+    assert not receive(begun, Setpoint(0.0, 0.0, "", before), now, valid_s=10.0).armed
+    assert receive(begun, Setpoint(0.0, 0.0, "", now + 0.001), now, valid_s=10.0).armed
 
 
 def test_setpoints_from_anyone_but_the_wired_source_are_ignored(motors, ctx, peer):

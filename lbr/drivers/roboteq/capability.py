@@ -35,7 +35,7 @@ class Roboteq(Capability[RoboteqSettings]):
         super().__init__(ctx)
         self._controller: Controller | None = None
         self._guard: Guard | None = None
-        self._arming = Arming()
+        self._arming = Arming(since=ctx.clock())
         self._enabled = ctx.settings.enabled
         self._latched = False  # an emergency stop was asked for and is not released yet
         self._held_since: float | None = None  # the controller acknowledged it then

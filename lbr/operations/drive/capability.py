@@ -91,7 +91,7 @@ class Drive(Capability[DriveSettings]):
         self._report()
 
     def _begin(self) -> None:
-        self._state = first_state(self.ctx.settings)
+        self._state = first_state(self.ctx.settings, self.ctx.clock())
         self._beat = Beat(self.rate_hz)
         self._meter = LoopMeter(self.rate_hz)
         self._loop = None

@@ -1,6 +1,6 @@
 """The decisions of drive operations, as a pure function of what is known, what happened and when."""
 
-from math import nan
+from math import inf, nan
 
 from msgspec.structs import replace
 
@@ -36,10 +36,10 @@ LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late, and takes a moment to reach the motors."""
 
 
-def first_state(settings: DriveSettings) -> State:
-    """Return the state of a base that nobody has moved yet."""
+def first_state(settings: DriveSettings, began: float = -inf) -> State:
+    """Return the state of a base that nobody has moved since it `began`."""
     ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
-    return State(settings=settings, holding=first(WORDS, settings.ttl_s, ahead_s))
+    return State(settings=settings, holding=first(WORDS, settings.ttl_s, ahead_s, began=began))
 
 
 def decide(state: State, event: Event, now: float) -> Decision:

@@ -108,7 +108,7 @@ class Joints(Capability[JointsSettings]):
         self._report()
 
     def _begin(self) -> None:
-        self._state = first_state(self.ctx.settings, body(self.ctx.joints))
+        self._state = first_state(self.ctx.settings, body(self.ctx.joints), self.ctx.clock())
         self._beat = Beat(self.rate_hz)
         self._sweeps = Beat(self.rate_hz)
         self._meter = LoopMeter(self.rate_hz)

@@ -140,10 +140,10 @@ WORDS = Words(
 )
 
 
-def first_state(settings: JointsSettings, body: Body) -> State:
-    """Return the state of joints that nobody has moved yet."""
+def first_state(settings: JointsSettings, body: Body, began: float = -inf) -> State:
+    """Return the state of joints that nobody has moved since it `began`."""
     ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
-    return State(settings=settings, body=body, holding=first(WORDS, settings.ttl_s, ahead_s))
+    return State(settings=settings, body=body, holding=first(WORDS, settings.ttl_s, ahead_s, began=began))
 
 
 def position_rad(state: State, name: str) -> float | None:

@@ -80,5 +80,5 @@ def _order(holding: Holding[M], ask: Ask, hold: Hold[M]) -> str:
     """What quotes a lease counts once, and not after something newer; standing still counts whenever it comes."""
     if not ask.moves:
         return ""
-    newest = max(hold.said, hold.renewed) if ask.what == hold.what else hold.said
+    newest = max(hold.said, hold.renewed)  # this way round, NaN is no renewal yet
     return "" if dated(holding, ask) > newest else TWICE

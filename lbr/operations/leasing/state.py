@@ -146,9 +146,9 @@ class Reply(Struct, frozen=True, kw_only=True):
     late: bool = False
 
 
-def first(words: Words, ttl_s: float, ahead_s: float = 0.0) -> "Holding[M]":
-    """Return that nobody has it yet."""
-    return Holding(words=words, ttl_s=ttl_s, ahead_s=ahead_s, reason=words.idle)
+def first(words: Words, ttl_s: float, ahead_s: float = 0.0, *, began: float = -inf) -> "Holding[M]":
+    """Return that nobody has it yet. What was not sent after it `began` may have been stopped since, and begins nothing."""
+    return Holding(words=words, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, reason=words.idle)
 
 
 def offered(holding: Holding[M], lease: str) -> Hold[M] | None:

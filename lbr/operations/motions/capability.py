@@ -76,7 +76,7 @@ class Motions(Capability[MotionsSettings]):
         self._report()
 
     def _begin(self) -> None:
-        self._state = first_state(self.ctx.settings.ttl_s)
+        self._state = first_state(self.ctx.settings.ttl_s, self.ctx.clock())
         self._follower = Follower(self.ctx, self._decide)
         self._waiting: Call | None = None
         self._alive_holder = ""

@@ -140,6 +140,6 @@ class State(Struct, frozen=True, kw_only=True):
         return self.holding.hold
 
 
-def first_state(ttl_s: float) -> State:
-    """Return that nothing is played."""
-    return State(holding=first(WORDS, ttl_s))
+def first_state(ttl_s: float, began: float = -inf) -> State:
+    """Return that nothing is played since it `began`."""
+    return State(holding=first(WORDS, ttl_s, began=began))

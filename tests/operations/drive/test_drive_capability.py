@@ -19,6 +19,7 @@ class Robot:
         self.drive = Drive(self.ctx)
         self.ctx.hear()
         self.drive.open()
+        self.ctx.now += 0.02  # what was not sent after it began, begins nothing
 
     def send(self, call):
         self.drive.command(call)
@@ -279,6 +280,21 @@ def test_a_reopened_capability_knows_no_lease_from_before(robot):
     robot.drive.open()
     robot.run(0.1)
     assert "lease is dead" in robot.send(robot.ctx.command(0.5, lease=call.answer.lease)).answer.reason
+
+
+def test_a_new_drive_is_not_moved_by_what_was_sent_before_it_began(robot):
+    robot.run(0.1)
+    early = robot.ctx.command(0.5)
+    robot.drive.close()
+    robot.run(0.1, hear=False)
+    robot.drive = Drive(robot.ctx)
+    robot.drive.open()
+    robot.ctx.now += 0.02
+    robot.ctx.hear()
+    assert robot.send(early).answer.reason == "a stop came after this command"
+    robot.run(0.1)
+    assert robot.wheels == (0.0, 0.0)
+    assert robot.send(robot.ctx.command(0.5)).answer.accepted
 
 
 def test_an_unknown_command_is_refused(robot):

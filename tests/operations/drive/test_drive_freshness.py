@@ -86,6 +86,19 @@ def test_an_older_speed_does_not_come_back_after_a_newer_one(bench):
     assert bench.state.hold.motion.command.power == 0.2
 
 
+@pytest.mark.parametrize("newest", [0.0, 0.2])
+def test_a_motion_that_a_renewal_has_overtaken_does_not_come_back(bench, newest):
+    reply = bench.drive(0.5)
+    bench.now += 0.05
+    assert bench.drive(newest, lease=reply.lease).accepted
+    sent = bench.now = bench.now + 0.05
+    bench.now += 0.05
+    assert bench.drive(newest, lease=reply.lease).accepted
+    overtaken = bench.drive(0.8, lease=reply.lease, sent=sent)
+    assert overtaken.reason == "this command came twice, or after a newer one"
+    assert bench.state.hold.motion.command.power == newest
+
+
 def test_standing_still_is_never_too_late(bench):
     reply = bench.drive(0.5)
     bench.run(0.2)

@@ -66,6 +66,7 @@ class Robot:
         self.ctx = FakeContext(**settings)
         self.joints = Joints(self.ctx)
         self.joints.open()
+        self.ctx.now += 0.01  # what was not sent after it began, begins nothing
 
     def run(self, seconds, lease="", *, hear=True):
         for step in range(round(seconds * 100)):
