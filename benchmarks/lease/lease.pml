@@ -469,6 +469,20 @@ inline forget_event() {
   g_c_pre = 0; g_c_done = 0; g_c_gone = 0
 }
 
+/* a client says something: new motion, taking over, motion or standing still under its lease, or a stop */
+inline speak() {
+  if :: c_src = 0 :: c_src = 1 fi;
+  if
+  :: c_mv = 1
+  :: TAKING -> c_mv = 1; c_tk = 1
+  :: c_mv = 1; c_lease = know[c_src]
+  :: c_lease = know[c_src]
+  :: true
+  fi;
+  g_c_gone = c_lease != NONE && g_know_gone[c_src];
+  if :: event = speaks :: !m_used -> event = strays fi
+}
+
 active proctype world() {
 #ifdef CHOSEN
   c_code {
@@ -487,24 +501,8 @@ active proctype world() {
   do
   :: atomic {
        if
-       /* time passes; the driver's loop goes round, or hangs */
-       :: event = time_runs
-       :: CRASHES -> event = time_hangs
-       /* the drive's loop goes round; that it hangs is that this does not happen */
-       :: event = tick
-       /* a client says something: new motion, taking over, motion or standing still under its lease, or a stop */
-       :: if :: c_src = 0 :: c_src = 1 fi;
-          if
-          :: c_mv = 1
-          :: TAKING -> c_mv = 1; c_tk = 1
-          :: c_mv = 1; c_lease = know[c_src]
-          :: c_lease = know[c_src]
-          :: true
-          fi;
-          g_c_gone = c_lease != NONE && g_know_gone[c_src];
-          if :: event = speaks :: !m_used -> event = strays fi
-#ifdef WALK          /* a history drawn by chance is to see something move */
-       :: event = time_runs
+#ifdef WALK          /* a history drawn by chance is to see something move; spin draws the first for each that cannot be */
+       :: speak()
        :: event = tick
        :: event = tick
        :: !k_armed && d_up && d_armed -> event = hears
@@ -517,6 +515,12 @@ active proctype world() {
        :: pressed && k_latched && d_latched -> event = is_reset
        :: o_made -> c_src = 1; c_mv = 1; c_lease = know[c_src]; event = speaks
 #endif
+       /* time passes; the driver's loop goes round, or hangs */
+       :: event = time_runs
+       :: CRASHES -> event = time_hangs
+       /* the drive's loop goes round; that it hangs is that this does not happen */
+       :: event = tick
+       :: speak()
        /* the message astray comes in, for the first time or once more; or it is lost */
        :: m_used && m_age > 0 -> if :: event = comes :: event = comes_twice fi
        :: m_used -> event = is_lost

@@ -25,7 +25,7 @@ from lbr.operations.drive.state import (
     State,
     Tick,
 )
-from lbr.operations.leasing.state import EstopChanged, Reply
+from lbr.operations.leasing.state import EstopChanged, Reply, Stop
 
 Decide = Callable[[State, Event, float], tuple[State, Outputs]]
 SENSORS = ("forward", "back", "left", "right", "bottom")
@@ -205,6 +205,9 @@ class Replay:
         remote = self._remote and self._asker == 1
         self._leases += 1
         self._reply, self._answered = None, True
+        if self._asker == 0 and command.power == 0.0 and not command.lease:
+            self._tell(Stop(source=SOURCES[0], received=sent))  # the other one stops by power 0
+            return
         self._tell(
             Command(
                 command=command,
