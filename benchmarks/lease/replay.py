@@ -212,7 +212,6 @@ class Replay:
             Command(
                 command=command,
                 source=SOURCES[self._asker],
-                role="operate",
                 new_lease=f"lease {self._leases}",
                 new_goal=f"goal {self._leases}",
                 received=self.now if remote else sent,
