@@ -2,7 +2,6 @@
 
 import os
 import re
-import subprocess
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from lbr.operations.drive.kernel import first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.leasing.freshness import INSISTING_S
 from lbr.operations.leasing.state import LATE_S
+from tests import programs
 
 MODEL = Path(__file__).with_name("lease.pml")
 FINE_S = 11 / 128
@@ -102,7 +102,7 @@ def lines(said: str) -> tuple[str, ...]:
 
 
 def _run(argv: list[str], folder: Path, environment: dict[str, str] | None = None) -> str:
-    done = subprocess.run(argv, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    done = programs.run(argv, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if done.returncode != 0 and argv[0] != "./pan":
         raise RuntimeError(f"{' '.join(argv)}: {done.stdout}{done.stderr}")
     return done.stdout
