@@ -12,6 +12,8 @@ from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
 
 RENEW_S = 0.1
 SILENT_S = 0.5
+"""A lender that answers nothing for so long is silent. A round of ours counts as `RENEW_S` at most: while we were held
+up ourselves we neither asked nor read, and the lease alone tells whether that was too long."""
 ANSWER_S = 1.0
 MOST_WAITING = 8
 LONGEST_REASON = 200
@@ -45,7 +47,8 @@ class Loan:
         self.granted: CommandReply | None = None
         self._ctx = ctx
         self._lender = lender
-        self._sent = self._heard = nan
+        self._sent = self._looked = nan
+        self._unheard_s = 0.0
         self._asked: list[Asked] = []
         self._taking: Asked | None = ctx.ask(lender.motion, first, ANSWER_S)
 
@@ -65,10 +68,13 @@ class Loan:
             return
         if self._taking is not None:
             self._take(self._taking)
+        now = self._ctx.clock()
+        self._unheard_s += min(RENEW_S, now - self._looked)  # this way round, NaN counts as RENEW_S
+        self._looked = now
         for asked in [asked for asked in self._asked if asked.answers() is not None]:
             self._asked.remove(asked)
             self._read(asked)
-        if self.holds and not self._ctx.clock() - self._heard <= SILENT_S:
+        if self.holds and not self._unheard_s <= SILENT_S:
             self.ended = self._lender.silent
 
     def send(self, message: Struct) -> Asked | None:
@@ -103,12 +109,12 @@ class Loan:
         elif not (reply.accepted and reply.lease):
             self.ended = reply.reason or "it was refused without a reason"
         else:
-            self.granted, self._heard = reply, self._ctx.clock()
+            self.granted, self._unheard_s = reply, 0.0
 
     def _read(self, asked: Asked) -> None:
         for reply in (asked.answers() or {}).values():
             if isinstance(reply, CommandReply):
-                self._heard = self._ctx.clock()
+                self._unheard_s = 0.0
                 if not reply.accepted:
                     self._refused(reply.reason or "it was refused without a reason")
 

@@ -364,6 +364,39 @@ def test_joints_that_fall_silent_end_it(world):
     assert "joints operation does not answer" in world.state.reason
 
 
+def test_a_process_that_is_held_up_itself_does_not_say_that_the_joints_are_silent(world):
+    world.ball = Angles(0.4, 0.2)
+    begin(world)
+    world.run(1.0)
+    tracking, world.tracking = world.tracking, None
+    world.run(0.8)  # within the lease: nothing is asked and nothing is read
+    world.tracking = tracking
+    world.run(2.0)
+    assert world.state.following, world.state.reason
+    assert away_rad(project(world.head.angles, world.ball)) < 0.04
+    world.tracking = None
+    world.run(1.2)  # longer than the lease lives
+    world.tracking = tracking
+    world.run(0.5)
+    assert not world.state.following
+    assert world.state.reason == "its lease lapsed"
+
+
+def test_an_eye_that_opens_late_is_answered_for_in_time_and_the_stop_ends_what_has_not_begun(world, monkeypatch):
+    monkeypatch.setattr(PromptEye, "ready", property(lambda self: not slow, lambda *_: None), raising=False)
+    slow = [True]
+    world.ball = Angles(0.4, 0.2)
+    call = begin(world)
+    world.run(1.6)
+    assert call.answer == CommandReply(accepted=True, reason="the head follows a colour as soon as OpenCV is loaded")
+    world.tracking.command(FakeCall(StopCommand()))
+    slow.clear()
+    moved = len(world.moves)
+    world.run(1.0)
+    assert len(world.moves) == moved
+    assert world.events[-1] == ("tracking_ended", "the head follows no colour any more: stopped by tester")
+
+
 def test_what_cannot_be_followed_is_refused_with_a_reason(world, monkeypatch):
     world.camera_on = False
     world.run(0.1)

@@ -27,6 +27,8 @@ STATE_EVERY_S = 1.0
 JOINTS_CURRENT_S = 0.5
 NO_PICTURE_S = 1.0
 RATE_OVER_S = 2.0
+ANSWER_S = 1.2
+"""Whoever wants the head to follow waits 2 s for the answer; on a busy machine OpenCV takes longer to load."""
 ROUND_S = 0.5
 """The head turns ahead by the time between two rounds, but not by more than this."""
 
@@ -163,8 +165,8 @@ class Tracking(Capability[TrackingSettings]):
             self._see(following, look, now)
         self._look_around(following, now)
         following.mover.look(following.aim)
-        if following.call is not None and following.mover.holds and following.eye.ready:
-            self._answer(following, following.call)
+        if following.call is not None and following.mover.holds:
+            self._answer(following, following.call, now)
         if why := following.eye.trouble or following.mover.ended or self._given_up(following, now):
             self._end(why)
         else:
@@ -224,9 +226,13 @@ class Tracking(Capability[TrackingSettings]):
                 self.ctx.ready()
             self._tell()
 
-    def _answer(self, following: _Following, call: Call) -> None:
+    def _answer(self, following: _Following, call: Call, now: float) -> None:
+        """Say that the head follows, or will; an answer that comes too late would be taken for a failure."""
+        if not (following.eye.ready or now - following.began >= ANSWER_S):
+            return
         following.call = None
-        text = f"the head follows a {following.command.target}"
+        loading = "" if following.eye.ready else " as soon as OpenCV is loaded"
+        text = f"the head follows a {following.command.target}{loading}"
         self.ctx.event("tracking_began", f"{call.source}: {text}")
         self._tell()
         call.reply(CommandReply(accepted=True, reason=text))
