@@ -1,8 +1,14 @@
 """The motions of the rows, played on the simulated body: they stay within the limits, on their feet and off each other's."""
 
+import re
+from math import radians
+from pathlib import Path
+
 import pytest
 from humanoid_bench import Player, frames_of, rows
 
+from lbr.messages.joints import KeyFrame
+from lbr.operations.joints.settings import JointsSettings
 from lbr.operations.joints.trajectory import plan
 
 JOINTS, MOTIONS = rows()
@@ -91,3 +97,16 @@ def test_stopped_in_the_middle_of_a_step_it_stays_on_its_feet(share):
     player.goal = player.engine.pose().joints
     player.go((), hold_s=1.5)
     assert player.engine.pose().upright
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/robots/bioloid.md"])
+def test_a_joint_that_the_pages_have_you_move_gets_there_from_hanging_arms_and_nothing_is_in_its_way(page):
+    said = re.findall(r"\| `/j/(\w+)/(-?\d+)`", (Path(__file__).parents[2] / page).read_text())
+    moves = [(joint, radians(float(degrees))) for joint, degrees in said if joint in {one.name for one in JOINTS}]
+    assert moves
+    for joint, angle in moves:
+        player = Player()
+        player.go((KeyFrame(positions={joint: angle}, duration_s=abs(angle) / radians(30.0)),), hold_s=0.5)
+        away = {name: abs(player.engine.pose().joints[name] - goal) for name, goal in player.goal.items()}
+        assert max(away.values()) < JointsSettings().tolerance_rad, away
+        assert player.engine.pose().upright
