@@ -204,6 +204,7 @@ class World:
 @pytest.fixture
 def world(monkeypatch):
     monkeypatch.setattr(module, "Eye", PromptEye)
+    monkeypatch.setattr(module, "load", lambda: None)
     monkeypatch.setattr(module, "check", lambda settings, target: None)
     monkeypatch.setattr(module, "finder", lambda settings, target: None)
     return World()
@@ -364,6 +365,13 @@ def test_joints_that_fall_silent_end_it(world):
     assert "joints operation does not answer" in world.state.reason
 
 
+def test_what_looks_at_pictures_is_loaded_before_anybody_can_have_the_head_follow(world, monkeypatch):
+    loaded = []
+    monkeypatch.setattr(module, "load", lambda: loaded.append(len(world.asked)))
+    begin(world)
+    assert loaded == [0]
+
+
 def test_a_process_that_is_held_up_itself_does_not_say_that_the_joints_are_silent(world):
     world.ball = Angles(0.4, 0.2)
     begin(world)
@@ -388,7 +396,7 @@ def test_an_eye_that_opens_late_is_answered_for_in_time_and_the_stop_ends_what_h
     world.ball = Angles(0.4, 0.2)
     call = begin(world)
     world.run(1.6)
-    assert call.answer == CommandReply(accepted=True, reason="the head follows a colour as soon as OpenCV is loaded")
+    assert call.answer == CommandReply(accepted=True, reason="the head follows a colour as soon as its eye is ready")
     world.tracking.command(FakeCall(StopCommand()))
     slow.clear()
     moved = len(world.moves)

@@ -12,7 +12,7 @@ from lbr.apps.tracking.eye import Eye, Look
 from lbr.apps.tracking.gaze import Gaze
 from lbr.apps.tracking.mover import Mover, Neck
 from lbr.apps.tracking.sketch import Sketch, sketch
-from lbr.apps.tracking.vision import check, finder
+from lbr.apps.tracking.vision import check, finder, load
 from lbr.capability import snapshot
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Received
@@ -28,7 +28,7 @@ JOINTS_CURRENT_S = 0.5
 NO_PICTURE_S = 1.0
 RATE_OVER_S = 2.0
 ANSWER_S = 1.2
-"""Whoever wants the head to follow waits 2 s for the answer; on a busy machine OpenCV takes longer to load."""
+"""Whoever wants the head to follow waits 2 s for the answer; on a busy machine the eye may take longer."""
 ROUND_S = 0.5
 """The head turns ahead by the time between two rounds, but not by more than this."""
 
@@ -67,7 +67,8 @@ class Tracking(Capability[TrackingSettings]):
         self._warned = ""
 
     def open(self) -> None:
-        """Nothing is needed before somebody wants the head to follow."""
+        """Load what looks at pictures: later the head would be held meanwhile by a process that is not heard of."""
+        load()
         self._tell_at = -inf
 
     def step(self) -> None:
@@ -231,7 +232,7 @@ class Tracking(Capability[TrackingSettings]):
         if not (following.eye.ready or now - following.began >= ANSWER_S):
             return
         following.call = None
-        loading = "" if following.eye.ready else " as soon as OpenCV is loaded"
+        loading = "" if following.eye.ready else " as soon as its eye is ready"
         text = f"the head follows a {following.command.target}{loading}"
         self.ctx.event("tracking_began", f"{call.source}: {text}")
         self._tell()

@@ -3,6 +3,7 @@
 Positions and sizes are shares of the picture's width, so that it does not matter how small it was decoded.
 """
 
+import contextlib
 import importlib.util
 from collections.abc import Callable
 from math import pi
@@ -66,6 +67,12 @@ def check(settings: TrackingSettings, target: Target) -> None:
         raise InputError(
             f"the setting `face_model` names {settings.face_model}, and there is no such file; {MODEL_HINT}"
         )
+
+
+def load() -> None:
+    """Load OpenCV, which takes a while on a busy machine, ahead of its first use; that tells what is missing."""
+    with contextlib.suppress(InputError):
+        _opencv()
 
 
 def finder(settings: TrackingSettings, target: Target) -> Finder:
