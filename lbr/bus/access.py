@@ -26,7 +26,8 @@ class Rights(Struct, frozen=True, kw_only=True):
     """What a user may do, each as key expressions; nothing else passes.
 
     `put` to publish, `ask` to query, `serve` to answer queries, `hear` to subscribe and be given, `alive` to show
-    presence and `watch` to see it. `never_put` takes back part of `put`. `trusted` may do all else in the key space.
+    presence and `watch` to see it. `never_put` takes back part of `put`, `never_hear` part of what others put and `hear`
+    has. `trusted` may do all else in the key space.
     """
 
     put: tuple[str, ...] = ()
@@ -34,6 +35,7 @@ class Rights(Struct, frozen=True, kw_only=True):
     ask: tuple[str, ...] = ()
     serve: tuple[str, ...] = ()
     hear: tuple[str, ...] = ()
+    never_hear: tuple[str, ...] = ()
     alive: tuple[str, ...] = ()
     watch: tuple[str, ...] = ()
     trusted: bool = False
@@ -102,6 +104,8 @@ def _rules(label: str, rights: Rights, all_keys: tuple[str, ...]) -> list[dict[s
     found: list[dict[str, Any]] = []
     if rights.never_put:
         found.append(_rule(f"{label}: never", ("ingress",), _IN["put"], rights.never_put, permission="deny"))
+    if rights.never_hear:
+        found.append(_rule(f"{label}: unheard", ("egress",), _IN["put"], rights.never_hear, permission="deny"))
     if rights.trusted:
         return [*found, _rule(f"{label}: all", ("ingress", "egress"), _EVERYTHING, all_keys)]
     found += [

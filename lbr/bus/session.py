@@ -29,7 +29,8 @@ MAX_MESSAGE_BYTES = 1 << 20
 DEAF_MS = 200
 """Who comes from another machine and takes nothing that must be delivered is cut off then: all others wait for it."""
 ACCEPT_MS, MOST_PENDING = 3000, 500
-"""Connections that say nothing keep others out no longer than this, and only when there are very many."""
+"""Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are many.
+What fails before that, the library answers with a pause of 0.1 s, which nothing can set."""
 
 
 class Tls(Struct, frozen=True, kw_only=True):

@@ -23,12 +23,16 @@ def of_token(robot: str, lan: LanConfig, name: str, role: TokenRole) -> Rights:
 
 
 def of_role(robot: str, lan: LanConfig, role: Role) -> Rights:
-    """Return what a role may do: everybody looks and stops; operators move; administrators do all there is."""
+    """Return what a role may do: everybody looks and stops; operators move; administrators do all there is.
+
+    No role hears commands: they hold the lease of their sender, which is good for each client that quotes it.
+    """
     allowed = commands(lan, role)
     return Rights(
         put=(*allowed, *lan.stops, keys.estop(robot)),
         ask=(*allowed, *consoles(robot, role), *lan.stops, *lan.streams, keys.estop(robot), *keys.looked_at(robot)),
         hear=(f"{robot}/**", keys.estop(robot), *keys.looked_at(robot)),
+        never_hear=(*lan.commands, *lan.theirs),
         watch=(keys.alive(robot, "*"),),
     )
 
