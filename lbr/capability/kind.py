@@ -10,12 +10,17 @@ from typing import Any, Literal
 import msgspec
 from msgspec import Struct
 
+from lbr.errors import LbrError
 from lbr.messages.system import Role
 
 STOP = "stop"
 Family = Literal["driver", "operation", "app", "simulation", "program"]
 Emulation = Literal["tty", "socket", "folder"]
 Table = Literal["phrase", "choreography", "joint", "motion", "motor", "button", "user_token"]
+
+
+class KindError(LbrError):
+    """A kind that does not exist or cannot be loaded; the text says why and what there is instead."""
 
 
 class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
@@ -61,13 +66,6 @@ class Kind:
     rows: tuple[Table, ...] = ()
     extra: str = ""
     package: str = ""
-
-    def __post_init__(self) -> None:
-        """Refuse ports that are not messages."""
-        for ports in (self.inputs, self.setpoints, self.outputs, self.commands, self.replies, self.requests):
-            for name, message in ports.items():
-                if not (isinstance(message, type) and issubclass(message, Struct)):
-                    raise TypeError(f"kind '{self.name}': port '{name}' must carry a msgspec Struct, not {message!r}")
 
     def role(self, command: str) -> Role:
         """Return the role that a command needs of whoever asks from another machine."""

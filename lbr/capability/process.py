@@ -79,7 +79,7 @@ class Process:
 
     def run(self) -> None:
         """Run until asked to stop; raise whatever the capability raises."""
-        kind = registry.find(self._config.kind, Path(self._config.home))
+        kind = registry.find(self._config.kind, Path(self._config.home), trial=False)
         make = kind.load()
         streams = self._wake.set if getattr(make, "woken_by_streams", True) else None
         ctx = ProcessContext(self._config, kind, self._reporter, self._wake.set, streams)

@@ -1,22 +1,17 @@
 """Which kinds there are: the installed ones by entry point, and the user's own files in `$LBR_HOME/capabilities`."""
 
-import importlib.util
 import re
-import sys
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from lbr import ownership
-from lbr.capability.kind import Kind
-from lbr.errors import LbrError
+from lbr.capability.kind import Kind, KindError
 
 GROUP = "lbr.capabilities"
+OURS = "lbr."
+"""Where the kinds are that come with lbr: each is checked by the tests, and need not be at every start."""
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
-
-
-class KindError(LbrError):
-    """A kind that does not exist or cannot be loaded; the text says why and what there is instead."""
 
 
 @lru_cache(maxsize=1)
@@ -35,29 +30,28 @@ def names(home: Path) -> list[str]:
     return sorted(own | set(_installed()))
 
 
-def find(name: str, home: Path) -> Kind:
-    """Return the kind of that name; raise KindError if there is none or its module is broken."""
+def find(name: str, home: Path, *, trial: bool = True) -> Kind:
+    """Return the kind of that name; raise KindError if there is none, or it is broken or not whole.
+
+    A file of the user's own is imported elsewhere first, which takes a second, unless `trial` is off: then whatever is
+    in it happens here. One that was good is not looked at again until it changes.
+    """
     if not _NAME.fullmatch(name):
         raise KindError(f"'{name}' is no kind's name: kinds are words like 'roboteq', not paths or code")
     point = _installed().get(name)
     if point is not None:
-        try:
-            kind = point.load()
-        except Exception as err:
-            raise KindError(f"the installed kind '{name}' does not load: {type(err).__name__}: {err}") from err
-    else:
-        path = user_directory(home) / f"{name}.py"
-        if not path.is_file():
-            raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
-        _refuse_if_others_may_write(path)
-        kind = _from_file(name, path, fingerprint(name, home))
-    if not isinstance(kind, Kind):
-        raise KindError(f"kind '{name}' declares no KIND = Kind(…)")
-    if kind.name != name:
-        raise KindError(
-            f"kind '{name}' calls itself '{kind.name}': the name of the file, or entry point, and KIND.name agree"
-        )
-    return kind
+        return _from_entry(name, point)
+    path = user_directory(home) / f"{name}.py"
+    if not path.is_file():
+        raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
+    _refuse_if_others_may_write(path)
+    return _from_file(name, path, fingerprint(name, home), trial=trial)
+
+
+def shadowed(name: str, home: Path) -> Path | None:
+    """Return the file of the user's own that is not used because an installed kind has its name."""
+    path = user_directory(home) / f"{name}.py"
+    return path if name in _installed() and path.is_file() else None
 
 
 def fingerprint(name: str, home: Path) -> str:
@@ -69,21 +63,47 @@ def fingerprint(name: str, home: Path) -> str:
     return "" if name in _installed() else f"{found.st_mtime_ns}-{found.st_size}"
 
 
+def mark(name: str, home: Path) -> str:
+    """Return what changes when a user's capability file, or who may change it, does; empty for an installed kind."""
+    if name in _installed():
+        return ""
+    folder = user_directory(home)
+    try:
+        file, inside = (folder / f"{name}.py").stat(), folder.stat()
+    except OSError:
+        return ""
+    return f"{file.st_mtime_ns}-{file.st_size}-{file.st_ctime_ns}-{inside.st_mode}-{inside.st_uid}"
+
+
 def _refuse_if_others_may_write(path: Path) -> None:
     for fault in (*ownership.faults(path.parent), *ownership.faults(path)):
         raise KindError(f"{path} could be changed by others: {fault}")
 
 
-@lru_cache(maxsize=64)
-def _from_file(name: str, path: Path, _fingerprint: str) -> object:
-    module_name = f"lbr_user_capabilities.{name}"
-    spec = importlib.util.spec_from_file_location(module_name, path)
-    if spec is None or spec.loader is None:
-        raise KindError(f"{path} cannot be loaded")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[module_name] = module
+@cache
+def _from_entry(name: str, point: EntryPoint) -> Kind:
     try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as err:
-        raise KindError(f"{path} does not load: {type(err).__name__}: {err}") from err
-    return getattr(module, "KIND", None)
+        kind = point.load()
+    except Exception as err:
+        raise KindError(f"the installed kind '{name}' does not load: {type(err).__name__}: {err}") from err
+    if not isinstance(kind, Kind):
+        raise KindError(f"the installed kind '{name}' ({point.value}) is no Kind(…)")
+    if kind.name != name:
+        text = "the name of the entry point and KIND.name agree"
+        raise KindError(f"the installed kind '{name}' ({point.value}) calls itself '{kind.name}': {text}")
+    if not point.value.startswith(OURS) and (found := _faults(kind)):
+        raise KindError(f"the installed kind '{name}' ({point.value}): {'; '.join(found)}")
+    return kind
+
+
+@lru_cache(maxsize=64)
+def _from_file(name: str, path: Path, _fingerprint: str, *, trial: bool) -> Kind:
+    from lbr.capability import own  # noqa: PLC0415 - most processes have no use for it
+
+    return own.find(name, path) if trial else own.load(name, path)
+
+
+def _faults(kind: Kind) -> tuple[str, ...]:
+    from lbr.capability.faults import faults  # noqa: PLC0415 - see above
+
+    return faults(kind)

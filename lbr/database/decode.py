@@ -2,7 +2,9 @@
 
 import re
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar, get_args
+from typing import Any, get_args
+
+from msgspec import Struct
 
 from lbr.database import arguments, patterns
 from lbr.database.reader import RowReader, shown
@@ -36,20 +38,27 @@ MOST_COUNTS = 16383
 """Fourteen bits: what a servo's position has at most."""
 LONGEST_LABEL = 40
 
-R = TypeVar("R")
+
+class Read(Struct):
+    """A row as it was read; in `unread` columns are stand-ins, and in `wrong` ones what is against others."""
+
+    table: str
+    label: str
+    row: Any
+    unread: frozenset[str]
+    wrong: set[str]
 
 
 def decode(
-    table: str, raw: Sequence[RawRow], reading: Callable[[RowReader, RawRow], R], problems: list[Problem]
-) -> tuple[R, ...]:
-    """Decode a table's rows, leaving out and noting those with a fault."""
-    good: list[R] = []
+    table: str, raw: Sequence[RawRow], reading: Callable[[RowReader, RawRow], Any], problems: list[Problem]
+) -> tuple[Read, ...]:
+    """Decode a table's rows, noting what is wrong with each."""
+    found: list[Read] = []
     for values in raw:
         reader = RowReader(table, KEYS[table], values, problems)
         row = reading(reader, values)
-        if reader.good:
-            good.append(row)
-    return tuple(good)
+        found.append(Read(table, reader.label, row, frozenset(reader.bad), set(reader.bad)))
+    return tuple(found)
 
 
 def robot(reader: RowReader, values: RawRow) -> RobotRow:
@@ -115,7 +124,7 @@ def verb(reader: RowReader, values: RawRow) -> VerbRow:
     pattern = reader.text("pattern")
     if pattern:
         _check_pattern(reader, word, pattern, payload or {})
-    elif reader.good:
+    elif reader.good("pattern"):
         reader.wrong("pattern", "is empty")
     return VerbRow(
         word=word,
@@ -133,7 +142,7 @@ def _check_pattern(reader: RowReader, word: str, text: str, payload: dict[str, A
     except ValueError as err:
         reader.wrong("pattern", f"'{shown(text)}': {err}")
         return
-    if pattern.word != word:
+    if reader.good("word") and pattern.word != word:
         reader.wrong("pattern", f"begins with '{pattern.word}', but the word of this row is '{word}'")
     for field in pattern.fields:
         if field in payload:
@@ -143,7 +152,7 @@ def _check_pattern(reader: RowReader, word: str, text: str, payload: dict[str, A
 def external_command(reader: RowReader, values: RawRow) -> ExternalCommandRow:
     """Read an external command's row."""
     argv = reader.json_texts("argv")
-    if reader.good and not (argv and argv[0]):
+    if reader.good("argv") and not (argv and argv[0]):
         reader.wrong("argv", "names no program")
     return ExternalCommandRow(
         name=reader.name("name"),
@@ -158,9 +167,9 @@ def external_command(reader: RowReader, values: RawRow) -> ExternalCommandRow:
 
 def _arguments(reader: RowReader) -> tuple[Argument, ...]:
     allowed = reader.json_list("arguments")
-    if reader.good and (fault := arguments.fault(allowed)):
+    if reader.good("arguments") and (fault := arguments.fault(allowed)):
         reader.wrong("arguments", fault)
-    return tuple(one if isinstance(one, str) else tuple(one) for one in allowed) if reader.good else ()
+    return tuple(one if isinstance(one, str) else tuple(one) for one in allowed) if reader.good("arguments") else ()
 
 
 def phrase(reader: RowReader, _: RawRow) -> PhraseRow:
@@ -196,10 +205,10 @@ def calibration(reader: RowReader, _: RawRow) -> CalibrationRow:
 def joint(reader: RowReader, _: RawRow) -> JointRow:
     """Read a joint's row."""
     lower, upper = reader.within("lower_rad", -10.0, 10.0), reader.within("upper_rad", -10.0, 10.0)
-    if reader.good and not lower < upper:
+    if reader.good("lower_rad", "upper_rad") and not lower < upper:
         reader.wrong("upper_rad", f"{upper:g} is not above lower_rad, {lower:g}")
     speed = reader.within("speed_rps", 0.0, 100.0)
-    if reader.good and not speed > 0.0:
+    if reader.good("speed_rps") and not speed > 0.0:
         reader.wrong("speed_rps", "0 would never get anywhere")
     return JointRow(
         name=reader.name("name"),
@@ -231,7 +240,7 @@ def motion(reader: RowReader, values: RawRow) -> MotionRow:
 def motion_step(reader: RowReader, _: RawRow) -> MotionStepRow:
     """Read a key frame."""
     duration_s = reader.within("duration_s", 0.0, 60.0)
-    if reader.good and not duration_s > 0.0:
+    if reader.good("duration_s") and not duration_s > 0.0:
         reader.wrong("duration_s", "0 is no time to get anywhere")
     return MotionStepRow(
         motion=reader.name("motion"),
@@ -244,7 +253,7 @@ def motion_step(reader: RowReader, _: RawRow) -> MotionStepRow:
 def motor(reader: RowReader, _: RawRow) -> MotorRow:
     """Read a motor's row."""
     lowest, highest = reader.whole("lowest", 0, MOST_COUNTS), reader.whole("highest", 0, MOST_COUNTS)
-    if reader.good and not lowest < highest:
+    if reader.good("lowest", "highest") and not lowest < highest:
         reader.wrong("highest", f"{highest} is not above lowest, {lowest}")
     return MotorRow(
         layer=reader.name("layer"),
@@ -273,14 +282,14 @@ def button(reader: RowReader, values: RawRow) -> ButtonRow:
 
 def _label(reader: RowReader) -> str:
     name = reader.text("name", empty=False)
-    if reader.good and len(name) > LONGEST_LABEL:
+    if reader.good("name") and len(name) > LONGEST_LABEL:
         reader.wrong("name", f"is longer than {LONGEST_LABEL} characters")
     return name
 
 
 def _slot_s(reader: RowReader) -> float:
     slot_s = reader.within("slot_s", 0.0, 600.0)
-    if reader.good and not slot_s > 0.0:
+    if reader.good("slot_s") and not slot_s > 0.0:
         reader.wrong("slot_s", "0 is no time to play anything")
     return slot_s
 
@@ -290,4 +299,4 @@ def _positions(reader: RowReader) -> dict[str, float]:
     for name, angle in positions.items():
         if isinstance(angle, bool) or not isinstance(angle, int | float) or not -10.0 <= angle <= 10.0:
             reader.wrong("positions", f"'{shown(name)}': '{shown(angle)}' is not an angle in radians")
-    return {name: float(angle) for name, angle in positions.items()} if reader.good else {}
+    return {name: float(angle) for name, angle in positions.items()} if reader.good("positions") else {}

@@ -23,16 +23,24 @@ class RowReader:
 
     def __init__(self, table: str, key: tuple[str, ...], values: Mapping[str, Any], problems: list[Problem]) -> None:
         self.table = table
-        self.good = True
+        self.bad: set[str] = set()
         self._key = key
         self._values = values
         self._problems = problems
 
+    @property
+    def label(self) -> str:
+        """Return the row's key as people read it."""
+        return "/".join(shown(self._values.get(column)) for column in self._key)
+
+    def good(self, *columns: str) -> bool:
+        """Say whether nothing was wrong with these columns so far."""
+        return self.bad.isdisjoint(columns)
+
     def wrong(self, column: str, text: str) -> None:
         """Note a problem; the row is not good any more."""
-        self.good = False
-        row = "/".join(shown(self._values.get(column)) for column in self._key)
-        self._problems.append(Problem(self.table, row, column, text))
+        self.bad.add(column)
+        self._problems.append(Problem(self.table, self.label, column, text))
 
     def text(self, column: str, *, empty: bool = True, null: bool = False) -> str:
         """Return a text; `null` lets NULL be the empty text."""

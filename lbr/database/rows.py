@@ -255,10 +255,20 @@ class AuditRow(Struct, frozen=True, kw_only=True):
     hash: str = ""
 
 
+class Faulty(Struct, frozen=True):
+    """A row that is left out, as far as it can be read: what stands in its bad `columns` says nothing."""
+
+    table: str
+    label: str
+    row: Any
+    columns: frozenset[str]
+
+
 class RobotRows(Struct, frozen=True, kw_only=True):
     """One robot's rows out of one transaction: the good ones, and what is wrong with the others.
 
-    Rows of which any column is bad are left out and named in `problems`. `revision` counts the changes of rows,
+    Rows of which any column is bad are left out and named in `problems`; they are in `faulty` for further checks of what
+    is good in them. `revision` counts the changes of rows,
     `digest` is the hash of all rows that make robots.
     """
 
@@ -280,6 +290,12 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     revision: int = 0
     digest: str = ""
     problems: tuple[Problem, ...] = ()
+    faulty: tuple[Faulty, ...] = ()
+
+    def names(self, table: Literal["capability", "device"]) -> frozenset[str]:
+        """Return the names of a table's rows, those that are left out too."""
+        rows = self.capabilities if table == "capability" else self.devices
+        return frozenset(row.name for row in rows) | {one.row.name for one in self.faulty if one.table == table}
 
 
 def split_end(end: str) -> tuple[str, str]:

@@ -4,9 +4,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from lbr.capability.kind import Kind
+from lbr.capability.settings import faults
 from lbr.database.rows import CapabilityRow, DeviceRow, Problem, RobotRows
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
@@ -14,15 +13,17 @@ from lbr.executive.site import Site
 
 def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind]) -> list[Problem]:
     """Return what is wrong with what device rows set, for every kind that reads it."""
-    problems = []
-    for device in rows.devices:
-        for kind in kinds.values():
-            try:
-                msgspec.convert(device.settings, kind.device_settings.get(device.type, dict[str, Any]))
-            except msgspec.ValidationError as err:
-                text = f"{err} (for kind '{kind.name}')"
-                problems.append(Problem("device", f"{rows.robot.name}/{device.name}", "settings", text))
-    return problems
+    devices = [(device, f"{rows.robot.name}/{device.name}") for device in rows.devices]
+    devices += [
+        (one.row, one.label) for one in rows.faulty if one.table == "device" and not one.columns & {"type", "settings"}
+    ]
+    return [
+        Problem("device", label, "settings", f"{fault} (for kind '{kind.name}')")
+        for device, label in devices
+        for kind in {id(kind): kind for kind in kinds.values()}.values()
+        if (of_type := kind.device_settings.get(device.type)) is not None
+        for fault in faults(of_type, device.settings)
+    ]
 
 
 def check_devices(

@@ -21,7 +21,7 @@ def problems(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> li
 
 
 def _found(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> Iterator[tuple[str, str]]:
-    known = {row.name for row in rows.capabilities} | {problem.row for problem in rows.problems}
+    known = rows.names("capability")
     placed: dict[str, str] = {}
     for host, names in profile.hosts.items():
         if _NAME.fullmatch(host) is None:

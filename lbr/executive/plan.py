@@ -1,6 +1,8 @@
 """From rows to what should run: pure, all problems at once, and the difference between two plans."""
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +11,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.capability import registry
-from lbr.capability.kind import STOP, Kind
-from lbr.capability.registry import KindError
-from lbr.database.rows import CapabilityRow, Problem, RobotRows
+from lbr.capability.kind import STOP, Kind, KindError
+from lbr.capability.program import ProgramSettings
+from lbr.capability.settings import faults
+from lbr.database.reader import json_strictly
+from lbr.database.rows import CapabilityRow, Problem, RobotRows, TokenRow
 from lbr.executive import machine, placement, rights
 from lbr.executive.devices import check_device_settings, check_devices
 from lbr.executive.machine import Machine
@@ -21,6 +25,9 @@ from lbr.executive.units import LAN, Unit, commands_of, edited_rows, measured, p
 from lbr.executive.wiring import EXECUTIVE, check_channels, check_verbs
 from lbr.messages.faces import EditCommand
 from lbr.messages.joints import CapturedFrame
+
+Find = Callable[[str, Path], Kind]
+"""Returns the kind of a name in a home, or raises KindError."""
 
 
 class Plan(Struct, frozen=True, kw_only=True):
@@ -59,19 +66,20 @@ class Change(Struct, frozen=True, kw_only=True):
 
 
 def make(
-    rows: RobotRows, profile: Profile, site: Site, on: Machine = machine.ANY
+    rows: RobotRows, profile: Profile, site: Site, on: Machine = machine.ANY, *, find: Find = registry.find
 ) -> tuple[Plan | None, tuple[Problem, ...]]:
     """Return the plan, or None and everything that is wrong with the rows, and on this machine."""
+    known = cache(partial(_find, find, Path(site.home)))
     rows = _listening(rows, (*profile.listen, *site.listen))
     problems = list(rows.problems)
     kinds: dict[str, Kind] = {}
     settings: dict[str, Any] = {}
-    for row in rows.capabilities:
-        kind, parsed, found = _understand(row, f"{rows.robot.name}/{row.name}", Path(site.home))
+    for row, label, bad in _named(rows):
+        kind, parsed, found = _understand(row, label, known, bad)
         problems += found
-        if kind is not None:
+        if kind is not None and "name" not in bad and (parsed is not None or kind.settings is not ProgramSettings):
             kinds[row.name] = kind
-        if parsed is not None:
+        if parsed is not None and "name" not in bad:
             settings[row.name] = parsed
     problems += check_channels(rows, kinds, settings)
     problems += check_verbs(rows, kinds, settings)
@@ -94,6 +102,16 @@ def make(
     guests = {name: rights.of_guest(plan, one) for name, one in units.items() if one.config.host}
     units = {name: with_lan(one, units, kinds, rows, site, guests) for name, one in units.items()}
     return replace(plan, units=units), ()
+
+
+def with_tokens(plan: Plan, tokens: tuple[TokenRow, ...], profile: Profile, site: Site, on: Machine) -> Plan | None:
+    """Return the plan with other tokens and nothing else, whatever has become of the files of its kinds meanwhile."""
+    kinds = {kind.name: kind for kind in plan.kinds.values()}
+    made, _ = make(replace(plan.rows, tokens=tokens), profile, site, on, find=lambda name, _home: kinds[name])
+    if made is None:
+        return None
+    units = {name: replace(one, fingerprint=plan.units[name].fingerprint) for name, one in made.units.items()}
+    return replace(made, units=units)
 
 
 def difference(old: Plan, new: Plan) -> Change:
@@ -139,21 +157,51 @@ def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:
     return replace(rows, capabilities=(*others, door))
 
 
-def _understand(row: CapabilityRow, label: str, home: Path) -> tuple[Kind | None, Any, list[Problem]]:
-    if row.name == EXECUTIVE:
-        return (
-            None,
-            None,
-            [Problem("capability", label, "name", "'executive' is the runtime itself; choose another")],
-        )
+def _find(find: Find, home: Path, kind: str) -> Kind | str:
+    """Return a kind, or why it cannot be used: several rows of one kind ask once."""
     try:
-        kind = registry.find(row.kind, home)
+        return find(kind, home)
     except (KindError, OSError) as err:
-        return None, None, [Problem("capability", label, "kind", str(err))]
+        return str(err)
+
+
+def _understand(
+    row: CapabilityRow, label: str, known: Callable[[str], Kind | str], bad: AbstractSet[str]
+) -> tuple[Kind | None, Any, list[Problem]]:
+    """Return a capability's kind and settings, as far as its columns are not bad already, and what is wrong with them."""
+    if row.name == EXECUTIVE and "name" not in bad:
+        text = "'executive' is the runtime itself; choose another"
+        return None, None, [Problem("capability", label, "name", text)]
+    if "kind" in bad:
+        return None, None, []
+    kind = known(row.kind)
+    if isinstance(kind, str):
+        return None, None, [Problem("capability", label, "kind", kind)]
+    if "settings" in bad:  # by a device that is not there, perhaps, and in more
+        return kind, None, _more(row, kind, label)
     try:
         return kind, kind.parse(row.settings), []
     except Exception as err:  # noqa: BLE001 - a kind of somebody's own may check its settings in any way
-        return kind, None, [Problem("capability", label, "settings", f"{err} (kind '{row.kind}')")]
+        told = _more(row, kind, label)
+        return kind, None, told or [Problem("capability", label, "settings", f"{err} (kind '{row.kind}')")]
+
+
+def _more(row: CapabilityRow, kind: Kind, label: str) -> list[Problem]:
+    """Return all that fields of settings have against them, as far as the settings are JSON at all."""
+    try:
+        found = faults(kind.settings, json_strictly(row.settings))
+    except Exception:  # noqa: BLE001 - see above
+        return []
+    return [Problem("capability", label, "settings", f"{fault} (kind '{row.kind}')") for fault in found]
+
+
+def _named(rows: RobotRows) -> Iterator[tuple[CapabilityRow, str, AbstractSet[str]]]:
+    """Yield every capability with its label and its bad columns, also those that are left out."""
+    for row in rows.capabilities:
+        yield row, f"{rows.robot.name}/{row.name}", frozenset()
+    for one in rows.faulty:
+        if one.table == "capability":
+            yield one.row, one.label, one.columns
 
 
 def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
@@ -164,8 +212,8 @@ def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
 
 
 def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
-    names, devices = {row.name for row in rows.capabilities}, {row.name for row in rows.devices}
-    bad_names = sorted({*(profile.only or ()), *profile.without} - names - {p.row for p in rows.problems})
+    names, devices = rows.names("capability"), rows.names("device")
+    bad_names = sorted({*(profile.only or ()), *profile.without} - names)
     bad_devices = sorted(set(profile.devices) - devices)
     return [
         *(Problem("profile", profile.robot, "only/without", f"there is no capability '{name}'") for name in bad_names),

@@ -7,12 +7,12 @@ from pathlib import Path
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.capability import registry
 from lbr.database import copies
 from lbr.database.rows import RevisionRow, RobotRows
 from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
 from lbr.executive import plan as plans
+from lbr.executive.kinds import KindsBeside
 from lbr.executive.machine import Machine
 from lbr.executive.plan import Change, Plan
 from lbr.executive.profile import Profile
@@ -49,40 +49,60 @@ class RowWatch:
         self._site = site
         self._file = _identity(database.path)
         self._version = UNKNOWN_VERSION
+        self._kinds = KindsBeside(Path(site.home))
+        self._named: frozenset[str] = frozenset()
         self._files: dict[str, str] = {}
+        self._problems: tuple[str, ...] = ()
         self._next_end = NEVER
 
     def first(self) -> Plan:
         """Return the plan to start with; raise RowError with everything that is wrong."""
         self._version = self._database.data_version()
         rows = self._with_valid_tokens(loaded(self._database, [self._profile.robot])[self._profile.robot])
-        plan, problems = plans.make(rows, self._profile, self._site, self._machine(0))
+        self._files = self._marks(rows)
+        self._kinds.try_now(self._files)
+        plan, problems = plans.make(rows, self._profile, self._site, self._machine(0), find=self._kinds.find)
         if plan is None:
             raise RowError(tuple(str(problem) for problem in problems))
-        self._files = self._fingerprints(plan)
         return plan
 
     def look(self, plan: Plan) -> News | None:
         """Return what is new since the last look; None if nothing was touched."""
         try:
             self._check_file()
-            seen, files = self._database.data_version(), self._fingerprints(plan)
-            if (seen, files) == (self._version, self._files) and datetime.now(UTC) < self._next_end:
+            seen = self._database.data_version()
+            untouched = (seen, self._kinds.marks(self._named)) == (self._version, self._files)
+            if untouched and datetime.now(UTC) < self._next_end:
                 return None
             rows = self._with_valid_tokens(self._database.load(self._profile.robot, patience_s=PATIENCE_S))
         except LbrError as err:
             self._version = UNKNOWN_VERSION
-            return News(problems=(str(err),), unreadable=True)
+            self._problems = (str(err),)
+            return News(problems=self._problems, unreadable=True)
+        files = self._marks(rows)
+        if not self._kinds.ready(files):
+            self._version = UNKNOWN_VERSION
+            return self._locked_out(plan, rows) if rows.tokens != plan.rows.tokens else None
         self._version, self._files = seen, files
-        machine = self._machine(len(plan.here))
-        new, problems = plans.make(rows, self._profile, self._site, machine)
-        said = tuple(str(problem) for problem in problems)
+        new, problems = plans.make(
+            rows, self._profile, self._site, self._machine(len(plan.here)), find=self._kinds.find
+        )
+        self._kinds.forget_faults()
+        self._problems = tuple(str(problem) for problem in problems)
         if new is None and rows.tokens != plan.rows.tokens:
-            new, _ = plans.make(replace(plan.rows, tokens=rows.tokens), self._profile, self._site, machine)
+            return self._locked_out(plan, rows)
         if new is None:
-            return News(problems=said)
-        change = plans.difference(plan, new)
-        return News(plan=new, change=change, edited=self._edited(plan.rows, new.rows), problems=said)
+            return News(problems=self._problems)
+        return self._news(plan, new)
+
+    def _locked_out(self, plan: Plan, rows: RobotRows) -> News:
+        """Return the old plan with the tokens of now."""
+        new = plans.with_tokens(plan, rows.tokens, self._profile, self._site, self._machine(len(plan.here)))
+        return self._news(plan, new) if new is not None else News(problems=self._problems)
+
+    def _news(self, plan: Plan, new: Plan) -> News:
+        edited = self._edited(plan.rows, new.rows)
+        return News(plan=new, change=plans.difference(plan, new), edited=edited, problems=self._problems)
 
     def look_again(self) -> None:
         """Read the rows at the next look: they were written by this process, which `data_version` does not tell."""
@@ -101,9 +121,10 @@ class RowWatch:
         more = f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else ""
         return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(old, new))))
 
-    def _fingerprints(self, plan: Plan) -> dict[str, str]:
-        kinds = {row.kind for row in plan.rows.capabilities}
-        return {kind: registry.fingerprint(kind, Path(self._site.home)) for kind in sorted(kinds)}
+    def _marks(self, rows: RobotRows) -> dict[str, str]:
+        """Return the marks of the kinds that rows name, and go by these from now on, also if the rows are refused."""
+        self._named = frozenset(row.kind for row in rows.capabilities)
+        return self._kinds.marks(self._named)
 
     def _check_file(self) -> None:
         """Notice that another file stands where the database was: what is written there is not what is read here."""

@@ -58,41 +58,49 @@ def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping
     problems: list[Problem] = []
     feeders: dict[str, str] = {}
     for row in rows.channels:
-        (source, _), (target, port) = row.source_end, row.target_end
-        if source not in kinds or target not in {EXECUTIVE, *kinds}:
-            continue
-        problems += _check_channel(row, rows.robot.name, kinds, settings)
+        target, port = row.target_end
+        problems += _check_channel(row, f"{rows.robot.name}/{row.source}/{row.target}", kinds, settings, frozenset())
         if row.enabled and target in kinds and port in kinds[target].setpoints:
             if row.target in feeders:
                 text = f"'{feeders[row.target]}' feeds it already, and a setpoint has one writer"
                 problems.append(Problem("channel", f"{rows.robot.name}/{row.source}/{row.target}", "target", text))
             feeders[row.target] = row.source
+    for one in rows.faulty:
+        if one.table == "channel":
+            problems += _check_channel(one.row, one.label, kinds, settings, one.columns)
     return problems
 
 
 def _check_channel(
-    row: ChannelRow, robot: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any]
+    row: ChannelRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], bad: AbstractSet[str]
 ) -> list[Problem]:
-    label = f"{robot}/{row.source}/{row.target}"
+    """Return what is wrong with the ends that are not bad already."""
     source, target = row.source_end, row.target_end
-    sent = _ports(source[0], kinds, settings, "outputs", "requests")
-    asks = source[1] in kinds[source[0]].requests
-    if target[0] == EXECUTIVE:
-        taken = dict(EXECUTIVE_COMMANDS) if asks else {}
-    else:
-        taken = _ports(target[0], kinds, settings, *(("commands",) if asks else ("inputs", "setpoints")))
+    from_known = "source" not in bad and source[0] in kinds
+    to_known = "target" not in bad and target[0] in {EXECUTIVE, *kinds}
+    sent = _ports(source[0], kinds, settings, "outputs", "requests") if from_known else {}
+    asks = source[1] in _ports(source[0], kinds, settings, "requests") if from_known else None
+    taken = _taken(target[0], kinds, settings, asks) if to_known else {}
     problems = []
-    if source[1] not in sent:
+    if from_known and source[1] not in sent:
         problems.append(Problem("channel", label, "source", _no_port(source, "output", sent)))
-    if target[1] not in taken:
+    if to_known and target[1] not in taken:
         problems.append(Problem("channel", label, "target", _no_port(target, "command" if asks else "input", taken)))
-    if problems:
+    if problems or not (from_known and to_known):
         return problems
     sends, takes = sent[source[1]], taken[target[1]]
     if not _same(sends, takes):
         names_of = f"{_type_name(sends)}, and {row.target} takes {_type_name(takes)}"
         problems.append(Problem("channel", label, "target", f"{row.source} sends {names_of}"))
     return problems
+
+
+def _taken(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], asks: bool | None) -> dict[str, Any]:
+    """Return the ports that take a question, or a stream; of both, if it is not known which one comes."""
+    if name == EXECUTIVE:
+        return {} if asks is False else dict(EXECUTIVE_COMMANDS)
+    groups = ("commands",) * (asks is not False) + ("inputs", "setpoints") * (asks is not True)
+    return _ports(name, kinds, settings, *groups)
 
 
 def _ports(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], *which: str) -> dict[str, Any]:
@@ -119,32 +127,37 @@ def _type_name(kind: Any) -> str:
 
 def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
     """Return what is wrong with the verb rows."""
-    return [problem for row in rows.verbs for problem in _check_verb(row, rows.robot.name, kinds, settings)]
+    all_rows = [(row, f"{rows.robot.name}/{row.word}/{row.pattern}", frozenset[str]()) for row in rows.verbs]
+    all_rows += [(one.row, one.label, one.columns) for one in rows.faulty if one.table == "verb"]
+    problems = (problem for row, label, bad in all_rows for problem in _check_verb(row, label, kinds, settings, bad))
+    return list(problems)
 
 
-def _check_verb(row: VerbRow, robot: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
-    label = f"{robot}/{row.word}/{row.pattern}"
+def _check_verb(
+    row: VerbRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], bad: AbstractSet[str]
+) -> list[Problem]:
+    """Return what is wrong with its target, and what pattern and payload have against that, if they are not bad already."""
     owner, command = row.target_end
-    if owner == EXECUTIVE:
-        if command in EXECUTIVE_VERBS:
-            return _check_fields(row, label, EXECUTIVE_VERBS[command])
+    if "target" in bad or owner not in {EXECUTIVE, *kinds}:
+        return []
+    if owner == EXECUTIVE and command not in EXECUTIVE_VERBS:
         there = ", ".join(f"executive.{name}" for name in sorted(EXECUTIVE_VERBS))
         return [Problem("verb", label, "target", f"the executive has no '{command}'; it has {there}")]
-    if owner not in kinds:
-        return []
+    if owner == EXECUTIVE:
+        return _check_fields(row, label, bad, EXECUTIVE_VERBS[command])
     commands = _ports(owner, kinds, settings, "commands")
     if command not in commands:
         return [Problem("verb", label, "target", _no_port((owner, command), "command", commands))]
     if commands[command] is ANY:
         return []
-    return _check_fields(row, label, {field.name for field in msgspec.structs.fields(commands[command])})
+    return _check_fields(row, label, bad, {field.name for field in msgspec.structs.fields(commands[command])})
 
 
-def _check_fields(row: VerbRow, label: str, fields: AbstractSet[str]) -> list[Problem]:
+def _check_fields(row: VerbRow, label: str, bad: AbstractSet[str], fields: AbstractSet[str]) -> list[Problem]:
     there = ", ".join(sorted(fields)) or "none"
     return [
         Problem("verb", label, column, f"{row.target} has no field '{name}'; it has {there}")
         for column, used in (("pattern", _FIELD.findall(row.pattern)), ("payload", row.payload or {}))
         for name in used
-        if name not in fields
+        if column not in bad and name not in fields
     ]

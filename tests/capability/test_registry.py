@@ -3,7 +3,7 @@
 import pytest
 
 from lbr.capability import registry
-from lbr.capability.registry import KindError
+from lbr.capability.kind import KindError
 
 OWN = (
     'from lbr.capability import Capability, Kind\nKIND = Kind(name="own", summary="", family="app", entry=Capability)\n'

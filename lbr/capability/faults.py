@@ -1,0 +1,140 @@
+"""What is wrong with a kind as it was declared: everything at once, before anything of it is used."""
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any, get_args
+
+import msgspec
+from msgspec import Struct
+
+from lbr.capability.kind import Emulation, Family, Kind, Table
+from lbr.capability.program import ProgramSettings
+from lbr.messages.system import Role
+
+PORTS = ("inputs", "setpoints", "outputs", "commands", "replies", "requests")
+FAMILIES = tuple(family for family in get_args(Family) if family != "program")
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_ENTRY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+
+
+def faults(kind: Kind) -> tuple[str, ...]:
+    """Return a sentence for each thing that a kind must not say, whatever types its fields have."""
+    return tuple(_found(kind))
+
+
+def _found(kind: Kind) -> Iterator[str]:
+    yield from _words(kind)
+    yield from _entry(kind.entry)
+    for group in PORTS:
+        yield from _ports(group, getattr(kind, group))
+    yield from _settings(kind)
+    yield from _answers(kind)
+    yield from _devices(kind)
+
+
+def _words(kind: Kind) -> Iterator[str]:
+    for field in ("summary", "device", "calibrates", "extra", "package"):
+        if not isinstance(getattr(kind, field), str):
+            yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
+    for field in ("moves", "serves"):
+        if not isinstance(getattr(kind, field), bool):
+            yield f"'{field}' is {_shown(getattr(kind, field))}, and must be True or False"
+    if kind.family not in FAMILIES and not _is_struct(kind.settings, ProgramSettings):
+        yield f"'family' is {_shown(kind.family)}, and must be one of {', '.join(FAMILIES)}"
+    if kind.emulated not in get_args(Emulation):
+        yield f"'emulated' is {_shown(kind.emulated)}, and must be one of {', '.join(get_args(Emulation))}"
+    if not isinstance(kind.rows, tuple) or any(table not in get_args(Table) for table in kind.rows):
+        yield f"'rows' is {_shown(kind.rows)}, and must be a tuple of {', '.join(get_args(Table))}"
+
+
+def _entry(entry: Any) -> Iterator[str]:
+    if isinstance(entry, str):
+        if not _ENTRY.fullmatch(entry):
+            yield f"'entry' is {_shown(entry)}, and must be a class or \"module:Class\""
+        return
+    from lbr.capability.base import Capability  # noqa: PLC0415 - whoever has a class has imported it
+
+    if not (isinstance(entry, type) and issubclass(entry, Capability)):
+        yield f"'entry' is {_shown(entry)}, and must be a class that is a Capability, or \"module:Class\""
+
+
+def _ports(group: str, ports: Any) -> Iterator[str]:
+    if not isinstance(ports, Mapping):
+        yield f"'{group}' is {_shown(ports)}, and must be a dict of names to message types"
+        return
+    for name, message in ports.items():
+        if not (isinstance(name, str) and _NAME.fullmatch(name)):
+            yield f"'{group}' names a port {_shown(name)}: small letters, digits, underscores; at most 40"
+        if not _is_struct(message, Struct):
+            yield f"port '{name}' must carry a msgspec Struct, not {_shown(message)}"
+        elif not message.__struct_config__.frozen:
+            yield f"port '{name}' carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
+        elif fault := _unfit(message):
+            yield f"port '{name}' carries {message.__name__}, which is no JSON: {fault}"
+
+
+def _settings(kind: Kind) -> Iterator[str]:
+    if not _is_struct(kind.settings, Struct):
+        yield f"'settings' is {_shown(kind.settings)}, and must be a msgspec Struct"
+        return
+    config = kind.settings.__struct_config__
+    if not (config.frozen and config.forbid_unknown_fields):
+        need = "frozen=True, forbid_unknown_fields=True"
+        yield f"'settings' is {kind.settings.__name__}, which must be declared with {need}"
+    if fault := _unfit(kind.settings):
+        yield f"'settings' is {kind.settings.__name__}, which is no JSON: {fault}"
+    if kind.device and "device" not in kind.settings.__struct_fields__:
+        yield f"'device' needs a field 'device' in {kind.settings.__name__}, which names the device row"
+    if isinstance(kind.calibrates, str) and kind.calibrates and kind.calibrates not in kind.settings.__struct_fields__:
+        yield f"'calibrates' names '{kind.calibrates}', which is no field of {kind.settings.__name__}"
+
+
+def _answers(kind: Kind) -> Iterator[str]:
+    asked = {name for group in (kind.commands, kind.requests) if isinstance(group, Mapping) for name in group}
+    for name in kind.replies if isinstance(kind.replies, Mapping) else ():
+        if name not in asked:
+            yield f"'replies' answers '{name}', which is neither of its commands nor of its requests"
+    roles: Any = kind.roles
+    if not isinstance(roles, Mapping):
+        yield f"'roles' is {_shown(roles)}, and must be a dict of commands to roles"
+        return
+    for name, role in roles.items():
+        if name not in asked:
+            yield f"'roles' names '{name}', which is none of its commands"
+        if role not in get_args(Role):
+            yield f"'roles' gives '{name}' {_shown(role)}, and must give one of {', '.join(get_args(Role))}"
+
+
+def _devices(kind: Kind) -> Iterator[str]:
+    of_devices: Any = kind.device_settings
+    if not isinstance(of_devices, Mapping):
+        yield f"'device_settings' is {_shown(of_devices)}, and must be a dict of types to structs"
+        return
+    for name, settings in of_devices.items():
+        if not _is_struct(settings, Struct):
+            yield f"'device_settings' gives '{name}' {_shown(settings)}, and must give a msgspec Struct"
+        elif fault := _unfit(settings):
+            yield f"'device_settings' gives '{name}' {settings.__name__}, which is no JSON: {fault}"
+
+
+def _is_struct(value: Any, of: type[Struct]) -> bool:
+    return isinstance(value, type) and issubclass(value, of)
+
+
+def _unfit(message: type[Struct]) -> str:
+    """Return why a type cannot be told or read as JSON."""
+    try:
+        msgspec.json.schema(message)
+        msgspec.json.Decoder(message)
+    except Exception as err:  # noqa: BLE001 - its annotations are evaluated here, and may be anything
+        return f"{type(err).__name__}: {' '.join(str(err).split())[:200]}"
+    return ""
+
+
+def _shown(value: Any) -> str:
+    """Return a value of somebody's own as one short line; its `repr` may be anything."""
+    try:
+        text = value.__name__ if isinstance(value, type) else repr(value)
+    except Exception:  # noqa: BLE001 - see above
+        text = type(value).__name__
+    return "".join(c if c.isprintable() else "?" for c in text[:60])

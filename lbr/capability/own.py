@@ -1,0 +1,224 @@
+"""A capability file of the user's own: tried in a process of its own first, because importing it runs what is in it.
+
+`python -m lbr.capability.own` is that process. Only a file that was imported there in time, and whose kind is whole, is
+imported by a program that has more to do.
+"""
+
+import ast
+import contextlib
+import faulthandler
+import importlib.util
+import os
+import re
+import select
+import signal
+import subprocess
+import sys
+import threading
+import traceback
+from collections.abc import Iterator
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import CodeType
+from typing import Any, TextIO
+
+from lbr.capability.faults import faults
+from lbr.capability.kind import Kind, KindError
+
+LIMIT_S = 5.0
+"""Importing lbr with numpy takes a Raspberry Pi 4 about two; what takes longer belongs into `open`, or behind `entry`."""
+START_S = 20.0
+"""How long the trial's own interpreter may take on a busy machine before and after that."""
+LONGEST_TEXT = 300
+GOOD = b"good"
+
+
+def find(name: str, path: Path) -> Kind:
+    """Return the kind of a file that passed its trial; KindError says why not, with file and line. Takes a while."""
+    if fault := trial(name, path):
+        raise KindError(fault)
+    found: list[Kind | KindError] = []
+
+    def run() -> None:
+        with _quiet():
+            try:
+                found.append(load(name, path))
+            except KindError as err:
+                found.append(err)
+
+    thread = threading.Thread(target=run, name=f"import {name}", daemon=True)
+    thread.start()
+    thread.join(LIMIT_S)
+    kind = found[0] if found else KindError(_too_slow(path, None))
+    if isinstance(kind, KindError):
+        raise kind
+    return kind
+
+
+def trial(name: str, path: Path) -> str:
+    """Return why a file cannot be used, or nothing, having imported it in a process that may hang, print and exit."""
+    said = os.memfd_create(f"trial of {name}")
+    try:
+        popen = subprocess.Popen(
+            [sys.executable, "-P", "-m", "lbr.capability.own", name, str(path), str(said), str(LIMIT_S)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            pass_fds=(said,),
+            start_new_session=True,
+        )
+        code = _end_of(popen)
+        text = os.pread(said, 1 << 16, 0)
+    except OSError as err:
+        return f"{path} cannot be tried: {err}"
+    finally:
+        os.close(said)
+    if text == GOOD:
+        return ""
+    kind, _, rest = text.decode(errors="replace").partition("\n")
+    if kind == "fault":
+        return rest
+    if text or code is None:
+        lines = re.findall(rf'File "{re.escape(str(path))}", line (\d+)', rest)
+        return _too_slow(path, int(lines[0]) if lines else None)
+    how = f"with exit code {code}" if code >= 0 else f"by signal {-code}"
+    return f"{path} ends the process that imports it, {how}: let it declare KIND and do nothing else"
+
+
+def load(name: str, path: Path) -> Kind:
+    """Import a file and return its kind; KindError names file and line. What is in the file runs here and now."""
+    module_name = f"lbr_user_capabilities.{name}"
+    loader = _FromSource(module_name, str(path))
+    spec = importlib.util.spec_from_file_location(module_name, path, loader=loader)
+    assert spec is not None
+    module = importlib.util.module_from_spec(spec)
+    before = sys.modules.get(module_name)
+    sys.modules[module_name] = module
+    try:
+        try:
+            loader.exec_module(module)
+        except BaseException as err:
+            raise KindError(f"{_place(path, _line(err, path))} does not load: {_told(err)}") from err
+        return _whole(name, path, module)
+    except KindError:
+        if before is not None:  # what runs goes on to look its types up there
+            sys.modules[module_name] = before
+        else:
+            sys.modules.pop(module_name, None)
+        raise
+
+
+class _FromSource(SourceFileLoader):
+    """Reads the file itself: a compiled copy beside it could be older, or another user's."""
+
+    def get_code(self, fullname: str) -> CodeType | None:  # noqa: ARG002 - as the import system calls it
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
+class _Muted:
+    """A standard stream that takes nothing from one thread, and everything from the others."""
+
+    def __init__(self, stream: TextIO, thread: int) -> None:
+        self._stream = stream
+        self._thread = thread
+
+    def write(self, text: str) -> int:
+        return len(text) if threading.get_ident() == self._thread else self._stream.write(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Drop what this thread prints: standard output may be JSON, or the operator's terminal."""
+    me = threading.get_ident()
+    with (
+        contextlib.redirect_stdout(_Muted(sys.stdout, me)),
+        contextlib.redirect_stderr(_Muted(sys.stderr, me)),
+    ):
+        yield
+
+
+def _whole(name: str, path: Path, module: object) -> Kind:
+    """Return the kind that a module declares, if nothing is wrong with it."""
+    kind = getattr(module, "KIND", None)
+    place = _place(path, _line_of_kind(path))
+    if not isinstance(kind, Kind):
+        raise KindError(f"{place} declares no KIND = Kind(…): kind '{name}' is what the file gives that name")
+    if kind.name != name:
+        text = f"kind '{name}' calls itself '{kind.name}': the name of the file and KIND.name agree"
+        raise KindError(f"{place}: {text}")
+    if found := faults(kind):
+        raise KindError(f"{place}: {'; '.join(found)}")
+    return kind
+
+
+def _line_of_kind(path: Path) -> int | None:
+    with contextlib.suppress(OSError, ValueError, SyntaxError):
+        for node in ast.parse(path.read_bytes()).body:
+            targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+            if any(isinstance(target, ast.Name) and target.id == "KIND" for target in targets):
+                return node.lineno
+    return None
+
+
+def _line(err: BaseException, path: Path) -> int | None:
+    """Return the line of the file in which it went wrong."""
+    if isinstance(err, SyntaxError) and err.filename == str(path):
+        return err.lineno
+    frames = traceback.extract_tb(err.__traceback__)
+    return next((frame.lineno for frame in reversed(frames) if frame.filename == str(path)), None)
+
+
+def _place(path: Path, line: int | None) -> str:
+    return f"{path}, line {line}" if line else str(path)
+
+
+def _told(err: BaseException) -> str:
+    """Return an exception as one short line; one that cannot even be told is one all the same."""
+    try:
+        said = err.msg if isinstance(err, SyntaxError) else str(err)
+        text = "".join(c if c.isprintable() else "?" for c in " ".join(said.split()))
+    except Exception:  # noqa: BLE001 - its `__str__` is the user's too
+        text = ""
+    return f"{type(err).__name__}: {text[:LONGEST_TEXT]}" if text else type(err).__name__
+
+
+def _too_slow(path: Path, line: int | None) -> str:
+    do = 'import what is slow in `open`, or name the class as entry="module:Class"'
+    return f"{_place(path, line)} is not imported within {LIMIT_S:g} s: {do}"
+
+
+def _end_of(popen: "subprocess.Popen[bytes]") -> int | None:
+    """Return how a trial ended, with all that it started; None if it had to be ended."""
+    ended = select.poll()
+    pid_fd = os.pidfd_open(popen.pid)
+    try:
+        ended.register(pid_fd, select.POLLIN)
+        in_time = bool(ended.poll((LIMIT_S + START_S) * 1000))
+    finally:
+        os.close(pid_fd)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(popen.pid, signal.SIGKILL)
+        code = popen.wait()
+    return code if in_time else None
+
+
+def main() -> None:
+    """Try one file, and say what came of it in the file that was handed down."""
+    name, path, said, limit_s = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
+    os.set_inheritable(said, False)
+    faulthandler.dump_traceback_later(limit_s, exit=True, file=said)
+    try:
+        load(name, path)
+        text = GOOD
+    except KindError as err:
+        text = f"fault\n{err}".encode(errors="replace")
+    faulthandler.cancel_dump_traceback_later()
+    os.write(said, text)
+    os._exit(0)  # whatever it has started meanwhile
+
+
+if __name__ == "__main__":
+    main()

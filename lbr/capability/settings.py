@@ -1,0 +1,58 @@
+"""All that is wrong with settings at once: msgspec itself stops at the first fault."""
+
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+MOST_TOLD = 20
+
+
+def faults(kind: type[Struct], settings: Any, at: str = "$") -> tuple[str, ...]:
+    """Return what each field of decoded JSON has against a struct, in msgspec's words; nothing if all of it fits."""
+    try:
+        msgspec.json.decode(msgspec.json.encode(settings), type=kind)
+    except msgspec.ValidationError as err:
+        found = _of_fields(kind, settings, at) if isinstance(settings, dict) and at.count(".") < MOST_TOLD else []
+        return tuple(found[:MOST_TOLD]) or (_placed(str(err), at),)
+    return ()
+
+
+def _of_fields(kind: type[Struct], settings: dict[str, Any], at: str) -> list[str]:
+    config = kind.__struct_config__
+    if config.tag is not None or config.array_like:
+        return []
+    fields = {field.encode_name: field for field in msgspec.structs.fields(kind)}
+    found = []
+    if config.forbid_unknown_fields:
+        there = ", ".join(sorted(fields)) or "none"
+        found += [
+            _placed(f"Object contains unknown field `{name}`; there is {there}", at)
+            for name in settings
+            if name not in fields
+        ]
+    for name, field in fields.items():
+        if name not in settings:
+            if field.required:
+                found.append(_placed(f"Object missing required field `{name}`", at))
+        else:
+            found += _of_value(field.type, settings[name], f"{at}.{name}")
+    return found
+
+
+def _of_value(kind: Any, value: Any, at: str) -> tuple[str, ...]:
+    if isinstance(kind, type) and issubclass(kind, Struct):
+        return faults(kind, value, at)
+    try:
+        msgspec.json.decode(msgspec.json.encode(value), type=kind)
+    except msgspec.ValidationError as err:
+        return (_placed(str(err), at),)
+    return ()
+
+
+def _placed(text: str, at: str) -> str:
+    """Return what msgspec says of a part with the place of that part."""
+    said, found, path = text.partition(" - at `$")
+    if found:
+        return f"{said} - at `{at}{path}"
+    return text if at == "$" else f"{text} - at `{at}`"

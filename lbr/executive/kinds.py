@@ -1,0 +1,56 @@
+"""Kinds for a robot that runs: files of the user's own are tried on a thread beside, so that none holds it up."""
+
+import threading
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from lbr.capability import registry
+from lbr.capability.kind import Kind, KindError
+
+
+class KindsBeside:
+    """Knows the kinds of a home; asked from one thread."""
+
+    def __init__(self, home: Path) -> None:
+        self._home = home
+        self._known: dict[str, tuple[str, Kind | KindError]] = {}
+        self._thread: threading.Thread | None = None
+
+    def marks(self, names: Iterable[str]) -> dict[str, str]:
+        """Return what changes when a file does, for each kind; empty for an installed one."""
+        return {name: registry.mark(name, self._home) for name in sorted(set(names))}
+
+    def try_now(self, marks: Mapping[str, str]) -> None:
+        """Find the kinds of files; it may take some seconds."""
+        for name, mark in marks.items():
+            if mark:
+                self._known[name] = mark, self._found(name)
+
+    def ready(self, marks: Mapping[str, str]) -> bool:
+        """Say whether all of them are known as they are now; those that are not are found beside."""
+        new = {name: mark for name, mark in marks.items() if mark and self._known.get(name, ("",))[0] != mark}
+        if new and (self._thread is None or not self._thread.is_alive()):
+            self._thread = threading.Thread(target=self.try_now, args=(new,), name="kinds", daemon=True)
+            self._thread.start()
+        return not new
+
+    def find(self, name: str, home: Path) -> Kind:
+        """Return a kind that is ready; KindError if it is none."""
+        _, found = self._known.get(name) or ("", None)
+        if found is None or not registry.mark(name, home):
+            return registry.find(name, home)
+        if isinstance(found, KindError):
+            raise found
+        return found
+
+    def forget_faults(self) -> None:
+        """Try again, at the next change, what could not be used: it may want something that is there by then."""
+        self._known = {name: one for name, one in self._known.items() if isinstance(one[1], Kind)}
+
+    def _found(self, name: str) -> Kind | KindError:
+        try:
+            return registry.find(name, self._home)
+        except KindError as err:
+            return err
+        except Exception as err:  # noqa: BLE001 - the thread's last frame: the rows are not to wait for ever
+            return KindError(f"kind '{name}' cannot be loaded: {type(err).__name__}: {err}")

@@ -1,0 +1,195 @@
+"""A file of the user's own is tried elsewhere: what it does at its import is one sentence with its line, and harms nothing."""
+
+import os
+import signal
+import sys
+import threading
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from lbr.capability import own, registry
+from lbr.capability.faults import faults
+from lbr.capability.kind import KindError
+from tests.robot import until
+
+HEAD = """
+from msgspec import Struct
+from lbr.capability import Capability, Kind
+class Settings(Struct, frozen=True, forbid_unknown_fields=True):
+    device: str = ""
+class Go(Struct, frozen=True):
+    pass
+class Loose(Struct, frozen=True):
+    a: int = 0
+class Soft(Struct):
+    a: int = 0
+class Thing:
+    pass
+class Odd(Struct, frozen=True):
+    thing: Thing
+"""
+GOOD = {"name": "'own'", "summary": "''", "family": "'app'", "entry": "Capability"}
+KIND_LINE = HEAD.count("\n") + 1
+
+
+def declared(**fields: str) -> str:
+    return HEAD + "KIND = Kind(" + ", ".join(f"{name}={value}" for name, value in (GOOD | fields).items()) + ")\n"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    made = registry.user_directory(tmp_path)
+    made.mkdir(mode=0o700)
+    return made
+
+
+def why(folder, text: str) -> str:
+    (folder / "own.py").write_text(text)
+    with pytest.raises(KindError) as caught:
+        registry.find("own", folder.parent)
+    said = str(caught.value)
+    assert said.startswith(str(folder / "own.py"))
+    assert said.isprintable()
+    assert len(said) < 1200
+    return said
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (
+            "\nimport nothing_like_this",
+            "line 2 does not load: ModuleNotFoundError: No module named 'nothing_like_this'",
+        ),
+        ("x = 1\ndef (:", "line 2 does not load: SyntaxError: invalid syntax"),
+        ("raise SystemExit(3)", "line 1 does not load: SystemExit: 3"),
+        ("\nexit()", "line 2 does not load: SystemExit"),
+        ("\n\nraise KeyboardInterrupt", "line 3 does not load: KeyboardInterrupt"),
+        ("raise GeneratorExit", "line 1 does not load: GeneratorExit"),
+        ("input()", "line 1 does not load: EOFError"),
+        ("import os\nos._exit(0)", "ends the process that imports it, with exit code 0"),
+        ("import os\nos.kill(os.getpid(), 9)", "ends the process that imports it, by signal 9"),
+        ("raise ValueError('a\\nb\\x1b[31m')", "line 1 does not load: ValueError: a b?[31m"),
+        ("class E(Exception):\n    def __str__(self): raise self\nraise E", "line 3 does not load: E"),
+        ("def f(): f()\nf()", "line 1 does not load: RecursionError"),
+        ("\n\nKIND = 3", "line 3 declares no KIND"),
+        ("", "declares no KIND"),
+        ("\ufeff\x00", "does not load: "),
+        (declared(name="'other'"), f"line {KIND_LINE}: kind 'own' calls itself 'other'"),
+        (declared(input="{}"), f"line {KIND_LINE} does not load: TypeError: Kind.__init__() got an unexpected"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_one_sentence_with_its_line(folder, text, words):
+    assert words in why(folder, text)
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({"summary": "3"}, "'summary' is 3, and must be a text"),
+        ({"moves": "'yes'"}, "'moves' is 'yes', and must be True or False"),
+        ({"family": "'gadget'"}, "'family' is 'gadget', and must be one of driver, operation, app, simulation"),
+        ({"family": "'program'"}, "'family' is 'program', and must be one of"),
+        ({"entry": "3"}, "'entry' is 3, and must be a class"),
+        ({"entry": "Go"}, "'entry' is Go, and must be a class that is a Capability"),
+        ({"entry": "'Go'"}, "'entry' is 'Go', and must be a class or \"module:Class\""),
+        ({"settings": "dict"}, "'settings' is dict, and must be a msgspec Struct"),
+        ({"settings": "Loose"}, "'settings' is Loose, which must be declared with frozen=True, forbid_unknown_fields"),
+        ({"settings": "Soft"}, "'settings' is Soft, which must be declared with frozen=True"),
+        ({"inputs": "[Go]"}, "'inputs' is [<class"),
+        ({"inputs": "{'Big': Go}"}, "'inputs' names a port 'Big': small letters, digits, underscores"),
+        ({"outputs": "{'said': str}"}, "port 'said' must carry a msgspec Struct, not str"),
+        ({"commands": "{'go': Soft}"}, "port 'go' carries Soft, which must be frozen"),
+        ({"outputs": "{'said': Odd}"}, "port 'said' carries Odd, which is no JSON: "),
+        ({"replies": "{'go': Go}"}, "'replies' answers 'go', which is neither of its commands nor of its requests"),
+        ({"commands": "{'go': Go}", "roles": "{'go': 'king'}"}, "'roles' gives 'go' 'king', and must give one of view"),
+        ({"roles": "{'go': 'view'}"}, "'roles' names 'go', which is none of its commands"),
+        ({"device": "'servo'"}, "'device' needs a field 'device' in NoSettings"),
+        ({"calibrates": "'gone'"}, "'calibrates' names 'gone', which is no field of NoSettings"),
+        ({"rows": "('gone',)"}, "'rows' is ('gone',), and must be a tuple of"),
+        (
+            {"device_settings": "{'servo': dict}"},
+            "'device_settings' gives 'servo' dict, and must give a msgspec Struct",
+        ),
+    ],
+)
+def test_a_kind_that_is_not_whole_is_told_at_the_line_of_KIND(folder, fields, words):  # noqa: N802
+    said = why(folder, declared(**fields))
+    assert said.startswith(f"{folder / 'own.py'}, line {KIND_LINE}: ")
+    assert words in said
+
+
+def test_all_that_is_wrong_with_a_kind_is_told_at_once(folder):
+    said = why(folder, declared(family="'gadget'", settings="Loose", outputs="{'a': int, 'b': str}"))
+    assert [word in said for word in ("'family'", "'settings'", "port 'a'", "port 'b'")] == [True] * 4
+
+
+def test_a_file_that_hangs_is_ended_and_named_with_its_line(folder, monkeypatch):
+    monkeypatch.setattr(own, "LIMIT_S", 0.5)
+    said = why(folder, "import time\ndef wait():\n    time.sleep(1000)\nwait()\n")
+    assert "own.py, line 3 is not imported within 0.5 s: import what is slow in `open`" in said
+
+
+def test_a_file_that_holds_the_interpreter_is_ended_too(folder, monkeypatch):
+    monkeypatch.setattr(own, "LIMIT_S", 0.5)
+    assert "line 1 is not imported within" in why(folder, "import re; re.match('(a+)+$', 'a' * 60 + 'b')")
+
+
+def test_what_a_file_starts_at_its_trial_ends_with_it(folder):
+    place = folder / "pid"
+    text = "import time\nfrom os import fork\npid = fork()\nif not pid: time.sleep(600)\n"
+    why(folder, f"{text}open({str(place)!r}, 'w').write(str(pid))\nraise ValueError")
+    stat = Path("/proc") / place.read_text() / "stat"
+    until(lambda: not stat.exists() or stat.read_text().split(") ")[1][0] == "Z")
+
+
+def test_a_file_that_prints_says_nothing_here_and_takes_nothing_from_others(folder, capfd):
+    (folder / "own.py").write_text("import sys\nprint('hello')\nsys.stderr.write('hello')\n" + declared())
+    assert registry.find("own", folder.parent).name == "own"
+    print("after")
+    assert capfd.readouterr() == ("after\n", "")
+
+
+def test_a_file_cannot_take_the_signals_of_who_reads_it(folder):
+    before = signal.getsignal(signal.SIGTERM)
+    text = "import signal\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
+    assert "line 2 does not load: ValueError" in why(folder, text + declared())
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_an_edit_of_the_same_size_within_a_second_is_read_and_no_compiled_copy_is(folder):
+    for word in ("one", "two"):
+        (folder / "own.py").write_text(declared(summary=f"'{word}'"))
+        os.utime(
+            folder / "own.py", ns=(1_700_000_000_000_000_000 + len(word), 1_700_000_000_000_000_000 + ord(word[0]))
+        )
+        assert registry.find("own", folder.parent).summary == word
+    assert list(folder.iterdir()) == [folder / "own.py"]
+
+
+def test_a_file_that_breaks_leaves_the_types_of_what_runs_where_they_are_looked_up(folder):
+    (folder / "own.py").write_text(
+        "from __future__ import annotations\n"
+        + declared(commands="{'go': Odd2}").replace(
+            "class Go(", "Word = int\nclass Odd2(Struct, frozen=True):\n    a: Word = 0\nclass Go("
+        )
+    )
+    kind = registry.find("own", folder.parent)
+    own_module = sys.modules["lbr_user_capabilities.own"]
+    why(folder, "raise ValueError")
+    assert sys.modules["lbr_user_capabilities.own"] is own_module
+    assert msgspec.json.decode(b'{"a": 3}', type=kind.commands["go"]).a == 3
+
+
+def test_the_kinds_that_come_with_lbr_are_whole(tmp_path):
+    found = {name: faults(registry.find(name, tmp_path)) for name in registry.names(tmp_path)}
+    assert {name: told for name, told in found.items() if told} == {}
+
+
+def test_no_thread_of_a_good_file_is_left(folder):
+    (folder / "own.py").write_text(declared())
+    before = threading.active_count()
+    registry.find("own", folder.parent)
+    assert threading.active_count() == before

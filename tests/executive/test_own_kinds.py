@@ -1,0 +1,114 @@
+"""A file of the user's own that breaks, hangs or exits while the robot runs: one sentence, and the robot goes on."""
+
+import json
+import sqlite3
+import time
+
+import pytest
+
+from tests.robot import lbr, running, until
+
+pytestmark = pytest.mark.timeout(30)
+
+GOOD = """
+from msgspec import Struct
+from lbr.capability import Capability, Kind
+class Greeter(Capability):
+    pass
+KIND = Kind(name="greeter", summary="", family="app", entry=Greeter)
+"""
+ROW = "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'greeter', 'greeter')"
+
+
+@pytest.fixture
+def file(home):
+    folder = home / "capabilities"
+    folder.mkdir(mode=0o700)
+    return folder / "greeter.py"
+
+
+@pytest.fixture
+def greeted(home, file):
+    file.write_text(GOOD)
+    with sqlite3.connect(home / "robot.db") as database:
+        database.execute(ROW)
+    database.close()
+
+
+def pids(robot):
+    return {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]}
+
+
+def test_a_file_that_hangs_holds_up_neither_the_robot_nor_its_stops_nor_other_edits(home, file, greeted):
+    with running(home) as robot:
+        before = pids(robot)
+        file.write_text("\nwhile True: pass\n")
+        slowest, until_s = 0.0, time.monotonic() + 2.0
+        while time.monotonic() < until_s:
+            began = time.monotonic()
+            assert robot.line("s")["code"] == 0
+            slowest = max(slowest, time.monotonic() - began)
+        assert slowest < 1.0
+        words = f"{file}, line 2 is not imported within 5 s"
+        until(lambda: any(words in problem for problem in robot.status()["problems"]), limit_s=15.0)
+        assert pids(robot) == before
+        file.write_text(GOOD)
+        until(lambda: robot.status()["problems"] == [])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("import os\nos._exit(3)", "greeter.py ends the process that imports it, with exit code 3"),
+        ("raise KeyboardInterrupt", "greeter.py, line 1 does not load: KeyboardInterrupt"),
+        (
+            GOOD.replace(
+                "class Greeter", "class T: pass\nclass Odd(Struct, frozen=True):\n    t: T\nclass Greeter"
+            ).replace("entry=Greeter", 'entry=Greeter, outputs={"odd": Odd}'),
+            "greeter.py, line 9: port 'odd' carries Odd, which is no JSON",
+        ),
+    ],
+    ids=["exits", "interrupts", "odd message"],
+)
+def test_a_file_that_breaks_is_told_and_one_that_is_mended_is_seen_without_another_edit(home, file, text, words):
+    file.write_text(text)
+    with running(home) as robot:
+        before = pids(robot)
+        robot.edit(ROW)
+        until(lambda: any(words in problem for problem in robot.status()["problems"]))
+        assert pids(robot) == before
+        file.write_text(GOOD)
+        until(lambda: "greeter" in pids(robot))
+        assert robot.status()["problems"] == []
+
+
+def test_a_check_says_each_files_fault_in_one_sentence_and_prints_nothing_else(home, file, greeted):
+    file.write_text("print('hello')\nimport nothing_like_this\n")
+    done = lbr(home, "db", "check", "--robot", "lbr", "--json")
+    assert done.returncode == 2
+    (told,) = json.loads(done.stdout)
+    why = f"{file}, line 2 does not load: ModuleNotFoundError: No module named 'nothing_like_this'"
+    assert told["problems"] == [f"capability 'lbr/greeter', kind: {why}"]
+    assert done.stderr == ""
+
+
+def test_a_check_hints_at_a_mover_that_no_stop_reaches_and_at_a_file_that_is_not_used(home, file, greeted):
+    file.write_text("print('hello')\n" + GOOD.replace("entry=Greeter", "entry=Greeter, moves=True"))
+    (file.parent / "drive.py").write_text("raise ValueError")
+    done = lbr(home, "db", "check", "--robot", "lbr", "--json")
+    assert done.returncode == 0
+    hints = " ".join(json.loads(done.stdout)[0]["hints"])
+    assert "capability 'greeter' moves something, and `stop` does not reach it" in hints
+    assert f"does not run {file.parent / 'drive.py'}: an installed kind has that name" in hints
+
+
+def test_who_is_locked_out_is_out_while_a_file_is_broken(home, file, greeted):
+    assert lbr(home, "token", "add", "tablet", "--role", "operate").returncode == 0
+    with running(home) as robot:
+        file.write_text("raise ValueError")
+        until(lambda: any("ValueError" in problem for problem in robot.status()["problems"]))
+        before = pids(robot)
+        assert lbr(home, "token", "revoke", "tablet").returncode == 0
+        until(lambda: "token 'tablet' has no rights any more" in robot.line("/report/events")["text"])
+        assert pids(robot)["greeter"] == before["greeter"]
+        assert any("ValueError" in problem for problem in robot.status()["problems"])
