@@ -24,6 +24,7 @@ from prompt_toolkit.history import FileHistory, History, InMemoryHistory
 from prompt_toolkit.input import Input
 from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
 from prompt_toolkit.keys import Keys
+from prompt_toolkit.search import stop_search
 from prompt_toolkit.styles import Style
 
 from lbr.console.above import Above, Screen
@@ -31,6 +32,7 @@ from lbr.console.asking import LET_BE, QUESTION, Question
 from lbr.console.completion import LineCompleter
 from lbr.console.ear import BEAT_S, STUCK_S, Contact
 from lbr.console.hold import Ending
+from lbr.console.keyboard import CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
 from lbr.console.operator import BusOperator, is_stop
 from lbr.console.printable import one_line, wrapped
 from lbr.console.toolbar import CONTACT_S, toolbar
@@ -55,7 +57,6 @@ STYLE = Style.from_dict(
 _COLOURS = {"error": "\x1b[31m", "warning": "\x1b[33m"}
 _OWN_STOP = re.compile(r"(?P<who>[^:]+(?::[0-9]+)?): stopped by (?P=who)(?:: (?P<why>.+))?")
 _PLAIN = "\x1b[0m"
-_CURSOR_IS_HERE = re.compile(r"\x1b\[[0-9]+;[0-9]+R")
 
 
 class Terminal:
@@ -98,6 +99,8 @@ class Terminal:
             erase_when_done=True,
         )
         self._session.default_buffer.accept_handler = self._accept
+        self._stops = 0
+        listen(self._session.app.input, heard=self._overheard, flooded=self._flooded)
         self._above = Above(self._session.app, self._screen)
         self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
 
@@ -205,12 +208,37 @@ class Terminal:
 
     def _stop(self, line: str) -> None:
         """Say a stop at once, and nothing of what was typed before it and still waits for its turn."""
+        self._stops += 1
         dropped = self._forget_lines()
         self._above.print(PROMPT + one_line(line))
         if dropped:
             self._print(f"Not said any more: {', '.join(dropped)}", "warning")
         self._question.answer(line)
         self._start(line, threading.Event())
+
+    def _overheard(self, stop: str) -> None:
+        """Stop also when the editor does not take these keys for a line: it is searching, or waits for a paste's end."""
+        loop = self._session.app.loop
+        if loop is not None:
+            loop.call_soon(self._stop_unless_said, stop, self._stops, context=self._session.app.context)
+
+    def _stop_unless_said(self, stop: str, said: int) -> None:
+        app = self._session.app
+        if self._stops != said or not app.is_running or app.is_done:
+            return
+        begin_again(app.input)
+        app.key_processor.reset()
+        if app.layout.is_searching:
+            stop_search()
+        self._session.default_buffer.reset()
+        if stop == INTERRUPT:
+            self._let_go()
+        else:
+            self._stop(stop)
+
+    def _flooded(self) -> None:
+        said = f"more than {LINES_AT_ONCE} lines came at once, and none of them was run: paste one line at a time"
+        self._print(said, "error")
 
     def _say_all(self) -> None:
         while not self._over.is_set():
@@ -290,7 +318,7 @@ class Terminal:
 
         @keys.add(Keys.BracketedPaste)
         def _paste(event: KeyPressEvent) -> None:
-            text = _CURSOR_IS_HERE.sub("", event.data).replace("\r\n", "\n").replace("\r", "\n").strip("\n")
+            text = CURSOR_IS_HERE.sub("", event.data).replace("\r\n", "\n").replace("\r", "\n").strip("\n")
             if "\n" in text:
                 count = len(text.splitlines())
                 self._print(f"The paste has {count} lines, and none was run: paste one line at a time.", "error")
@@ -303,8 +331,9 @@ class Terminal:
 
         @keys.add("c-s")
         @keys.add("c-q")
-        def _flow(_event: KeyPressEvent) -> None:
-            """Terminals send these by themselves, to be given time; they are no keys of ours."""
+        @keys.add("c-z")
+        def _none(_event: KeyPressEvent) -> None:
+            """Terminals send the first two by themselves, to be given time; the last would spoil the line behind it."""
 
         @keys.add("c-c")
         def _interrupt(event: KeyPressEvent) -> None:
@@ -323,6 +352,7 @@ class Terminal:
 
     def _let_go(self) -> None:
         """Stop the motors now, whatever the prompt does next; lines that wait are not said."""
+        self._stops += 1
         self._forget_lines()
         threading.Thread(target=self._operator.release, name="let go", daemon=True).start()
 

@@ -15,6 +15,7 @@ from prompt_toolkit.input.vt100 import Vt100Input
 from vt import Vt
 
 from lbr.console.above import Screen as TerminalScreen
+from lbr.console.keyboard import QUIET_S
 from lbr.console.operator import BusOperator
 from lbr.console.terminal import Terminal, describe
 from lbr.messages.system import ConsoleResult, Event
@@ -468,3 +469,57 @@ def test_a_history_that_cannot_be_written_keeps_no_line_from_being_said(robot, c
 )
 def test_who_stops_an_own_motion_is_named_once(text, told):
     assert describe(Event(kind="stopped", subject="drive", text=text)) == told
+
+
+EDITING = {
+    "Ctrl-Z": "\x1a",
+    "Esc": "\x1b",
+    "CSI": "\x1b[",
+    "SS3": "\x1bO",
+    "Esc 5": "\x1b5",
+    "DCS": "\x1bP",
+    "OSC": "\x1b]0;",
+    "mouse": "\x1b[<0;",
+    "Ctrl-R": "\x12",
+    "Ctrl-@": "\x00",
+}
+
+
+@pytest.mark.parametrize("before", EDITING.values(), ids=EDITING)
+def test_a_stop_is_said_whatever_keys_came_before_it(robot, screen, before):
+    screen.types(before)
+    screen.types("s\r")
+    screen.sees("motors stopped")
+    screen.types("s\r")
+    wait_for(lambda: said(robot).count("s") == 2)
+
+
+def test_a_stop_is_said_in_a_paste_that_does_not_end(robot, screen):
+    screen.types("\x1b[200~half a line\r")
+    wait_for(lambda: screen.terminal._session.app.input.vt100_parser._in_bracketed_paste)
+    assert not threading.Event().wait(QUIET_S * 1.2)
+    screen.types("s\r")
+    screen.sees("motors stopped")
+    screen.types("s\r")
+    wait_for(lambda: said(robot) == ["s", "s"])
+
+
+def test_ctrl_c_is_heard_in_a_paste_that_does_not_end(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    screen.types("\x1b[200~half a line\r")
+    wait_for(lambda: screen.terminal._session.app.input.vt100_parser._in_bracketed_paste)
+    assert not threading.Event().wait(QUIET_S * 1.2)
+    screen.types("\x03")
+    wait_for(lambda: robot.stopped)
+    screen.types("\x03")
+    assert screen.ends() == 0
+
+
+def test_a_flood_of_lines_is_not_run_and_a_stop_in_it_is(robot, screen):
+    robot.lines["x"] = ConsoleResult(code=0, text="ran")
+    screen.types("x\r" * 200 + "s\r")
+    screen.sees("more than 8 lines came at once, and none of them was run")
+    screen.sees("motors stopped")
+    assert said(robot) == ["s"]

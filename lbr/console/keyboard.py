@@ -1,0 +1,125 @@
+"""Keys as they come: what stops the robot is heard in them, whatever the line editor makes of them."""
+
+import re
+import time
+from collections.abc import Callable
+
+from msgspec import Struct
+from prompt_toolkit.input import Input
+from prompt_toolkit.input.posix_utils import PosixStdinReader
+from prompt_toolkit.input.vt100 import Vt100Input
+
+from lbr.console.operator import is_stop
+
+INTERRUPT = "\x03"
+LINES_AT_ONCE = 8
+"""More than people type while a busy machine holds the console up, and fewer than what is worth a paste."""
+QUIET_S = 0.25
+"""So long nothing comes once a flood is over, or within a paste whose end got lost: slow lines pause for less."""
+LONGEST = 1000
+PASTE_BEGINS, PASTE_ENDS = "\x1b[200~", "\x1b[201~"
+CURSOR_IS_HERE = re.compile(r"\x1b\[[0-9]+;[0-9]+R")
+_ENDS = re.compile(r"[\r\n]")
+_MARKS = re.compile(r"(\x1b\[20[01]~)")
+_HALF_MARKS = ("\x1b[200", "\x1b[201", "\x1b[20", "\x1b[2", "\x1b[", "\x1b")
+_KEYS_BEFORE = re.compile(r"(?:\x1b[\[\]OP]?[0-9;<?M~]*|[\x00-\x1f\x7f])*")
+
+
+class Heard(Struct, frozen=True):
+    """What was overheard in a piece of input: stops in their order; whether it is part of a flood, or its beginning."""
+
+    stops: tuple[str, ...] = ()
+    flood: bool = False
+    begins: bool = False
+
+
+class Overhearing:
+    """Follows what is typed, piece by piece: hears stops in it, and knows a flood of lines from typing.
+
+    A stop word is heard although keys came before it that the editor takes for the beginning of something else: an
+    escape, a sequence cut short, a search, a paste that has no end. What a whole paste holds is not said.
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._last = clock()
+        self._flood_until = self._last
+        self._carried = ""
+        self._line = ""
+        self._pasting = self._broken = False
+
+    def hear(self, text: str) -> Heard:
+        """Take in the next piece."""
+        now = self._clock()
+        paused, self._last = now - self._last >= QUIET_S, now
+        text = self._carried + text
+        self._carried = next((part for part in _HALF_MARKS if text.endswith(part)), "")
+        pieces = _MARKS.split(text.removesuffix(self._carried))
+        in_paste = self._pasting or len(pieces) > 1
+        if self._pasting and paused and pieces[0]:
+            self._broken, self._line = True, ""
+        stops = [stop for piece in pieces for stop in self._stops(piece)]
+        if in_paste or not (now < self._flood_until or len(_ENDS.findall(text)) > LINES_AT_ONCE):
+            return Heard(tuple(stops))
+        begins, self._flood_until = not now < self._flood_until, now + QUIET_S
+        return Heard(tuple(stops), flood=True, begins=begins)
+
+    def forget_paste(self) -> None:
+        """Take a paste that has not ended for ended."""
+        self._pasting = self._broken = False
+
+    def _stops(self, piece: str) -> list[str]:
+        if piece in {PASTE_BEGINS, PASTE_ENDS}:
+            self._pasting, self._broken, self._line = piece == PASTE_BEGINS, False, ""
+            return []
+        if self._pasting and not self._broken:
+            return []
+        *lines, rest = _ENDS.split(self._line + piece)
+        self._line = rest[-LONGEST:]
+        words = (_KEYS_BEFORE.sub("", CURSOR_IS_HERE.sub("", line), count=1).strip() for line in lines)
+        return [INTERRUPT] * piece.count(INTERRUPT) + [word for word in words if is_stop(word)]
+
+
+class Keyboard(PosixStdinReader):
+    """Reads keys for the editor. `heard` gets each stop at once, before the editor does; a flood never gets there."""
+
+    def __init__(
+        self,
+        fd: int,
+        encoding: str,
+        *,
+        heard: Callable[[str], None],
+        flooded: Callable[[], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        super().__init__(fd, encoding=encoding)
+        self.overhearing = Overhearing(clock)
+        self._heard = heard
+        self._flooded = flooded
+
+    def read(self, count: int = 1024) -> str:
+        """Return what is there for the editor."""
+        text = super().read(count)
+        if not text:
+            return text
+        heard = self.overhearing.hear(text)
+        for stop in heard.stops:
+            self._heard(stop)
+        if heard.begins:
+            self._flooded()
+        return "" if heard.flood else text
+
+
+def listen(source: Input, *, heard: Callable[[str], None], flooded: Callable[[], None]) -> None:
+    """Overhear what is read from a terminal."""
+    if isinstance(source, Vt100Input):
+        encoding = source.stdin.encoding or "utf-8"
+        source.stdin_reader = Keyboard(source.fileno(), encoding, heard=heard, flooded=flooded)
+
+
+def begin_again(source: Input) -> None:
+    """Forget sequences and pastes that were begun and not ended."""
+    if isinstance(source, Vt100Input):
+        source.vt100_parser.reset()
+        if isinstance(source.stdin_reader, Keyboard):
+            source.stdin_reader.overhearing.forget_paste()
