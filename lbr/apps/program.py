@@ -1,8 +1,10 @@
 """What programs beside the robot share: by which door they come in, under which name, and how they end."""
 
+import contextlib
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,11 +20,15 @@ FAILED, BAD_INPUT = 1, 2
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """A robot of this home, and a session on its bus with the rights of its local door: look and operate."""
+    """A robot of this home, and a session on its bus with the rights of its local door: look and operate.
+
+    `started_s`, monotonic, is when the program was asked for: what was stopped since then is not to begin.
+    """
 
     bus: Session
     name: str
     source: str
+    started_s: float
 
 
 @contextmanager
@@ -37,9 +43,18 @@ def connected(program: str) -> Iterator[Robot]:
         raise InputError(f"several robots run here ({names}); say which with LBR_ROBOT=NAME")
     bus = session.open_client(here[0].endpoints)
     try:
-        yield Robot(bus, here[0].robot, f"{program}:{os.getpid()}")
+        yield Robot(bus, here[0].robot, f"{program}:{os.getpid()}", _started_s())
     finally:
         bus.close()
+
+
+def _started_s() -> float:
+    """Return when the robot started this program; it was not the robot if that makes no sense."""
+    now = time.monotonic()
+    with contextlib.suppress(KeyError, ValueError):
+        said_s = float(os.environ["LBR_STARTED_S"])
+        return min(now, said_s)  # this way round, NaN means now
+    return now
 
 
 def run(main: Callable[[], int]) -> int:

@@ -83,7 +83,9 @@ class ExternalCommands:
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
-                env=leaf_environment() | {"LBR_ROBOT": self._robot, "LBR_NAME": row.name} | mark.environment,
+                env=leaf_environment()
+                | {"LBR_ROBOT": self._robot, "LBR_NAME": row.name, "LBR_STARTED_S": repr(time.monotonic())}
+                | mark.environment,
                 start_new_session=True,
             )
         scheduling.rank(popen.pid, scheduling.BACKGROUND)

@@ -70,7 +70,10 @@ class LoopStatistics(Struct, frozen=True, kw_only=True):
 
 
 class DriveState(Struct, frozen=True, kw_only=True):
-    """What the base is doing, who holds it, and why it is slower than asked or stands still."""
+    """What the base is doing, who holds it, and why it is slower than asked or stands still.
+
+    What was sent before `stopped_s`, monotonic, begins nothing any more: then all was stopped, also if nothing moved.
+    """
 
     moving: bool
     power: Power
@@ -83,6 +86,7 @@ class DriveState(Struct, frozen=True, kw_only=True):
     reason: str
     estop: bool
     loop: LoopStatistics | None
+    stopped_s: float | None = None
 
 
 class CheckRequest(Struct, frozen=True, kw_only=True):

@@ -49,7 +49,7 @@ def clock():
 
 @pytest.fixture
 def motion(drive, clock) -> Motion:
-    return Motion(Robot(drive.bus, "lbr", "autodock:1"), "command", FIELDS, clock.now)
+    return Motion(Robot(drive.bus, "lbr", "autodock:1", 0.0), "command", FIELDS, clock.now)
 
 
 def go_on(motion: Motion, drive: FakeDrive, clock: Any, until: Any, fields: dict[str, Any] = FIELDS) -> None:

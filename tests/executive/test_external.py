@@ -1,6 +1,7 @@
 """Programs by name: which one a row means, and where what it prints goes."""
 
 import sys
+import time
 from contextlib import closing
 
 import pytest
@@ -41,6 +42,12 @@ def test_a_program_by_its_path_is_started_as_it_is(commands):
 def test_a_program_learns_which_robot_called_it_and_by_which_name(commands):
     script = "import os; print(os.environ['LBR_ROBOT'], os.environ['LBR_NAME'])"
     assert said(commands, "python", "-c", script) == (0, "lbr probe")
+
+
+def test_a_program_learns_when_it_was_started_so_that_it_knows_which_stops_are_for_it(commands):
+    before = time.monotonic()
+    _code, text = said(commands, "python", "-c", "import os; print(os.environ['LBR_STARTED_S'])")
+    assert before <= float(text) <= time.monotonic()
 
 
 def test_a_program_has_no_privileges_and_gains_none(commands):

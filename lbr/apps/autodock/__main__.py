@@ -9,7 +9,7 @@ from typing import cast
 from lbr.apps import program
 from lbr.apps.autodock.pilot import Pilot
 from lbr.apps.autodock.script import Manner, dock
-from lbr.apps.autodock.view import Ending, Say, View
+from lbr.apps.autodock.view import Ending, GivenUpError, Say, View
 from lbr.apps.program import Robot
 from lbr.errors import BusError
 
@@ -34,9 +34,11 @@ def run(robot: Robot, manner: Manner, heading_deg: float) -> Ending:
     action = next(script)
     try:
         for view in _views(pilot):
-            pilot.do(action)
+            halted = pilot.stopped and not isinstance(action, Say)
+            if not halted:
+                pilot.do(action)
             try:
-                action = script.send(view)
+                action = script.throw(GivenUpError(pilot.stopped)) if halted else script.send(view)
             except StopIteration as end:
                 return cast("Ending", end.value)
             if isinstance(action, Say):

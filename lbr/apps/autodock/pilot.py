@@ -1,6 +1,7 @@
 """The robot as docking sees and moves it, over its local door."""
 
 import time
+from math import inf
 from typing import Any
 
 from lbr.apps.autodock.motion import Motion
@@ -11,6 +12,7 @@ from lbr.apps.program import Robot
 from lbr.bus import codec, keys, wire
 from lbr.errors import BusError, MalformedError
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.drive import DriveState
 from lbr.messages.leases import StopCommand
 from lbr.messages.speech import SayCommand
 
@@ -19,7 +21,10 @@ BACK_DEG = 180.0
 
 
 class Pilot:
-    """Directions count from `heading_deg`, the compass's when the robot is docked; without a compass, from the first."""
+    """Directions count from `heading_deg`, the compass's when the robot is docked; without a compass, from the first.
+
+    `stopped` says who stopped the robot since this was asked for, also while it stood; then nothing more may begin.
+    """
 
     def __init__(self, robot: Robot, heading_deg: float) -> None:
         self._robot = robot
@@ -29,13 +34,22 @@ class Pilot:
         self._action: Action | None = None
         self._motion: Motion | None = None
         self._ended: Ending | None = None
+        self._own_stop = (inf, -inf)
+        self._heard_drive = False
+        self._since_s = robot.started_s
+        self.stopped = ""
         self._steers = -1.0 if _reverses_as_it_travels(robot) else 1.0
 
     def look(self) -> View:
-        """Return what is seen now; raise BusError if the robot does not know how it lies."""
+        """Return what is seen now; raise BusError if the robot does not know how it lies, or was not heard yet."""
         now = time.monotonic()
         attitude = self._senses.attitude(now)
         battery, ranges = self._senses.battery(now), self._senses.ranges(now)
+        for state in self._senses.drive():
+            self._heard_drive = True
+            self._look_for_stops(state)
+        if not self._heard_drive:
+            raise BusError("the drive does not say whether the robot was stopped: the capability 'drive' is silent")
         for result in self._senses.results():
             if self._motion is not None:
                 self._motion.hear(result)
@@ -74,8 +88,19 @@ class Pilot:
     def stop(self) -> None:
         """Stand still."""
         self._motion = None
-        key = keys.port(self._robot.name, "drive", "stop")
+        key, asked_s = keys.port(self._robot.name, "drive", "stop"), time.monotonic()
         wire.ask(self._robot.bus, key, StopCommand(), source=self._robot.source, timeout_s=STOP_S)
+        self._own_stop = (asked_s, time.monotonic())
+
+    def _look_for_stops(self, state: DriveState) -> None:
+        if self.stopped or state.stopped_s is None or not state.stopped_s > self._since_s:
+            return
+        self._since_s = state.stopped_s
+        named = state.reason.startswith("stopped by ")
+        asked_s, answered_s = self._own_stop
+        own = asked_s <= state.stopped_s <= answered_s
+        if not own or (named and not state.reason.startswith(f"stopped by {self._robot.source}")):
+            self.stopped = state.reason if named else f"stopped: {state.reason or 'no reason given'}"
 
     def _command(self, action: Action) -> tuple[str, dict[str, Any]] | None:
         match action:

@@ -12,7 +12,7 @@ from lbr.errors import BusError, MalformedError
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.dock import DockSignal
-from lbr.messages.drive import GoalResult
+from lbr.messages.drive import DriveState, GoalResult
 from lbr.messages.sensing import Ranges
 
 ATTITUDE_S, RANGES_S, SIGNAL_S, BATTERY_S = 0.7, 0.7, 1.5, 3.0
@@ -59,6 +59,7 @@ class Senses:
         self._signal = Stream(robot, "dock", "signal", DockSignal)
         self._battery = Stream(robot, "battery", "state", BatteryState)
         self._results = Stream(robot, "drive", "result", GoalResult, depth=8)
+        self._drive = Stream(robot, "drive", "state", DriveState, depth=64)
 
     def attitude(self, now: float) -> AttitudeState:
         """Return how the robot lies; raise BusError if that is not known."""
@@ -87,6 +88,10 @@ class Senses:
         signal, age_s = found
         ages = {beam: getattr(signal, f"{beam}_age_s") for beam in BEAMS}
         return frozenset(beam for beam, seen_s in ages.items() if seen_s is not None and seen_s + age_s < SEEN_S)
+
+    def drive(self) -> list[DriveState]:
+        """Return what the drive said of itself; it tells each stop."""
+        return self._drive.take()
 
     def results(self) -> list[GoalResult]:
         """Return what the drive said of motions that ended."""

@@ -4,7 +4,7 @@ from typing import Literal
 
 from lbr.capability.context import Asked, Context
 from lbr.messages.drive import DriveCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
 from lbr.operations.attitude.settings import AttitudeSettings
 
 RENEW_S = 0.1
@@ -64,6 +64,6 @@ class Spin:
             if not isinstance(answer, CommandReply):
                 self.ended = f"'{name}' does not answer"
             elif not answer.accepted:
-                self.ended = answer.reason or f"'{name}' refused"
+                self.ended = answer.reason.removeprefix(DEAD_LEASE) or f"'{name}' refused"
             else:
                 self._lease, self.began = answer.lease, True

@@ -207,4 +207,5 @@ def _gist(state: DriveState) -> tuple[object, ...]:
     """What is worth telling at once when it changes."""
     stopped_by = "" if state.moving else state.reason
     asked = (state.power, state.angle_deg)
-    return (state.moving, asked, state.holder, state.goal, bool(state.limited_by), stopped_by, state.estop)
+    told = bool(state.limited_by), stopped_by, state.stopped_s, state.estop
+    return (state.moving, asked, state.holder, state.goal, *told)

@@ -1,6 +1,6 @@
 """The decisions of drive operations, as a pure function of what is known, what happened and when."""
 
-from math import inf, nan
+from math import inf, isfinite, nan
 
 from msgspec.structs import replace
 
@@ -65,6 +65,7 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
         reason=_why_at_rest(state, now),
         estop=state.holding.estop,
         loop=loop,
+        stopped_s=state.holding.stopped if isfinite(state.holding.stopped) else None,
     )
 
 

@@ -44,7 +44,7 @@ class FakeDrive:
         self.commands.append((now, message))
         dead = message.lease and (message.lease != self.lease or now > self.until_s)
         if self.refuses or dead:
-            return {"drive": CommandReply(accepted=False, reason=self.refuses or "the lease is dead")}
+            return {"drive": CommandReply(accepted=False, reason=self.refuses or "lease is dead: stopped by console")}
         if not message.lease:
             self.leases += 1
             self.lease = f"lease-{self.leases}"

@@ -225,7 +225,7 @@ def test_a_dead_lease_ends_it_with_the_drives_reason_and_stops_nobody_else(bench
     bench.drive.lease = "somebody else's"
     bench.run(0.3)
     assert last(bench).phase == "refused"
-    assert last(bench).text == "the lease is dead"
+    assert last(bench).text == "stopped by console"
     assert bench.drive.stops == []
     assert list((tmp_path / "calibration").glob("mag-*.csv"))
 

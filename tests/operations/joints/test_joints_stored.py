@@ -240,3 +240,15 @@ def test_nothing_goes_on_while_the_controller_does_not_pass_goals_on(bench):
     bench.run(0.5, reply.lease)
     assert last(bench)[0] == "reached"
     assert bench.goals["left_knee"] == -0.5
+
+
+@pytest.mark.parametrize("afterwards", ["over", "playing", "failed"])
+def test_what_was_stopped_is_told_as_stopped_whatever_the_controller_does_afterwards(bench, afterwards):
+    reply = bench.command(stored=WALK)
+    bench.run(0.5, reply.lease)
+    bench.stop("phone")
+    bench.servos.plays(afterwards)
+    bench.run(6.0)
+    assert [(result.goal, result.result, result.reason) for result in bench.results] == [
+        (reply.goal, "stopped", "stopped by phone: test")
+    ]

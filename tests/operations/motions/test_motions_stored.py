@@ -92,3 +92,21 @@ def test_a_second_motion_is_told_that_one_is_played(stage):
     assert stage.play("sit", source="pad").answer.reason == (
         "busy: 'stand' is played by console; stop it, or take over"
     )
+
+
+@pytest.mark.parametrize("who", ["motions", "joints"])
+def test_what_was_stopped_is_told_as_stopped_whichever_of_the_two_hears_of_it_first(stage, world, who):
+    call = stage.begun("stand")
+    stage.run(1.0, call)
+    goal = world.body.goal
+    if who == "motions":
+        assert stage.stop().answer.accepted
+    else:
+        world.body.stop(world.now, "stopped by phone")
+    stage.run(0.2)
+    world.body.goal = goal
+    world.body.end("reached", "slot 7 was played in 2.00 s")
+    stage.run(1.0)
+    assert [(one.goal, one.result, one.reason) for one in world.said("result")] == [
+        (call.answer.goal, "stopped", "stopped by phone")
+    ]
