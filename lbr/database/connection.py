@@ -13,6 +13,7 @@ from sqlalchemy import Connection, create_engine, event
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.pool import NullPool
 
+from lbr.database import constraints
 from lbr.database.files import check_owner, check_owners, check_side_files
 from lbr.errors import RowError
 
@@ -98,7 +99,7 @@ def sentences(path: Path) -> Iterator[None]:
     try:
         yield
     except DBAPIError as err:
-        raise RowError((_sentence(path, err.orig),)) from err
+        raise RowError((_sentence(path, err.orig, err.statement or ""),)) from err
     except sqlite3.Error as err:
         raise RowError((_sentence(path, err),)) from err
     except UnicodeDecodeError as err:  # SQLite's message quotes a damaged schema
@@ -126,13 +127,15 @@ def _begin(connection: Connection) -> None:
     connection.exec_driver_sql(f"BEGIN {connection.get_execution_options().get('begin', 'DEFERRED')}")
 
 
-def _sentence(path: Path, error: BaseException | None) -> str:
+def _sentence(path: Path, error: BaseException | None, statement: str = "") -> str:
     code = getattr(error, "sqlite_errorcode", 0) & 0xFF
     if code == sqlite3.SQLITE_IOERR and _full(path):
         code = sqlite3.SQLITE_FULL
     if code == sqlite3.SQLITE_ERROR:
         shown = "".join(c if c.isprintable() else "?" for c in str(error)[:100])
         return f"database {path} has not the schema it should have ({shown}): {_RESTORE}"
+    if code == sqlite3.SQLITE_CONSTRAINT:
+        return f"database {path} refuses the row: {constraints.words(str(error), statement)}"
     return f"database {path} {_SENTENCES.get(code, f'refuses: {error}')}"
 
 

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from sqlalchemy import Connection, func, select, update
 from sqlalchemy.dialects.sqlite import insert
 
-from lbr.database import adopted, audit, edits, foreign, history, tokens
+from lbr.database import adopted, audit, constraints, edits, foreign, history, tokens
 from lbr.database.checks import check
 from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, flush_log, pragma, run, sentences, transaction
 from lbr.database.files import check_file, check_folder
@@ -48,7 +48,12 @@ def create(path: Path, sql: Path | None = None) -> None:
         building.unlink(missing_ok=True)
         os.close(os.open(building, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
         with sentences(path), closing(sqlite3.connect(building)) as connection:
-            connection.executescript(source)
+            try:
+                connection.executescript(source)
+            except (sqlite3.IntegrityError, sqlite3.OperationalError) as err:
+                if sql is None or not (why := constraints.refused(source)):
+                    raise
+                raise InputError(f"{sql}, {why}") from err
         path.hardlink_to(building)  # unlike a rename, never over a file that somebody else built meanwhile
     except OSError as err:
         raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err

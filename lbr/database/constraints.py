@@ -1,0 +1,118 @@
+"""What SQLite says when a row is against the schema, in words: the table, the column, and what is allowed there."""
+
+import re
+import sqlite3
+from collections.abc import Callable, Iterator
+from contextlib import closing
+
+from lbr.database.reader import shown
+from lbr.database.tables import TABLES
+
+_X = r"(?P<x>\w+)"
+_NAME = "small letters, digits, underscores; at most 40"
+_WORDS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
+    (rf"{_X} GLOB '\[a-z\]\*' AND .*<> 'executive'", lambda _: f"a name ({_NAME}), and not 'executive'"),
+    (rf"{_X} GLOB '\[a-z\]\*' AND .*", lambda _: f"a name ({_NAME})"),
+    (rf"{_X} = '' OR \(.*\)", lambda _: f"a name ({_NAME}), or empty for none"),
+    (rf"{_X} GLOB '\[a-z\]\*\.\[a-z\]\*' AND .*", lambda _: "of the form capability.port"),
+    (rf"{_X} GLOB '\[A-Za-z\]\*' AND .*", lambda _: "a word (letters, digits, underscores; at most 40)"),
+    (rf"{_X} GLOB '\[a-z\]\[a-z\]\*' AND .*", lambda _: "a language tag in small letters, such as en"),
+    (r"(?P<x>pattern) = word OR .*", lambda _: "the row's word, or a path that begins with it: /word/{field}"),
+    (r"CASE WHEN slot IS NULL .*", lambda _: "above 0 and at most 600 if there is a slot, and NULL if there is none"),
+    (rf"{_X} IN \((?P<list>.*)\)", lambda m: "one of " + m["list"].replace("'", "")),
+    (r"length\((?P<x>\w+)\) BETWEEN (?P<a>\d+) AND (?P<b>\d+)", lambda m: f"{m['a']} to {m['b']} characters"),
+    (r"length\((?P<x>\w+)\) >= (?P<a>\d+)", lambda m: f"at least {m['a']} characters"),
+    (rf"{_X} BETWEEN (?P<a>\S+) AND (?P<b>\S+)", lambda m: f"from {m['a']} to {m['b']}"),
+    (rf"{_X} > (?P<a>\S+) AND \w+ <= (?P<b>\S+)", lambda m: f"above {m['a']} and at most {m['b']}"),
+    (rf"{_X} >= (?P<a>\S+)", lambda m: f"at least {m['a']}"),
+    (r"(?P<y>\w+) < (?P<x>\w+)", lambda m: f"above {m['y']}"),
+    (r".*json_type\((?P<x>\w+)\) = 'object'.*", lambda _: 'a JSON object like {"key": 1}'),
+    (r".*json_type\((?P<x>\w+)\) = 'array'.*", lambda _: 'a JSON list like ["a", "b"]'),
+    (r".*json_valid\((?P<x>\w+)\)", lambda _: "JSON"),
+)
+_CHECK = re.compile(r"CHECK constraint failed: (.*)", re.DOTALL)
+_COLUMNS = re.compile(r"(NOT NULL|UNIQUE) constraint failed: (.*)")
+_TYPE = re.compile(r"cannot store (\w+) value in (\w+) column (\w+)\.(\w+)")
+_TABLE = re.compile(
+    r'\s*(?:INSERT(?:\s+OR\s+\w+)?\s+INTO|REPLACE\s+INTO|UPDATE(?:\s+OR\s+\w+)?|DELETE\s+FROM)\s+"?(\w+)', re.IGNORECASE
+)
+_TYPES = {"INTEGER": "a whole number", "REAL": "a number", "TEXT": "a text", "BLOB": "a blob"}
+
+
+def words(error: str, statement: str = "") -> str:
+    """Return what SQLite says of a row that it refuses as a sentence; of anything else, what it says."""
+    found = _TABLE.match(_without_comments(statement))
+    table = found[1] if found else ""
+    if check := _CHECK.fullmatch(error):
+        column, allowed = _allowed(check[1])
+        return (
+            f"{_place(table, column)} must be {allowed}" if allowed else f"{_place(table, '')} breaks a check: {error}"
+        )
+    if columns := _COLUMNS.fullmatch(error):
+        places = [part.strip().partition(".") for part in columns[2].split(",")]
+        names = ", ".join(column for _, _, column in places)
+        if columns[1] == "UNIQUE":
+            return f"table {places[0][0]} has a row with this {names} already: change that row, or take another {names.rpartition(', ')[2]}"
+        return f"{_place(places[0][0], names)} must not be NULL"
+    if of_type := _TYPE.fullmatch(error):
+        given, wanted = _TYPES.get(of_type[1], of_type[1]), _TYPES.get(of_type[2], of_type[2])
+        return f"{_place(of_type[3], of_type[4])} must be {wanted}, not {given}"
+    if error == "FOREIGN KEY constraint failed":
+        return _missing(table)
+    return error
+
+
+def refused(script: str) -> str:
+    """Return which statement of a script SQLite refuses, with its line and why; nothing if it takes them all."""
+    with closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
+        for line, statement in _statements(script):
+            try:
+                connection.execute(statement)
+            except sqlite3.Error as err:
+                return f"line {line}: {words(str(err), statement)}"
+    return ""
+
+
+def _statements(script: str) -> Iterator[tuple[int, str]]:
+    """Yield each statement of a script with the line it begins in."""
+    begun, text = 1, ""
+    for number, line in enumerate(script.splitlines(keepends=True), 1):
+        if not _without_comments(text).strip():
+            begun, text = number, ""
+        text += line
+        if ";" in line and sqlite3.complete_statement(text):
+            yield begun, text
+            text = ""
+    if _without_comments(text).strip():
+        yield begun, text
+
+
+def _without_comments(statement: str) -> str:
+    return re.sub(r"^\s*--.*$", "", statement, flags=re.MULTILINE)
+
+
+def _allowed(check: str) -> tuple[str, str]:
+    """Return the column that a CHECK is about, and what it allows; empty if the CHECK is not of lbr's schema."""
+    one_line = " ".join(check.split())
+    for pattern, say in _WORDS:
+        if match := re.fullmatch(pattern, one_line):
+            column = match.groupdict().get("x") or "slot_s"
+            may_be_null = f"{column} IS NULL OR" in one_line
+            return column, say(match) + ", or NULL" * may_be_null
+    return "", ""
+
+
+def _place(table: str, column: str) -> str:
+    place = f"table {shown(table)}" if table else "a row"
+    return f"{place}, {column}:" if column else place
+
+
+def _missing(table: str) -> str:
+    found = next((one for one in TABLES if one.name == table), None)
+    ends = ", ".join(
+        f"{'/'.join(key.column_keys)} must be that of a row of '{key.referred_table.name}'"
+        for key in (found.foreign_key_constraints if found is not None else ())
+    )
+    if not ends:
+        return "a row names another that is not there: add that one first, in the same transaction"
+    return f"table {table}: {ends}; add that one first, in the same transaction"
