@@ -1,5 +1,7 @@
 """All that is wrong with settings at once: msgspec itself stops at the first fault."""
 
+import difflib
+from collections.abc import Iterable
 from typing import Any
 
 import msgspec
@@ -15,6 +17,8 @@ def faults(kind: type[Struct], settings: Any, at: str = "$") -> tuple[str, ...]:
     except msgspec.ValidationError as err:
         found = _of_fields(kind, settings, at) if isinstance(settings, dict) and at.count(".") < MOST_TOLD else []
         return tuple(found[:MOST_TOLD]) or (_placed(str(err), at),)
+    except Exception as err:  # noqa: BLE001 - a struct of the user's own may check itself in any way
+        return (_placed(f"{type(err).__name__}: {err}", at),)
     return ()
 
 
@@ -25,9 +29,8 @@ def _of_fields(kind: type[Struct], settings: dict[str, Any], at: str) -> list[st
     fields = {field.encode_name: field for field in msgspec.structs.fields(kind)}
     found = []
     if config.forbid_unknown_fields:
-        there = ", ".join(sorted(fields)) or "none"
         found += [
-            _placed(f"Object contains unknown field `{name}`; there is {there}", at)
+            _placed(f"Object contains unknown field `{name}`{_meant(name, fields)}", at)
             for name in settings
             if name not in fields
         ]
@@ -40,6 +43,13 @@ def _of_fields(kind: type[Struct], settings: dict[str, Any], at: str) -> list[st
     return found
 
 
+def _meant(name: str, fields: Iterable[str]) -> str:
+    """Return which field it may have been, or which there are."""
+    if near := difflib.get_close_matches(name, fields, n=1):
+        return f", did you mean `{near[0]}`?"
+    return f", there is {', '.join(sorted(fields)) or 'none'}"
+
+
 def _of_value(kind: Any, value: Any, at: str) -> tuple[str, ...]:
     if isinstance(kind, type) and issubclass(kind, Struct):
         return faults(kind, value, at)
@@ -47,6 +57,8 @@ def _of_value(kind: Any, value: Any, at: str) -> tuple[str, ...]:
         msgspec.json.decode(msgspec.json.encode(value), type=kind)
     except msgspec.ValidationError as err:
         return (_placed(str(err), at),)
+    except Exception as err:  # noqa: BLE001 - see above
+        return (_placed(f"{type(err).__name__}: {err}", at),)
     return ()
 
 

@@ -79,10 +79,11 @@ def _statements(script: str) -> Iterator[tuple[int, str]]:
     for number, line in enumerate(script.splitlines(keepends=True), 1):
         if not _without_comments(text).strip():
             begun, text = number, ""
-        text += line
-        if ";" in line and sqlite3.complete_statement(text):
-            yield begun, text
-            text = ""
+        for part in re.findall(r"[^;]*;|[^;]+", line):
+            text += part
+            if part.endswith(";") and sqlite3.complete_statement(text):
+                yield begun, text
+                begun, text = number, ""
     if _without_comments(text).strip():
         yield begun, text
 

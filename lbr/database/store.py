@@ -37,7 +37,10 @@ EDIT_TRIES = 5
 
 
 def create(path: Path, sql: Path | None = None) -> None:
-    """Build a new database from `sql` (the shipped robot.db.sql); raise InputError if the file is there already."""
+    """Build a new database from `sql` (the shipped robot.db.sql); raise InputError if the file is there already.
+
+    RowError says in which line SQLite refuses `sql`.
+    """
     if path.exists():
         raise InputError(f"database {path} exists already: name another, or move it away first")
     source = (sql or robot_db_sql()).read_text(encoding="utf-8")
@@ -53,7 +56,7 @@ def create(path: Path, sql: Path | None = None) -> None:
             except (sqlite3.IntegrityError, sqlite3.OperationalError) as err:
                 if sql is None or not (why := constraints.refused(source)):
                     raise
-                raise InputError(f"{sql}, {why}") from err
+                raise RowError((f"{sql}, {why}",)) from err
         path.hardlink_to(building)  # unlike a rename, never over a file that somebody else built meanwhile
     except OSError as err:
         raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err

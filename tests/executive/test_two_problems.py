@@ -48,8 +48,8 @@ VERB = "INSERT INTO verb (robot, word, pattern, target, payload, role) VALUES "
 SETTINGS = '{"device": "motor_controller", "watchdog_ms": 900, "lefty": 3, "nonsense": 1}'
 OF_SETTINGS = (
     "settings: Expected `int` <= 250 - at `$.watchdog_ms` (kind 'roboteq')",
-    "settings: Object contains unknown field `nonsense`; there is ",
-    "settings: Object contains unknown field `lefty`; there is ",
+    "settings: Object contains unknown field `nonsense`, there is ",
+    "settings: Object contains unknown field `lefty`, did you mean `left`?",
 )
 
 
