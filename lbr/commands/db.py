@@ -137,13 +137,14 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
     """Show who did what to the robot: the newest entries of the audit trail. Exit code 2 if it was tampered with."""
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.console.printable import one_line  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
         entries, fault = rows.audit(count), rows.audit_fault()
     if as_json:
         print_json(entries)
     for entry in () if as_json else entries:
-        click.echo(f"{_local(entry.wall_ns)} {entry.source} {entry.kind} {entry.subject}: {entry.text}")
+        click.echo(one_line(f"{_local(entry.wall_ns)} {entry.source} {entry.kind} {entry.subject}: {entry.text}"))
     if fault:
         click.echo(f"the audit trail is not whole: {fault}", err=True)
     return 2 if fault else 0

@@ -26,13 +26,12 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     A motion without bounds is held for --hold seconds and then stopped; a bounded one lasts until its result. Ctrl-C
     stops it. Exit code 0: done, 1: refused or failed, 2: bad input.
     """
-    from lbr.console import lines, operator, target  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console import lines, operator, printable, target  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console.interrupt import interruptible  # noqa: PLC0415
-    from lbr.console.printable import clean  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
     from lbr.messages.system import ConsoleResult  # noqa: PLC0415
 
-    line = clean(" ".join(words))
+    line = printable.clean(" ".join(words))
     if not line:
         raise InputError("there is nothing to send; 'lbr send help' lists what can be said")
     if line.startswith("!"):
@@ -55,5 +54,5 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     if as_json:
         print_json({"code": code, "text": result.text, "data": result.data, "ending": ending})
     elif ending:
-        click.echo(ending, err=code != 0)
+        click.echo(printable.one_line(ending), err=code != 0)
     return code

@@ -18,13 +18,13 @@ _SEQUENCE = "SELECT seq FROM sqlite_sequence WHERE name = 'audit'"
 
 
 def append(connection: Connection, entries: Iterable[AuditRow]) -> None:
-    """Write entries at the end of the trail, and let the oldest go beyond those kept."""
+    """Write entries at the end of the trail, each as a line of plain text, and let the oldest go beyond those kept."""
     number = _highest(connection)
     previous = connection.scalar(select(AUDIT.c.hash).order_by(AUDIT.c.id.desc()).limit(1)) or ""
     rows = []
     for entry in entries:
         number += 1
-        row = chained(entry, number, previous)
+        row = chained(_plain(entry), number, previous)
         previous = row.hash
         rows.append(msgspec.structs.asdict(row))
     if rows:
@@ -72,6 +72,15 @@ def chained(entry: AuditRow, number: int, previous: str) -> AuditRow:
         previous=previous,
         hash=blake2b(content, digest_size=32).hexdigest(),
     )
+
+
+def _plain(entry: AuditRow) -> AuditRow:
+    """Return an entry without what forges lines or works on a terminal: names and reasons in it are strangers' words."""
+    kind, subject, source, text = (
+        "".join(char if char.isprintable() else " " for char in part)
+        for part in (entry.kind, entry.subject, entry.source, entry.text)
+    )
+    return replace(entry, kind=kind, subject=subject, source=source, text=text)
 
 
 def _highest(connection: Connection) -> int:

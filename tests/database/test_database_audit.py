@@ -39,6 +39,17 @@ def test_entries_are_chained_and_told_oldest_first(database):
     assert database.audit_fault() == ""
 
 
+def test_words_of_strangers_forge_no_line_and_reach_no_terminal(database):
+    told = AuditRow(
+        wall_ns=1, kind="estop\r", subject="web\x00", source="a\u202eb", text="\x1b[2J\x9b\n2026-01-01 x\u2028y"
+    )
+    database.append_events((), [told])
+    (found,) = database.audit()
+    assert (found.kind, found.subject, found.source) == ("estop ", "web ", "a b")
+    assert found.text == " [2J  2026-01-01 x y"
+    assert database.audit_fault() == ""
+
+
 @settings(max_examples=25, deadline=None)
 @given(texts=st.lists(st.text(st.characters(codec=None)), max_size=5))
 def test_any_text_is_written_and_verified(tmp_path_factory, texts):
