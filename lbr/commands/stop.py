@@ -25,6 +25,7 @@ def command(whom: Whom) -> int:
     if found.running is not None:
         with contextlib.suppress(ProcessLookupError):
             os.kill(found.running.pid, signal.SIGTERM)
+            os.kill(found.running.pid, signal.SIGCONT)  # what is frozen would never hear it
         until = time.monotonic() + GONE_S
         while any(one.pid == found.running.pid for one in home.running()):
             if not time.monotonic() < until:
