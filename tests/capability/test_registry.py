@@ -1,5 +1,8 @@
 """Kinds are found by name, among the installed ones and the user's own files, and nothing else is ever imported."""
 
+import os
+import py_compile
+
 import pytest
 
 from lbr.capability import registry
@@ -67,6 +70,16 @@ def test_a_file_that_others_may_change_is_never_loaded(folder, tmp_path, place):
     (folder / "own.py" if place == "file" else folder).chmod(0o777)
     with pytest.raises(KindError, match="could be changed by others"):
         registry.find("own", tmp_path)
+
+
+def test_a_compiled_copy_beside_a_file_is_never_read(folder, tmp_path):
+    file = folder / "own.py"
+    file.write_text(OWN.replace('""', '"bad"'))
+    py_compile.compile(str(file), doraise=True)
+    seen = file.stat()
+    file.write_text(OWN.replace('""', '"new"'))
+    os.utime(file, ns=(seen.st_atime_ns, seen.st_mtime_ns))
+    assert registry.find("own", tmp_path).summary == "new"
 
 
 def test_a_link_to_where_others_may_put_another_file_is_refused(folder, tmp_path):
