@@ -23,6 +23,8 @@ LAST_WORD_MOST_S = 7200.0
 LOOK_FIRST_S, LOOK_MOST_S = 0.01, 0.25
 LEFT_S = 0.5
 """How often what ended processes have left behind is looked at again."""
+AWAKE_S = 0.1
+"""Frozen for so long at most: a tenth of the patience."""
 DEAD = "ZX"
 END = b"."
 
@@ -171,6 +173,30 @@ def _after(environment: bytes, variable: bytes) -> bytes:
     return environment.partition(b"\0" + variable)[2].partition(b"\0")[0]
 
 
+def stay_awake() -> None:
+    """Have the kernel continue this process from now on, should it be frozen anew: no pipe of its own closes any more."""
+    import ctypes  # noqa: PLC0415 - takes time and memory, and is needed at the end alone
+
+    class Event(ctypes.Structure):
+        """`struct sigevent` of the C library: a signal at each expiry, as `way` 0 says."""
+
+        _fields_ = (
+            ("value", ctypes.c_void_p),
+            ("number", ctypes.c_int),
+            ("way", ctypes.c_int),
+            ("rest", ctypes.c_char * 48),
+        )
+
+    timer = ctypes.c_void_p()
+    every = (0, round(AWAKE_S * 1e9))
+    with suppress(OSError, AttributeError):  # an old C library has timers elsewhere
+        libc = ctypes.CDLL(None)
+        event = Event(number=signal.SIGCONT)
+        if libc.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) == 0:
+            libc.timer_settime(timer, 0, (ctypes.c_long * 4)(*every, *every), None)
+    signal.signal(signal.SIGCONT, lambda _number, _frame: None)  # what nobody takes, newer kernels send only once
+
+
 def main(mark: bytes, last_word: bytes) -> None:
     """Hear what the executive says for as long as it lives, then end what is left."""
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
@@ -188,6 +214,7 @@ def main(mark: bytes, last_word: bytes) -> None:
             for word in words:
                 run.hear(word)
         run.clear()
+    stay_awake()
     run.end(lambda: os.dup2(2, 0))  # closes the pipe: the other end sees that
 
 

@@ -183,6 +183,22 @@ def test_a_process_that_was_frozen_goes_on_when_its_pipe_hangs_up():
     assert popen.wait(1.0) == 0
 
 
+def test_a_reaper_that_is_frozen_anew_after_the_end_of_the_executive_goes_on(executive):
+    popen, reaper, (pid,) = executive(PIDS, 1)
+    popen.kill()
+    until(lambda: takes(reaper, signal.SIGCONT), limit_s=1.0)
+    os.kill(reaper, signal.SIGSTOP)
+    os.kill(pid, signal.SIGSTOP)
+    until(lambda: not lives(pid), limit_s=2.0)
+
+
+def takes(pid: int, number: int) -> bool:
+    """Say whether a process takes a signal itself."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+    return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
+
+
 def test_a_tethered_process_dies_with_its_parent_also_when_it_is_frozen(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     line = "import sys; from subprocess import run; from lbr.capability.tether import tethered; run(tethered(('/bin/sh', '-c', sys.argv[1])))"
