@@ -105,5 +105,5 @@ SCENARIOS: dict[str, Scenario] = {
 }
 """The longest first, so that several at a time end together. P8 and B4 count seconds, B1 ten of them, F2 messages."""
 
-FIGURE_OF = {"H": "E1 console H", "G": "E1 console G"}
+FIGURE_OF = {"H": "E1 console H", "G": "E1 console G", "S6 frozen": "S6 frozen"}
 """What a scenario that cannot go on breaks, if it is not the first figure of its own name."""

@@ -36,6 +36,7 @@ def enter() -> Path:
         if _forsaken(place):
             sweep(place)
     place = Path(tempfile.mkdtemp(prefix=PREFIX, dir=everybody))
+    place.chmod(0o711)  # tests with a second user have folders in it that he may enter
     lock = (place / IN_USE).open("w")
     fcntl.flock(lock, fcntl.LOCK_EX)
     argv = [sys.executable, "-I", "-S", __file__, str(place)]

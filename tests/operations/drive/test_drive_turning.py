@@ -241,6 +241,7 @@ def test_a_renewal_goes_on_with_the_turn_and_another_command_supersedes_it(body)
     begun = body.state.hold.motion.goal.turn.begun_deg
     assert body.turn(90.0, lease=reply.lease).goal == reply.goal
     assert body.state.hold.motion.goal.turn.begun_deg == begun
+    body.step()  # what is said in the same moment as a renewal counts as overtaken by it
     changed = body.turn(-45.0, lease=reply.lease)
     assert (changed.accepted, changed.lease, changed.goal != reply.goal) == (True, reply.lease, True)
     assert [(r.result, r.reason) for r in body.results] == [("superseded", "another command came")]
