@@ -54,6 +54,20 @@ def stopped(port: int) -> bytes:
         return client.recv(4096)
 
 
+@pytest.mark.parametrize("first", [b"", b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"], ids=["alone", "second"])
+def test_nothing_is_taken_for_a_request_behind_one_of_two_lengths(served, first):
+    doubtful = (
+        b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"
+    )
+    with socket.create_connection(("127.0.0.1", served.port), timeout=5) as client:
+        client.sendall(first + doubtful + b"GET /state HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        answers = b""
+        while said := client.recv(65536):
+            answers += said
+    assert answers.count(b"HTTP/1.1 200") == 1 + bool(first)
+    assert answers.count(b"HTTP/1.1") == 1 + bool(first)
+
+
 @pytest.mark.parametrize("sent", BURDENS.values(), ids=BURDENS)
 def test_whoever_wants_to_stop_is_answered_whatever_others_hold_open(served, sent):
     with burdened(served.port, sent, MANY):

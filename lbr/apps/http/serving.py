@@ -5,7 +5,7 @@ import logging
 import socket
 import ssl
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, cast
 
 import uvicorn
@@ -85,6 +85,8 @@ class Connection(H11Protocol):
         if self._marked is self:
             return
         if self.cycle is not None and not self.cycle.response_complete:
+            if _ends_doubtfully(self.cycle.scope["headers"]):
+                self.cycle.keep_alive = False
             if self._marked is not self.cycle:
                 self._to("asking")
         else:
@@ -173,6 +175,12 @@ class _Door(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._admit(cast("asyncio.Transport", transport))
+
+
+def _ends_doubtfully(headers: Iterable[tuple[bytes, bytes]]) -> bool:
+    """Say whether a request tells its length in two ways (RFC 9112, 6.1): what follows it may be another's for a proxy."""
+    said = {name for name, _value in headers}
+    return b"content-length" in said and b"transfer-encoding" in said
 
 
 def connection_of(scope: Scope) -> Connection | None:
