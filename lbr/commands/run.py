@@ -32,9 +32,12 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
     from lbr import surroundings  # noqa: PLC0415 - only `run` needs the database and the supervisor
     from lbr.console.outlet import unhurried  # noqa: PLC0415
     from lbr.executive.executive import run  # noqa: PLC0415
+    from lbr.executive.lastresort import leave_for_certain  # noqa: PLC0415
 
     surroundings.need_room_for_a_robot()
     if not no_console:
         surroundings.need_a_console()
     with unhurried():
-        return run(profile, database, listen, console=not no_console)
+        code = run(profile, database, listen, console=not no_console)
+    leave_for_certain()
+    return code

@@ -12,10 +12,13 @@ import threading
 import time
 from collections.abc import Callable
 
+SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 HEARD_WITHIN_S = 2.5
 """The main loop goes round five times a second, also where it is held up; one that has not begun to close by then hangs."""
 OVER_WITHIN_S = 5.0
 """The processes have 2.5 s to end, then the external commands, the last rows and the routers."""
+LEFT_WITHIN_S = 3.0
+"""What is left to do then takes milliseconds, and a second on a machine that is far too busy."""
 FORCED = 70
 
 
@@ -66,11 +69,16 @@ class LastResort:
             self._end(f"the shutdown takes longer than {self._over_s:g} s")
 
 
+def leave_for_certain() -> None:
+    """Let nothing disturb the interpreter's end, where Python would die of a second signal, and bound it by the kernel."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, LEFT_WITHIN_S)
+
+
 def _end(why: str) -> None:
     """Leave at once; the processes notice by their lifelines, stop their motion and end."""
     with contextlib.suppress(OSError):
         os.write(sys.stderr.fileno(), f"executive: {why}; ended by force\n".encode())
     os._exit(FORCED)
-
-
-SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)

@@ -1,15 +1,20 @@
 """A shutdown ends the process, whatever its main thread hangs in."""
 
+import itertools
 import queue
+import select
 import signal
 import subprocess
 import sys
 import threading
+import time
+from pathlib import Path
 
 import pytest
 
 from lbr.executive.lastresort import FORCED, LastResort
 from tests import programs
+from tests.robot import prepare, running
 
 HANGS = """
 import os, signal, sys, threading
@@ -53,3 +58,15 @@ def test_it_counts_from_the_first_word_and_says_what_took_too_long(heard: bool) 
     assert says == (
         "the shutdown takes longer than 0.1 s" if heard else "the main thread has not heard of the shutdown for 0.05 s"
     )
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(30)
+def test_a_robot_that_is_told_to_end_again_and_again_ends_in_order(tmp_path: Path) -> None:
+    with running(prepare(tmp_path / "h")) as robot:
+        told = itertools.cycle((signal.SIGTERM, signal.SIGINT))
+        end = time.monotonic() + 15.0
+        while robot.popen.poll() is None and time.monotonic() < end:
+            robot.popen.send_signal(next(told))
+            select.select([], [], [], 0.01)
+        assert robot.popen.returncode == 0
