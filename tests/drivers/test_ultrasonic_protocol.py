@@ -164,4 +164,4 @@ def test_no_number_comes_out_that_was_not_measured(frame):
     for name, status in ranges.status.items():
         metres = getattr(ranges, f"{name}_m")
         assert (metres is not None) == (status == "ok")
-        assert metres is None or 0.2 <= metres < 7.58
+        assert metres is None or 0.17 <= metres < 7.58

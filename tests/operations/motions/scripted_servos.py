@@ -11,7 +11,7 @@ from lbr.messages.servos import ServosState, ServoState
 VALID_S = 0.1
 
 
-class NoSettings(Struct, frozen=True):
+class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
     """Whatever the row sets."""
 
 
