@@ -16,8 +16,12 @@ STATED: dict[str, Promise] = {
     "S5": Promise(what="every link of the router breaks, to motor zero", hard=STOP_HARD_MS),
     "S6": Promise(what="kill -9 executive, to motor zero", target=50, hard=STOP_HARD_MS),
     "S6 gone": Promise(what="kill -9 executive, to no process left", target=500, hard=2000),
-    "S6 frozen": Promise(what="the same with anything frozen, to no process left", target=1500, hard=2000),
-    "S6 frozen stop": Promise(what="kill -9 executive with anything frozen, to motor zero", hard=STOP_HARD_MS),
+    "S6 frozen": Promise(
+        what="the same with anything frozen, to no process left", target=1500, hard=2000, robot="whole, any of three"
+    ),
+    "S6 frozen stop": Promise(
+        what="kill -9 executive with anything frozen, to motor zero", hard=STOP_HARD_MS, robot="whole, any of three"
+    ),
     "S7": Promise(what="SIGSTOP executive or client, to motor zero", hard=STOP_HARD_MS),
     "S11": Promise(what="SIGSTOP all processes, to motor zero", target=260, hard=STOP_HARD_MS),
     "S12": Promise(what="kill -9 motor driver and guard together, to motor zero", hard=STOP_HARD_MS),
