@@ -1,5 +1,6 @@
 """What the bus library writes into its log, as lines: some of what happens at a router it tells nowhere else."""
 
+import contextlib
 import fcntl
 import os
 import select
@@ -8,7 +9,6 @@ import sys
 import zenoh
 
 LOUDNESS = "RUST_LOG"
-F_SETPIPE_SZ = 1031
 PIPE_BYTES = 1 << 20
 ACCEPTED = "zenoh_link_tls=debug,zenoh_link_tcp=debug,zenoh_transport::unicast::establishment::accept=debug"
 """The parts of the library that tell of connections, and of who was let in or not."""
@@ -17,14 +17,15 @@ ACCEPTED = "zenoh_link_tls=debug,zenoh_link_tcp=debug,zenoh_transport::unicast::
 class LibraryLog:
     """Turns this process's standard output, where the library writes, into a pipe; to be made once, before any session.
 
-    The library never waits for the reader: what does not fit into a mebibyte is lost.
+    The library never waits for the reader: what does not fit into the pipe, a mebibyte if there may be such, is lost.
     """
 
     def __init__(self, parts: str) -> None:
         self._fd, write_end = os.pipe()
         os.set_blocking(self._fd, False)
         os.set_blocking(write_end, False)
-        fcntl.fcntl(write_end, F_SETPIPE_SZ, PIPE_BYTES)
+        with contextlib.suppress(OSError):  # a user who has many pipes may have no large one
+            fcntl.fcntl(write_end, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
         sys.stdout.flush()
         os.dup2(write_end, 1)
         os.close(write_end)
