@@ -1,0 +1,41 @@
+# The parts of `.ci/run`, one at a time, in the environment that README.md's test command makes.
+# `make` says what there is; `make test T=tests/bus` runs a part of the tests.
+
+BIN := .venv/bin
+T ?= tests
+N ?= 2
+
+.PHONY: help setup check lint format types docs test gate all
+
+help: ## say what there is
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
+
+setup: ## make the environment, or bring it up to date
+	python3 -m venv .venv
+	$(BIN)/pip install -q -e '.[sim,dev]'
+
+check: lint types docs ## what takes a minute: lint, types, generated pages, floors
+	$(BIN)/pytest tests/test_architecture.py
+
+lint: ## ruff, nothing changed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+format: ## ruff, what it can mend
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+types: ## mypy
+	$(BIN)/mypy
+
+docs: ## are the generated pages true? (`python docs/generate.py` writes them)
+	$(BIN)/python docs/generate.py --check
+
+test: ## the tests, or those under T=path, N=2 at a time
+	$(BIN)/pytest -n $(N) $(T)
+
+gate: ## the safety gate: a small amount of each measurement
+	$(BIN)/python -m benchmarks.safety --gate
+
+all: ## all of it, as on a machine that has next to nothing
+	.ci/run
