@@ -21,11 +21,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from benchmarks.bench import temporary_home
-from benchmarks.figures import Promise, Report, Results, machine, table
 from lbr.bus import keys, stamp, wire
-from tests import programs
-from tests.robot import Robot, environment, running, until
+from tests.support import programs
+from tests.support.bench import temporary_home
+from tests.support.figures import Promise, Report, Results, machine, table
+from tests.support.robot import Robot, environment, running, until
 
 FPS, WIDTH, HEIGHT, BYTES = 15, 640, 360, 30_000
 CAMERA = "camera_front"

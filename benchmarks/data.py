@@ -13,24 +13,9 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks.figures import Promise, Report, Results, machine, table
-from benchmarks.scenarios import data_audit, data_damage, data_disk, data_kills, data_life, data_mutations
-
-PROMISES: dict[str, Promise] = {
-    "D1": Promise(what="kill -9 during writes: 0 acknowledged lost, integrity and foreign keys clean"),
-    "D2": Promise(what="mutated databases: refused by name or as meant, exit code 2, no traceback"),
-    "D2 time": Promise(what="check of a mutated database", target=2000, hard=4000),
-    "D4": Promise(what="truncations, flipped bits, missing log: refused clearly, or the very same rows"),
-    "D4 restore": Promise(
-        what="`lbr db restore` after damage gives the last good rows back, and keeps the damaged file"
-    ),
-    "D4 full": Promise(what="full disk: told in one line at a start, written down later"),
-    "D4 recovered": Promise(what="room made again, to no problem", target=2000, hard=5000),
-    "D6": Promise(what="audit trail over kills and restarts: whole, and nothing acknowledged is missing"),
-    "E2": Promise(what="the latch survives kill -9, full disk and locked database; nothing drives"),
-    "E6 full": Promise(what="estop with a full disk, to motor zero; told once", target=100, hard=250),
-    "E6 locked": Promise(what="estop with a locked database, to motor zero; told once", target=100, hard=250),
-}
+from tests.scenarios import data_audit, data_damage, data_disk, data_kills, data_life, data_mutations
+from tests.scenarios.data_promises import PROMISES
+from tests.support.figures import Report, Results, machine, table
 
 Scenario = Callable[[Results, int], None]
 

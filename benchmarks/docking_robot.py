@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from tests.robot import Robot, prepare, running
+from tests.support.robot import Robot, prepare, running
 
 NEEDED = ("imu", "attitude", "odometry", "battery", "dock")
 WITHIN_S, ANYWHERE_S, STILL_S = 120.0, 300.0, 1.5

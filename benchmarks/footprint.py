@@ -16,11 +16,11 @@ from pathlib import Path
 
 import psutil
 
-from benchmarks.bench import Bench, let_go, processes_of, temporary_home
-from benchmarks.clients import idle
 from lbr.bus.session import leaf_environment
-from tests import programs
-from tests.robot import Robot, start
+from tests.support import programs
+from tests.support.bench import Bench, let_go, processes_of, temporary_home
+from tests.support.clients import idle
+from tests.support.robot import Robot, start
 
 READY_HARD_S = 3.0
 SIMULATION = "world"

@@ -23,12 +23,12 @@ from typing import Any
 import msgspec
 import psutil
 
-from benchmarks.figures import machine
-from benchmarks.joints_traffic import Client, Watched, errors, pass_time, summary, way
-from benchmarks.servo_bus_line import Process
+from benchmarks.instruments.joints_traffic import Client, Watched, errors, pass_time, summary, way
 from lbr.bus import keys, wire
 from lbr.database import store
-from tests.robot import Robot, start, until
+from tests.support.figures import machine
+from tests.support.robot import Robot, start, until
+from tests.support.servo_bus.line import Process
 
 FAULTS = {"drop": 0.01, "garbage": 0.01}
 DEAD_EVERY_S, DEAD_S = 30.0, 0.3
@@ -71,7 +71,7 @@ def running(home: Path) -> Iterator[tuple[Robot, Process, Path, dict[str, tuple[
     database.close()
     log = home / "packets.txt"
     twin = Process(
-        sys.executable, "-m", "benchmarks.servo_bus_twin", str(home / "run" / "bioloid-devices" / "servo_bus")
+        sys.executable, "-m", "tests.support.servo_bus.twin", str(home / "run" / "bioloid-devices" / "servo_bus")
     )
     try:
         positions_rad = [zero_rad for _, zero_rad, _, _ in rows]

@@ -15,11 +15,11 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
-from benchmarks.figures import Promise, Report, Results, machine, table
-from benchmarks.stalling import Stalling, Way
-from tests.lan.door import Door, opened
-from tests.lan.netns import Network, network, why_not
-from tests.robot import prepare, until
+from benchmarks.instruments.stalling import Stalling, Way
+from tests.support.door import Door, opened
+from tests.support.figures import Promise, Report, Results, machine, table
+from tests.support.netns import Network, network, why_not
+from tests.support.robot import prepare, until
 
 PROMISES: dict[str, Promise] = {
     "S8 LAN": Promise(what="client on another machine killed, to motor zero", hard=300),

@@ -16,14 +16,14 @@ from typing import Any
 
 import msgspec
 
-from benchmarks.bench import Bench, bench
-from benchmarks.clients import echo
-from benchmarks.figures import Results, percentile
-from benchmarks.promises import PROMISES
-from benchmarks.queues import TwoHops, two_hops
-from benchmarks.trace import Line
+from benchmarks.instruments.queues import TwoHops, two_hops
 from lbr.bus import keys, stamp, wire
-from tests import programs
+from tests.scenarios.promises import PROMISES
+from tests.support import programs
+from tests.support.bench import Bench, bench
+from tests.support.clients import echo
+from tests.support.figures import Results, percentile
+from tests.support.trace import Line
 
 HARD_MS = 250.0
 STEPS = (0.35, 0.30, 0.25, 0.20, 0.15, 0.10)

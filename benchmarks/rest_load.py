@@ -22,10 +22,10 @@ from typing import Any
 
 from websockets.sync.client import connect
 
-from benchmarks.figures import percentile
-from benchmarks.rest_cases import served
-from benchmarks.uxa90_wire import chunks, packets
 from lbr.executive import scheduling
+from tests.fuzzing.rest_cases import served
+from tests.support.figures import percentile
+from tests.support.uxa90_wire import chunks, packets
 
 CLIENTS, RATE_HZ = 4, 20.0
 VIEWERS = 2

@@ -26,12 +26,12 @@ from typing import NamedTuple
 import msgspec
 from msgspec import Struct
 
-from benchmarks.figures import Report, Result, Results, machine, table
-from benchmarks.ledger import Ledger
-from benchmarks.promises import PROMISES
-from benchmarks.schedule import FIGURE_OF, SCENARIOS
 from lbr.capability.tether import PR_SET_PDEATHSIG
-from tests.machine import Stopwatch
+from tests.scenarios.promises import PROMISES
+from tests.scenarios.schedule import FIGURE_OF, SCENARIOS
+from tests.support.figures import Report, Result, Results, machine, table
+from tests.support.ledger import Ledger
+from tests.support.machine import Stopwatch
 
 ROUNDS = 10
 GATE_JOBS = 4

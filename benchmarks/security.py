@@ -11,19 +11,9 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks.figures import Promise, Report, Results, machine, table
-from benchmarks.intrusion import credentials, dependencies, kinds, network, processes, programs, python_lines
-
-PROMISES: dict[str, Promise] = {
-    "F6": Promise(what="outputs within the configured maximum and slew, in every scenario"),
-    "A1": Promise(what="default profile: no open port, no multicast, no packet sent, in a network of its own"),
-    "A3": Promise(what="stolen credentials of a process: nothing read, written, answered or feigned beyond its wiring"),
-    "A10": Promise(what="`!` lines through every entry: only the robot's own terminal runs them, and it is audited"),
-    "A11": Promise(what="rows and files that would load foreign code: refused, nothing imported"),
-    "A12": Promise(what="shell metacharacters in rows and lines of external commands: no effect"),
-    "A14": Promise(what="dependencies are locked by hash, and the lock fits the project"),
-    "A15": Promise(what="each process: no capabilities, no new privileges, own files and devices only"),
-}
+from tests.intrusion import credentials, dependencies, kinds, network, processes, programs, python_lines
+from tests.intrusion.promises import PROMISES
+from tests.support.figures import Report, Results, machine, table
 
 Scenario = Callable[[Results, float], None]
 SCENARIOS: dict[str, tuple[Scenario, ...]] = {

@@ -21,9 +21,9 @@ from typing import Any
 
 import msgspec
 
-from benchmarks.figures import machine
-from benchmarks.servo_bus_line import SERVOS, Line, line
-from benchmarks.servo_bus_twin import bus as servo_bus
+from tests.support.figures import machine
+from tests.support.servo_bus.arithmetic import wire_hz
+from tests.support.servo_bus.line import Line, line
 
 DELAYS = {0: 0, 125: 250, 250: 500}
 """Values of the return delay register, and what they are in microseconds."""
@@ -131,25 +131,6 @@ def compare(under_test: Line, delay: int, rounds: int, seconds: float) -> Iterat
         )
 
 
-def wire_hz(kind: str, delay: int) -> float:
-    """Return how many states a second the line allows to a client that takes no time at all, by the timing model."""
-    bus, now, states = servo_bus(delay=delay, usb2ax=5 if kind == "together" else None), 100.0, 0
-    if kind == "together":
-        requests = [_packet(0xFD, 0x84, 36, 6, *range(1, SERVOS + 1))]
-    elif kind == "vendor_three":
-        requests = [_packet(1 + turn % SERVOS, 2, 36 + 2 * word, 2) for turn in range(SERVOS) for word in range(3)]
-    else:
-        requests = [_packet(1 + turn, 2, 36, 6) for turn in range(SERVOS)]
-    while now < 102.0:
-        for request in requests:
-            bus.feed(request, now)
-            while (due := bus.next_due()) is not None:
-                now = due
-                bus.poll(now)
-        states += SERVOS
-    return states / (now - 100.0)
-
-
 def survive(under_test: Line, seconds: float) -> Iterator[Survived]:
     """Let lbr's clients read beside each fault, and once more when it has gone."""
     for kind in ("block", "together"):
@@ -220,11 +201,6 @@ def fault_table(survived: Sequence[Survived]) -> str:
         for found in survived
     ]
     return "\n".join(rows) + "\n"
-
-
-def _packet(number: int, code: int, *parameters: int) -> bytes:
-    body = bytes((number, len(parameters) + 2, code, *parameters))
-    return b"\xff\xff" + body + bytes((~sum(body) & 0xFF,))
 
 
 def _met(met: bool) -> str:

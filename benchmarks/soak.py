@@ -18,12 +18,12 @@ from statistics import median
 
 from msgspec import structs
 
-from benchmarks.bench import Bench, bench
-from benchmarks.figures import BASE, Promise, Report, Results, machine, table
-from benchmarks.scenarios.devices import MOTORS, RANGES, fault
-from benchmarks.scenarios.freezes import break_links
-from benchmarks.scenarios.storms import WORKERS, Cost, audit_faults, costs, left_over
-from benchmarks.scenarios.traffic import Traffic
+from tests.scenarios.devices import MOTORS, RANGES, fault
+from tests.scenarios.freezes import break_links
+from tests.scenarios.storms import WORKERS, Cost, audit_faults, costs, left_over
+from tests.scenarios.traffic import Traffic
+from tests.support.bench import Bench, bench
+from tests.support.figures import BASE, Promise, Report, Results, machine, slope, table
 
 LOOK_S = 5.0
 FAULT_S = 1.5
@@ -198,14 +198,6 @@ def _levels_off(results: Results, looks: list[tuple[float, dict[str, Cost]]]) ->
     last = points[-max(2, int(len(points) * LAST_SHARE)) :]
     print(f"executive: {points[0][1]:.1f} MiB, {last[0][1]:.1f} at two thirds, {last[-1][1]:.1f}", file=sys.stderr)
     results.sample("K1 executive", slope(last))
-
-
-def slope(points: list[tuple[float, float]]) -> float:
-    """Return the slope of the line of least squares."""
-    n = len(points)
-    x, y = sum(at for at, _ in points) / n, sum(value for _, value in points) / n
-    spread = sum((at - x) ** 2 for at, _ in points)
-    return sum((at - x) * (value - y) for at, value in points) / spread if spread else 0.0
 
 
 def main() -> int:

@@ -24,9 +24,6 @@ from typing import Any
 
 import msgspec
 
-from benchmarks.figures import machine, percentile
-from benchmarks.uxa90_fuzz import KINDS, Fuzzer, wrong
-from benchmarks.uxa90_wire import chunks, packets
 from lbr.capability.context import Device, Received
 from lbr.drivers.uxa90 import KIND
 from lbr.drivers.uxa90.capability import Uxa90
@@ -34,7 +31,10 @@ from lbr.drivers.uxa90.packets import position_rad
 from lbr.drivers.uxa90.trust import TOLERANCE
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
-from tests import programs
+from tests.fuzzing.uxa90_answers import KINDS, Fuzzer, wrong
+from tests.support import programs
+from tests.support.figures import machine, percentile
+from tests.support.uxa90_wire import chunks, packets
 
 SERVOS = range(25)
 API_MOTORS = [servo for servo in SERVOS if servo not in (20, 21)]

@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests import machine, sweep
-from tests.robot import Robot, prepare, running
+from tests.support import machine, sweep
+from tests.support.robot import Robot, prepare, running
 
 PLACE = sweep.enter()
 os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = "unix:path=/nonexistent"  # no test may power this machine off

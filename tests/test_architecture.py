@@ -10,11 +10,21 @@ from pathlib import Path
 
 import pytest
 
-from tests import programs
+from tests.support import programs
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "lbr"
 MODULES = sorted(PACKAGE.rglob("*.py"))
+MACHINERY = ("support", "models", "scenarios", "fuzzing", "intrusion")
+"""Rooms of `tests/` for what tests and benchmarks share; each may import itself and those before it."""
+COPIED = ROOT / "tests" / "support" / "victims"
+"""Kinds that are copied into a robot's home, where they have only each other."""
+AROUND = [
+    path
+    for folder in ("tests", "benchmarks")
+    for path in sorted((ROOT / folder).rglob("*.py"))
+    if path.parent != COPIED
+]
 
 GROUND = {"errors", "messages"}
 BUS = GROUND | {"bus"}
@@ -245,8 +255,61 @@ def test_every_registered_kind_carries_its_own_name():
     assert json.loads(done.stdout) == {name: name for name in names}
 
 
+def is_module(name: str) -> bool:
+    place = ROOT.joinpath(*name.split("."))
+    return place.with_suffix(".py").exists() or (place / "__init__.py").exists()
+
+
+def misplaced(source: str, module: str, *, package: bool = False) -> list[str]:
+    """Return what a test, a piece of machinery or a benchmark imports that it must not, with the reason."""
+    place, room, *_ = [*module.split("."), ""]
+    shared = room in MACHINERY and not module.rpartition(".")[2].startswith("test_")
+    seen = MACHINERY[: MACHINERY.index(room) + 1] if shared else MACHINERY
+    wrong = []
+    for name in sorted(imports(source, module, package=package)):
+        parts = name.split(".")
+        if parts[0] in {"tests", "benchmarks"} and not (
+            is_module(name) or ("." in (parent := name.rpartition(".")[0]) and is_module(parent))
+        ):
+            wrong.append(f"{name}: there is no such module")
+        elif parts[0] == "benchmarks" and place == "tests":
+            wrong.append(f"{name}: tests do not import benchmarks")
+        elif parts[0] == "tests" and (shared or place == "benchmarks") and parts[1] not in seen:
+            wrong.append(f"{name}: what is shared imports only {', '.join(seen)}")
+        elif (
+            is_module(".".join([*module.split(".")[:-1], parts[0]]))
+            and len(module.split(".")) > 1
+            and parts[0] not in OWNERS
+        ):
+            wrong.append(f"{name}: import a neighbour by its full name")
+    return wrong
+
+
+@pytest.mark.parametrize("path", AROUND, ids=dotted)
+def test_tests_and_benchmarks_meet_only_in_what_they_share(path):
+    wrong = misplaced(path.read_text(), dotted(path), package=path.name == "__init__.py")
+    assert not wrong, f"{dotted(path)}: {'; '.join(wrong)}"
+
+
+@pytest.mark.parametrize(
+    ("module", "source"),
+    [
+        ("tests.drivers.test_pico", "from benchmarks.soak import Soak"),
+        ("tests.models.lockstep", "from tests.drivers import peers"),
+        ("tests.models.lockstep", "from tests.scenarios.promises import PROMISES"),
+        ("tests.support.robot", "import benchmarks"),
+        ("benchmarks.soak", "from tests.safety.limits import holds"),
+        ("tests.drivers.test_pico", "from peers import FakeContext"),
+        ("tests.drivers.test_pico", "from tests.robot import start"),
+        ("tests.drivers.test_pico", "from tests import robot as robots"),
+    ],
+)
+def test_the_check_sees_what_does_not_meet_there(module, source):
+    assert misplaced(source, module)
+
+
 def test_what_tests_and_benchmarks_start_ends_with_them():
-    free = {ROOT / "tests" / "programs.py", ROOT / "tests" / "sweep.py"}
+    free = {ROOT / "tests" / "support" / name for name in ("programs.py", "sweep.py")}
     starts = re.compile(r"\bsubprocess\.(Popen|run|call|check_call|check_output)\(|\bos\.(fork|system)\(|\bpty\.fork\(")
     found = [
         f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
@@ -256,4 +319,4 @@ def test_what_tests_and_benchmarks_start_ends_with_them():
         for number, line in enumerate(path.read_text().splitlines(), 1)
         if starts.search(line)
     ]
-    assert not found, f"start it by tests.programs: {found}"
+    assert not found, f"start it by tests.support.programs: {found}"

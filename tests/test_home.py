@@ -15,7 +15,7 @@ from lbr.console import wallet
 from lbr.database.store import create
 from lbr.errors import InputError
 from lbr.executive import credentials
-from tests import programs
+from tests.support import programs
 
 STRANGER = 4321
 AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root can act as somebody else")

@@ -11,7 +11,7 @@ from lbr.apps.speech import KIND
 from lbr.capability.context import Device
 from lbr.messages.leases import CommandReply
 from lbr.messages.speech import Phrase, SayCommand, SpeechState
-from tests.machine import Stopwatch
+from tests.support.machine import Stopwatch
 
 ENGINE = textwrap.dedent("""
     import json, os, sys, time, wave

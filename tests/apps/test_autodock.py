@@ -3,10 +3,10 @@
 from random import Random
 
 import pytest
-from room_with_dock import DOCK, Room
 
 from lbr.apps.autodock.script import Manner, dock
 from lbr.apps.autodock.view import STAND, Back, Go, Say, Turn, View
+from tests.apps.room_with_dock import DOCK, Room
 
 
 def test_it_docks_from_where_the_robot_starts():

@@ -13,7 +13,7 @@ from lbr.bus import codec, session, stamp, wire
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import DriveState
 from lbr.messages.leases import CommandReply
-from tests.robot import until
+from tests.support.robot import until
 
 
 class FakeRobot:

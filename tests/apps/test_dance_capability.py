@@ -2,7 +2,6 @@ from itertools import pairwise
 from types import SimpleNamespace
 
 import pytest
-from speech_bench import FakeCall, wav_file
 
 from lbr.apps.dance import KIND
 from lbr.apps.dance.mover import TAKING_POWER
@@ -10,6 +9,7 @@ from lbr.capability.context import Received
 from lbr.messages.dance import DanceCommand, DanceStep
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import PlayReply, SpeechState
+from tests.apps.speech_bench import FakeCall, wav_file
 
 STEPS = (
     DanceStep(dance="to_and_fro", step=1, power=0.3, angle_deg=0.0, beats=1),

@@ -3,13 +3,13 @@ import json
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from speech_bench import wav_file
 
 from lbr.apps.dance import metronome, songs
 from lbr.apps.dance.choreography import Move, beat_at, choose
 from lbr.apps.sound import wav
 from lbr.errors import InputError
 from lbr.messages.dance import DanceStep
+from tests.apps.speech_bench import wav_file
 
 
 @pytest.fixture

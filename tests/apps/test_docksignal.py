@@ -11,8 +11,8 @@ from lbr.bus import codec, session, wire
 from lbr.errors import InputError
 from lbr.messages.dock import DockHeard
 from lbr.messages.leases import CommandReply
-from tests import programs
-from tests.robot import environment
+from tests.support import programs
+from tests.support.robot import environment
 
 
 @pytest.mark.parametrize(

@@ -18,8 +18,8 @@ import pytest
 from lbr import home
 from lbr.bus import session, wire
 from lbr.messages.camera import CameraState, JpegFrame
-from tests import programs
-from tests.robot import environment, until
+from tests.support import programs
+from tests.support.robot import environment, until
 
 BEGINNING = 1 << 20
 PART = b"--FRAME\r\nContent-Type: image/jpeg\r\n\r\n"

@@ -4,12 +4,12 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from speech_bench import until, wav_file
 
 from lbr.apps.sound import wav
 from lbr.apps.sound.sinks import FILES_KEPT, sink_at
 from lbr.errors import DeviceError, InputError
-from tests import needs
+from tests.apps.speech_bench import until, wav_file
+from tests.support import needs
 
 PLAYER = "#!/bin/sh\n{}\n"
 

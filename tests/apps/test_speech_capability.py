@@ -1,12 +1,12 @@
 import pytest
-from speech_bench import Bench, FakeContext, engine, wav_file
 
 from lbr.apps.sound import wav
 from lbr.apps.speech import KIND
 from lbr.apps.speech.worker import Worker
 from lbr.errors import DeviceError
 from lbr.messages.speech import HushCommand, SongCommand
-from tests import needs
+from tests.apps.speech_bench import Bench, FakeContext, engine, wav_file
+from tests.support import needs
 
 
 @pytest.fixture

@@ -4,13 +4,13 @@ import signal
 import time
 
 import pytest
-from speech_bench import engine, until
 
 from lbr.apps.sound import wav
 from lbr.apps.speech import worker
 from lbr.apps.speech.engine import Request
 from lbr.apps.speech.worker import Worker
-from tests import needs
+from tests.apps.speech_bench import engine, until
+from tests.support import needs
 
 
 def request(path, text="Hello, I am well.", language="en"):

@@ -4,8 +4,6 @@ from types import SimpleNamespace
 
 import msgspec
 import pytest
-from speech_bench import FakeCall, until
-from tracking_bench import Head, away_rad, project
 
 from lbr.apps.tracking import KIND
 from lbr.apps.tracking import capability as module
@@ -18,6 +16,8 @@ from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, Seen, TrackCommand
+from tests.apps.speech_bench import FakeCall, until
+from tests.apps.tracking_bench import Head, away_rad, project
 
 JOINTS = (
     Joint(name="neck_yaw", device_id=23, lower_rad=-2.3, upper_rad=2.3, speed_rps=4.0),

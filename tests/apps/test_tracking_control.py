@@ -3,7 +3,6 @@ from math import inf, isfinite, nan, radians
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tracking_bench import FIELD_RAD, Head, away_rad, project
 
 from lbr.apps.tracking.control import (
     AHEAD,
@@ -19,6 +18,7 @@ from lbr.apps.tracking.control import (
 from lbr.apps.tracking.gaze import Gaze, Line
 from lbr.messages.joints import JointState
 from lbr.messages.tracking import Seen
+from tests.apps.tracking_bench import FIELD_RAD, Head, away_rad, project
 
 TUNING = Tuning(yaw_limits=(-2.3, 2.3), pitch_limits=(-0.83, 0.92), field_rad=FIELD_RAD, dead_zone=0.75, gain=0.5)
 small = st.floats(-0.4, 0.4)

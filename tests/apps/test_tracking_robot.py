@@ -5,8 +5,8 @@ import signal
 
 import pytest
 
-from tests import needs
-from tests.robot import prepare, running, until
+from tests.support import needs
+from tests.support.robot import prepare, running, until
 
 needs.modules("cv2")
 NEEDED = ("world", "servos", "joints", "camera_head", "tracking")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from lbr.apps.tracking import KIND, vision
 from lbr.apps.tracking.sketch import sketch
 from lbr.errors import InputError
-from tests import needs
+from tests.support import needs
 
 needs.modules("cv2")
 import cv2  # noqa: E402

@@ -15,8 +15,8 @@ import zenoh
 
 from lbr.bus import session, wire
 from lbr.bus.access import Limits
-from tests import programs
-from tests.robot import until
+from tests.support import programs
+from tests.support.robot import until
 
 QUESTIONS = 500
 MORE_THAN_A_SOCKET_HOLDS = 12_000

@@ -7,11 +7,11 @@ from pathlib import Path
 import psutil
 import pytest
 
-from benchmarks.bench import processes_of
 from lbr.capability import confine as confined
 from lbr.executive.reaper import PROGRAM
-from tests import programs
-from tests.robot import Robot, until
+from tests.support import programs
+from tests.support.bench import processes_of
+from tests.support.robot import Robot, until
 
 CONFINED = """
 import sys

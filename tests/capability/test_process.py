@@ -16,7 +16,7 @@ from lbr.executive.logs import open_log
 from lbr.executive.reaper import Reaper
 from lbr.executive.units import Unit
 from lbr.messages.system import EstopState
-from tests.robot import until
+from tests.support.robot import until
 
 PROBE = """
     import sys

@@ -11,7 +11,7 @@ from lbr.commands import placing, service, service_checks, unitfiles
 from lbr.commands.service import command
 from lbr.commands.unitfiles import RULES, SYSUSERS, UNIT, Site
 from lbr.errors import InputError
-from tests import needs, programs
+from tests.support import needs, programs
 
 EXPOSURE_TENTHS = 25
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("dialout", "video", "i2c"))

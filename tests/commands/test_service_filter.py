@@ -11,7 +11,7 @@ import pytest
 
 from lbr.commands import unitfiles
 from lbr.commands.unitfiles import RELAY_UNIT, UNIT, Extras, Site
-from tests import programs, robot
+from tests.support import programs, robot
 
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("tty",))
 FILTERED = Path(__file__).with_name("under_filter.py")

@@ -14,7 +14,7 @@ from lbr.commands.unitfiles import POLKIT, RELAY_DROP_IN, RELAY_UNIT, RULES, SYS
 from lbr.database import store
 from lbr.drivers.pico import relay
 from lbr.errors import InputError
-from tests import needs, programs
+from tests.support import needs, programs
 
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("tty",))
 BOTH = Extras(power_off=True, motor_relay="i2c:1:0x69")

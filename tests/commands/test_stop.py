@@ -3,7 +3,7 @@
 import os
 import signal
 
-from tests import robot as robots
+from tests.support import robot as robots
 
 
 def test_a_frozen_robot_is_shut_down_as_any_other(tmp_path):

@@ -1,9 +1,9 @@
 """A small robot for every test here, and a client of it."""
 
 import pytest
-from fake_robot import FakeRobot
 
 from lbr.bus import session
+from tests.console.fake_robot import FakeRobot
 
 
 @pytest.fixture

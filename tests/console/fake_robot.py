@@ -11,7 +11,7 @@ from lbr.bus import keys, session, stamp, wire
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult, EstopState, Event, Hold, Role, Status
-from tests.machine import Stopwatch
+from tests.support.machine import Stopwatch
 
 ROBOT = "rob"
 

@@ -1,11 +1,11 @@
 import threading
 
 import pytest
-from fake_robot import wait_for
 
 from lbr.console.ear import Ear
 from lbr.console.hold import Holder, describe
 from lbr.messages.drive import GoalResult
+from tests.console.fake_robot import wait_for
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests import programs
-from tests.robot import LBR, environment, prepare, running, until
+from tests.support import programs
+from tests.support.robot import LBR, environment, prepare, running, until
 
 NEEDED = ("servos", "joints", "motions", "world")
 

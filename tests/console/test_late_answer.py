@@ -3,10 +3,10 @@
 import threading
 
 import pytest
-from fake_robot import ROBOT, wait_for
 
 from lbr.console import operator
 from lbr.console.operator import BusOperator
+from tests.console.fake_robot import ROBOT, wait_for
 
 
 @pytest.mark.parametrize(("late", "code"), [(True, 1), (False, 0)])

@@ -2,12 +2,12 @@ import io
 import os
 
 import pytest
-from fake_robot import ROBOT, wait_for
 
 from lbr.console.lines import Lines, say_once
 from lbr.console.local import lines_of
 from lbr.console.operator import BusOperator
 from lbr.messages.system import ConsoleResult
+from tests.console.fake_robot import ROBOT, wait_for
 
 
 @pytest.fixture

@@ -1,11 +1,11 @@
 import threading
 
 import pytest
-from fake_robot import ROBOT, wait_for
 
 from lbr.console.operator import BusOperator, is_stop
 from lbr.errors import BusError, InputError
 from lbr.messages.system import ConsoleResult, Event
+from tests.console.fake_robot import ROBOT, wait_for
 
 
 @pytest.fixture

@@ -6,9 +6,9 @@ import select
 import threading
 
 import pytest
-from fake_robot import wait_for
 
 from lbr.console.outlet import Outlet, Stream
+from tests.console.fake_robot import wait_for
 
 
 @pytest.fixture

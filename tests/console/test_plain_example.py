@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests import programs
+from tests.support import programs
 
 SCRIPT = Path(__file__).parents[2] / "docs" / "examples" / "drive_with_plain_zenoh.py"
 

@@ -1,12 +1,12 @@
 import threading
 
 import pytest
-from fake_robot import wait_for
 
 from lbr.bus import probe, stamp, wire
 from lbr.bus.probe import Arrival
 from lbr.console.rates import measure
 from lbr.messages.system import Stamp
+from tests.console.fake_robot import wait_for
 
 MS = 1_000_000
 

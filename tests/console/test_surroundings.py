@@ -10,8 +10,8 @@ import pytest
 
 from lbr import home, surroundings
 from lbr.errors import InputError
-from tests import programs
-from tests import robot as robots
+from tests.support import programs
+from tests.support import robot as robots
 
 LBR = f"{sys.executable} -m lbr.cli"
 

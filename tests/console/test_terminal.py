@@ -10,15 +10,15 @@ import threading
 from pathlib import Path
 
 import pytest
-from fake_robot import ROBOT, wait_for
 from prompt_toolkit.input.vt100 import Vt100Input
-from vt import Vt
 
 from lbr.console.above import Screen as TerminalScreen
 from lbr.console.keyboard import QUIET_S
 from lbr.console.operator import BusOperator
 from lbr.console.terminal import Terminal, describe
 from lbr.messages.system import ConsoleResult, Event
+from tests.console.fake_robot import ROBOT, wait_for
+from tests.console.vt import Vt
 
 PASTE = "\x1b[200~{}\x1b[201~"
 STEPS = re.compile(r"\x1b\[([0-9]*)C")

@@ -4,12 +4,12 @@ import json
 import threading
 
 import pytest
-from fake_robot import ROBOT
 
 from lbr import cli
 from lbr.bus import keys, wire
 from lbr.console import topics
 from lbr.messages.system import CapabilityStatus, EstopState, Status
+from tests.console.fake_robot import ROBOT
 
 UNIT = CapabilityStatus(
     name="drive", kind="drive", phase="ready", pid=1, restarts=0, uptime_s=1.0, reason="", rates_hz={"state": 50.0}

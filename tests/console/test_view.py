@@ -1,9 +1,8 @@
-from fake_robot import ROBOT, wait_for
-
 from lbr.bus import wire
 from lbr.commands.view import _frames
 from lbr.messages.joints import JointsState, JointState
 from lbr.messages.simulation import HumanoidPose, WorldBox, WorldPose, WorldScene
+from tests.console.fake_robot import ROBOT, wait_for
 
 WALL = WorldBox(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=4.0)
 SCENE = WorldScene(walls=(WALL,), robot_length_m=0.6, robot_width_m=0.5)

@@ -11,7 +11,7 @@ from lbr.database.constraints import refused, words
 from lbr.database.resources import robot_db_sql
 from lbr.database.store import Database, create
 from lbr.errors import RowError
-from tests.robot import lbr
+from tests.support.robot import lbr
 
 CHECKS = re.findall(r"CHECK \((.*)\),?(?:\s*--.*)?$", robot_db_sql().read_text(), re.MULTILINE)
 SQL = re.compile(r"constraint failed|GLOB|BETWEEN| IN \(|json_|length\(|CASE")

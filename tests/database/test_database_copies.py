@@ -17,7 +17,7 @@ from lbr.database.restore import restore
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, RowError
-from tests import programs
+from tests.support import programs
 
 HASH = "h" * 64
 

@@ -14,7 +14,7 @@ from lbr.database import migrate
 from lbr.database.resources import robot_db_sql
 from lbr.database.store import Database, create
 from lbr.errors import LbrError, RowError
-from tests import programs
+from tests.support import programs
 
 SHIPPED = migrate.MIGRATIONS
 NEXT = '''

@@ -10,7 +10,7 @@ from sqlalchemy import create_engine, inspect
 from lbr.database.models import CONFIGURATION, METADATA
 from lbr.database.resources import launch_profiles, robot_db_sql
 from lbr.database.store import Database
-from tests import needs, programs
+from tests.support import needs, programs
 
 TABLE = re.compile(r"CREATE TABLE (\w+) \((.*?)\n\) STRICT", re.DOTALL)
 MODELS = METADATA.tables

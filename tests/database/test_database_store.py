@@ -17,7 +17,7 @@ from lbr.database.store import Database
 from lbr.database.tables import TABLES
 from lbr.errors import RowError
 from lbr.messages.system import Event
-from tests import programs
+from tests.support import programs
 
 
 def test_rows_come_as_they_stand(database, client):

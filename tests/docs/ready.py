@@ -1,7 +1,7 @@
 """A robot that has looked around: the drive refuses to move towards what was never measured."""
 
 from lbr.bus import wire
-from tests.robot import Robot, until
+from tests.support.robot import Robot, until
 
 
 def measured(robot: Robot) -> None:

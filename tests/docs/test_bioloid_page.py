@@ -9,8 +9,8 @@ import pytest
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database import builtin
 from lbr.database.store import Database, create
-from tests import programs
 from tests.docs.pages import ROOT, said
+from tests.support import programs
 
 PAGE = ROOT / "docs" / "robots" / "bioloid.md"
 

@@ -15,11 +15,11 @@ from pathlib import Path
 import pytest
 
 from lbr.bus import wire
-from tests import programs
 from tests.docs.pages import ROOT
 from tests.docs.ready import measured
-from tests.machine import notes
-from tests.robot import Robot, prepare, running, until
+from tests.support import programs
+from tests.support.machine import notes
+from tests.support.robot import Robot, prepare, running, until
 
 EXAMPLES = ROOT / "docs" / "examples"
 SCRIPT = EXAMPLES / "drive_with_plain_zenoh.py"

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pytest
 
-from tests import programs
 from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
 from tests.docs.ready import measured
-from tests.machine import Stopwatch
-from tests.robot import Robot, prepare, running
+from tests.support import programs
+from tests.support.machine import Stopwatch
+from tests.support.robot import Robot, prepare, running
 
 CLIENT = """#!{python}
 import sqlite3, sys

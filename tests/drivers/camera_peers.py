@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any, ClassVar
 
-from peers import FakeContext
+from tests.drivers.peers import FakeContext
 
 
 def jpeg(mark: int = 0, width: int = 640, height: int = 360, size: int = 400) -> bytes:

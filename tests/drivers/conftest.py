@@ -2,7 +2,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from peers import Board, ScriptedRoboteq
+
+from tests.drivers.peers import Board, ScriptedRoboteq
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from typing import Any
 from lbr.bus.stamp import sent_s
 from lbr.capability.context import Device, Received
 from lbr.messages.system import Stamp
-from tests.machine import Stopwatch
+from tests.support.machine import Stopwatch
 
 
 def until(condition: Callable[[], bool], within_s: float = 2.0) -> None:

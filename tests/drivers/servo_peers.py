@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from peers import Pty
+from tests.drivers.peers import Pty
 
 ACK = b""
 

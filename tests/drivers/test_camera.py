@@ -3,14 +3,14 @@ import re
 import time
 
 import pytest
-from camera_peers import ERROR, Call, CameraContext, PiCamera, PictureSocket, Webcam, jpeg
-from peers import until
 
 from lbr.drivers.camera import KIND
 from lbr.drivers.camera.source import open_source
 from lbr.errors import DeviceError
 from lbr.messages.camera import SnapshotCommand, SwitchCommand
-from tests import needs
+from tests.drivers.camera_peers import ERROR, Call, CameraContext, PiCamera, PictureSocket, Webcam, jpeg
+from tests.drivers.peers import until
+from tests.support import needs
 
 ON = '{"device": "front", "on": true}'
 

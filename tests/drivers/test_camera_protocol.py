@@ -2,7 +2,6 @@ import json
 import struct
 
 import pytest
-from camera_peers import jpeg
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,6 +10,7 @@ from lbr.bus.codec import PictureDecoder
 from lbr.drivers.camera.source import Picture, usable
 from lbr.drivers.camera.stream_protocol import LARGEST_BYTES, RecordParser, request
 from lbr.errors import MalformedError
+from tests.drivers.camera_peers import jpeg
 
 RECORDS = st.lists(st.tuples(st.binary(min_size=1, max_size=300), st.integers(0, 2**64 - 1)), max_size=6)
 

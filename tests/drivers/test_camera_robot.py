@@ -5,10 +5,10 @@ import threading
 from pathlib import Path
 
 import pytest
-from camera_peers import PictureSocket, jpeg
 
 from lbr.bus import wire
-from tests.robot import lbr, prepare, running, until
+from tests.drivers.camera_peers import PictureSocket, jpeg
+from tests.support.robot import lbr, prepare, running, until
 
 NAMES = ("front", "rear")
 

@@ -2,14 +2,14 @@ import threading
 from itertools import cycle
 
 import pytest
-from peers import until
-from servo_peers import Chain, status
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import open_bus
 from lbr.drivers.dynamixel.setup import SETTING_UP, Setup, find_servos
 from lbr.drivers.owner import READ, STOP, WRITE, Owner
 from lbr.errors import DeviceError
+from tests.drivers.peers import until
+from tests.drivers.servo_peers import Chain, status
 
 
 @pytest.fixture

@@ -7,8 +7,6 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from peers import FakeContext, until
-from servo_peers import Chain
 
 from lbr.drivers.dynamixel import KIND
 from lbr.drivers.dynamixel.capability import Dynamixel
@@ -16,7 +14,9 @@ from lbr.drivers.dynamixel.table import position_rad
 from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
-from tests import programs
+from tests.drivers.peers import FakeContext, until
+from tests.drivers.servo_peers import Chain
+from tests.support import programs
 
 SETTINGS = '{"device": "servos", "guard": false, "reply_margin_s": 0.03, "sweep_hz": 250}'
 
@@ -426,7 +426,7 @@ def test_a_bad_row_says_what_is_wrong(row, complaint):
 
 DRIVER = """
 import sys, time
-from peers import FakeContext
+from tests.drivers.peers import FakeContext
 from lbr.drivers.dynamixel import KIND
 from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.messages.joints import Joint
@@ -449,7 +449,7 @@ while True:
 
 def driving(chain, hold_s):
     """A driver in a process of its own, whose servos are on their way."""
-    environment = {**os.environ, "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[2]}"}
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     process = programs.start([sys.executable, "-c", DRIVER, str(chain.path), str(hold_s)], env=environment)
     until(lambda: all(servo.torque and servo.goal == 512 for servo in chain.servos.values()), 8.0)
     for servo in chain.servos.values():

@@ -5,7 +5,6 @@ import time
 
 import msgspec
 import pytest
-from peers import FakeContext, until
 
 from lbr.capability.context import Device
 from lbr.drivers.dynamixel import KIND, table
@@ -21,6 +20,7 @@ from lbr.simulation.dynamixel import AxServo, DynamixelBus, Usb2Ax
 from lbr.simulation.faults import DynamixelFaults
 from lbr.simulation.twins import Surroundings
 from lbr.simulation.twins.dynamixel import DynamixelTwin
+from tests.drivers.peers import FakeContext, until
 
 IDS = range(1, 19)
 WANTED = [(table.RETURN_LEVEL, 2), (table.RETURN_DELAY, 0), (table.SHUTDOWN, 36)]

@@ -5,14 +5,14 @@ import os
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from i2c_peer import Server, device, read_request
 from smbus2 import i2c_msg
 
 from lbr.capability.context import Device
 from lbr.drivers.i2c import UNANSWERED, locate, open_bus, unanswered
 from lbr.drivers.i2c_socket import Read, SocketBus, Write, encode_transaction
 from lbr.errors import DeviceError
-from tests.machine import Stopwatch
+from tests.drivers.i2c_peer import Server, device, read_request
+from tests.support.machine import Stopwatch
 
 addresses = st.integers(0, 127)
 writes = st.builds(Write, addresses, st.binary(max_size=40))

@@ -4,13 +4,13 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from peers import FakeContext, Pty, until
 
 from lbr.capability.context import Device
 from lbr.drivers.infrared import KIND, decoders
 from lbr.drivers.infrared.receiver import Receiver
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockHeard
+from tests.drivers.peers import FakeContext, Pty, until
 
 SETTINGS = '{"device": "dock_receiver", "ttl_s": 0.3, "protocols": [7]}'
 LEFT, RIGHT = 0x400021, 0x400022

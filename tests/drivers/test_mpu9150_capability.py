@@ -2,11 +2,11 @@ import errno
 from math import radians
 
 import pytest
-from i2c_peer import COMPASS, MPU, Chips, Server
-from peers import FakeContext
 
 from lbr.drivers.mpu9150 import KIND, capability, controller
 from lbr.errors import DeviceError
+from tests.drivers.i2c_peer import COMPASS, MPU, Chips, Server
+from tests.drivers.peers import FakeContext
 
 TICK_S = 0.01
 

@@ -4,15 +4,15 @@ import time
 
 import msgspec
 import pytest
-from i2c_peer import MPU, Server
-from peers import FakeContext
 
 from lbr.drivers.mpu9150 import KIND
 from lbr.errors import DeviceError
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.mpu9150 import Mpu9150
-from tests.machine import Stopwatch
+from tests.drivers.i2c_peer import MPU, Server
+from tests.drivers.peers import FakeContext
+from tests.support.machine import Stopwatch
 
 FELT = ImuReading(
     gyro_rps=(0.5, -0.25, 2.0), accel_mps2=(1.0, -2.0, 9.5), mag_ut=(20.0, -5.0, -43.0), temperature_c=31.0

@@ -9,7 +9,6 @@ from math import inf, nan, radians
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from peers import FakeContext
 
 from lbr.capability.context import Device
 from lbr.drivers.phidget_spatial import KIND
@@ -23,8 +22,9 @@ from lbr.simulation.measured import ImuReading
 from lbr.simulation.phidget_spatial import RECORD, PhidgetSpatial
 from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.phidget_spatial import PhidgetSpatialTwin
-from tests import needs
-from tests.machine import Stopwatch
+from tests.drivers.peers import FakeContext
+from tests.support import needs
+from tests.support.machine import Stopwatch
 
 FELT = ImuReading(gyro_rps=(0.5, -0.25, 2.0), accel_mps2=(1.0, -2.0, 9.5), mag_ut=(20.0, -5.0, -43.0))
 TURNING = (0.5, -0.25, 2.0)

@@ -6,9 +6,7 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from i2c_peer import Server
 from msgspec.structs import replace
-from peers import FakeContext
 
 from lbr.drivers.i2c_socket import SocketBus
 from lbr.drivers.pico import KIND, registers, relay
@@ -16,6 +14,8 @@ from lbr.errors import DeviceError, MalformedError
 from lbr.messages.power import RelayCommand
 from lbr.simulation.i2c import Message, refusal, transfer
 from lbr.simulation.pico import Pico as Chip
+from tests.drivers.i2c_peer import Server
+from tests.drivers.peers import FakeContext
 
 PACE_S = 0.1
 

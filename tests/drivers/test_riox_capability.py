@@ -1,13 +1,13 @@
 from math import radians
 
 import pytest
-from peers import Board, FakeContext, until
 
 from lbr.drivers.inertial import LifeSigns
 from lbr.drivers.riox import KIND
 from lbr.drivers.riox.capability import MOST_ALIKE, Riox
 from lbr.drivers.riox.controller import QUIET_S, AhrsUnit
 from lbr.errors import DeviceError
+from tests.drivers.peers import Board, FakeContext, until
 
 TICK_S = 0.01
 

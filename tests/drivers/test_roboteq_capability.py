@@ -3,7 +3,6 @@ from math import nan
 from types import SimpleNamespace
 
 import pytest
-from peers import FakeContext, until
 
 from lbr.bus.stamp import boot_id
 from lbr.drivers.roboteq import KIND, EnableCommand, capability
@@ -12,7 +11,8 @@ from lbr.drivers.roboteq.capability import Roboteq
 from lbr.errors import DeviceError
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.system import Stamp
-from tests.machine import Stopwatch
+from tests.drivers.peers import FakeContext, until
+from tests.support.machine import Stopwatch
 
 SETTINGS = '{"device": "motors", "guard": false, "left": {"channel": 1, "direction": -1}, "right": {"channel": 2}}'
 """No guard: it would kill whoever runs these tests for standing still."""

@@ -3,7 +3,6 @@ import time
 from math import inf, nan
 
 import pytest
-from peers import until
 
 from lbr.capability.context import Device
 from lbr.drivers.roboteq import KIND, Wheel
@@ -11,7 +10,8 @@ from lbr.drivers.roboteq import protocol as wire
 from lbr.drivers.roboteq.controller import Controller, wire_value
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
-from tests.machine import Stopwatch
+from tests.drivers.peers import until
+from tests.support.machine import Stopwatch
 
 NOISE = {"junk": b"junk\r" * 200, "line ends": b"\r" * 1000, "no line ends": b"\xff" * 1000}
 MIRRORED = '{"device": "motors", "left": {"channel": 1, "direction": -1}, "right": {"channel": 2}'

@@ -7,7 +7,6 @@ from pathlib import Path
 from tty import setraw
 
 import pytest
-from peers import FakeContext, until
 
 from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
@@ -16,13 +15,14 @@ from lbr.drivers.roboteq.guard import PROGRAM
 from lbr.drivers.roboteq.protocol import STOP
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
-from tests import programs
-from tests.machine import Stopwatch
+from tests.drivers.peers import FakeContext, until
+from tests.support import programs
+from tests.support.machine import Stopwatch
 
 ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 DRIVER = """
 import sys, time
-from peers import FakeContext
+from tests.drivers.peers import FakeContext
 from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
@@ -41,7 +41,7 @@ while True:
 @pytest.fixture
 def driver(peer):
     """A driver in a process of its own, driving; and its guard's pid."""
-    environment = {**os.environ, "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[2]}"}
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     process = programs.start(
         [sys.executable, "-c", DRIVER, str(peer.path)], stdout=subprocess.PIPE, text=True, env=environment
     )

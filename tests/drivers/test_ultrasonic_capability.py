@@ -1,11 +1,11 @@
 import time
 
 import pytest
-from peers import FakeContext, until
 
 from lbr.drivers.ultrasonic import KIND
 from lbr.errors import DeviceError
-from tests.machine import Stopwatch
+from tests.drivers.peers import FakeContext, until
+from tests.support.machine import Stopwatch
 
 LINE = b'{ "Ranges": { "Forward": %d, "Left": 45, "Right": 60, "Back": 70, "Bottom": 0, "Deltat": 100}}\r\n'
 

@@ -4,8 +4,6 @@ from types import SimpleNamespace
 
 import msgspec
 import pytest
-from peers import FakeContext, until
-from uxa90_peers import Board
 
 from lbr.drivers.owner import READ
 from lbr.drivers.uxa90 import KIND
@@ -15,6 +13,8 @@ from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint, ServosState, StoredPlay
 from lbr.messages.uxa90 import ConfigureCommand, ControllerState, InquireCommand, TakeControlCommand
+from tests.drivers.peers import FakeContext, until
+from tests.drivers.uxa90_peers import Board
 
 SETTINGS = {"device": "board", "guard": False, "sweep_hz": 50, "settle_s": 0.05, "reply_s": 0.05}
 

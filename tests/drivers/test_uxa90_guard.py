@@ -8,16 +8,16 @@ from pathlib import Path
 from tty import setraw
 
 import pytest
-from peers import until
-from uxa90_peers import Board
 
 from lbr.drivers.uxa90.let_go import LastWord
 from lbr.errors import DeviceError
-from tests import programs
+from tests.drivers.peers import until
+from tests.drivers.uxa90_peers import Board
+from tests.support import programs
 
 DRIVER = """
 import json, sys, time
-from peers import FakeContext
+from tests.drivers.peers import FakeContext
 from lbr.drivers.uxa90 import KIND
 from lbr.drivers.uxa90.capability import Uxa90
 from lbr.drivers.uxa90.packets import position_rad
@@ -46,7 +46,7 @@ while True:
 
 def driving(board, row, play=""):
     """A driver in a process of its own, whose servos are on their way; or it has the main board play."""
-    environment = {**os.environ, "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[2]}"}
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     process = programs.start(
         [sys.executable, "-c", DRIVER, str(board.path), row, play], env=environment, stdout=subprocess.PIPE
     )
@@ -79,7 +79,7 @@ def test_a_driver_that_hangs_is_killed_and_its_guard_holds_the_servos_then_brake
 
 
 def test_the_guard_of_a_killed_driver_ends_what_the_main_board_plays_and_a_new_driver_takes_the_line_from_it(board):
-    from test_uxa90_capability import Rig
+    from tests.drivers.test_uxa90_capability import Rig
 
     process = driving(board, '{"hold_s": 60.0}', "play")
     assert board.mode == "normal"

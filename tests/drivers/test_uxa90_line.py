@@ -5,7 +5,6 @@ from itertools import count
 
 import pytest
 
-from benchmarks.uxa90_fuzz import KINDS, Fuzzer, wrong
 from lbr.drivers.uxa90 import packets
 from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.frames import TAKE_CONTROL, Frame
@@ -14,6 +13,7 @@ from lbr.drivers.uxa90.sweep import Sweeper
 from lbr.drivers.uxa90.trust import TOLERANCE
 from lbr.drivers.wire import Wire
 from lbr.messages.uxa90 import InquireCommand
+from tests.fuzzing.uxa90_answers import KINDS, Fuzzer, wrong
 
 BYTE_S = 10 / 115_200
 

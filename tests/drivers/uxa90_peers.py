@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from peers import Pty
+from tests.drivers.peers import Pty
 
 PREAMBLE = bytes.fromhex("FFFFAA55AA5537BA")
 CONTROL_REPLY = PREAMBLE + bytes.fromhex("100000000001 01 01")

@@ -9,7 +9,7 @@ import time
 import pytest
 
 from lbr.bus import stamp, wire
-from tests.robot import Robot, lbr, running, until
+from tests.support.robot import Robot, lbr, running, until
 
 pytestmark = pytest.mark.timeout(30)
 

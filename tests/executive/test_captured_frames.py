@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running, until
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
 soon = partial(until, limit_s=15.0)

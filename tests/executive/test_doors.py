@@ -18,7 +18,7 @@ from lbr.executive.doors import Doors, core_endpoint
 from lbr.executive.plan import Plan
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
-from tests.robot import until
+from tests.support.robot import until
 
 
 class Routers:

@@ -15,7 +15,7 @@ from lbr.executive import rights
 from lbr.executive.profile import Profile
 from lbr.messages.faces import EditCommand, Motor
 from tests.executive.test_plan import planned, problems
-from tests.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running, until
 
 pytestmark = pytest.mark.timeout(30)
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from lbr.executive.lastresort import FORCED, LastResort
-from tests import programs
-from tests.robot import prepare, running
+from tests.support import programs
+from tests.support.robot import prepare, running
 
 HANGS = """
 import os, signal, sys, threading

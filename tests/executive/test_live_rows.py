@@ -6,8 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from tests.machine import Stopwatch
-from tests.robot import Robot, running, until
+from tests.support.machine import Stopwatch
+from tests.support.robot import Robot, running, until
 
 pytestmark = pytest.mark.timeout(20)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running, until
 
 pytestmark = pytest.mark.timeout(60)
 HEARD_S = 1.0

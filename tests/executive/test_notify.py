@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from lbr.executive.notify import Notifier
-from tests.machine import Stopwatch
-from tests.robot import start, until
+from tests.support.machine import Stopwatch
+from tests.support.robot import start, until
 
 PERIOD_S = 2.0
 """What the unit sets as WatchdogSec."""

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from tests.robot import lbr, running, until
+from tests.support.robot import lbr, running, until
 
 pytestmark = pytest.mark.timeout(30)
 

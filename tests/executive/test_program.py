@@ -10,7 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.robot import running, until
+from tests.support.robot import running, until
 
 pytestmark = pytest.mark.timeout(20)
 

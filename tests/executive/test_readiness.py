@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from lbr.executive.readiness import LONGEST_TEXT, readiness
 from lbr.messages.system import CapabilityPhase, CapabilityStatus
-from tests import programs
-from tests.robot import LBR, environment, prepare, running, until
+from tests.support import programs
+from tests.support.robot import LBR, environment, prepare, running, until
 
 BROKEN = """
 from lbr.capability import Capability, Kind, NoSettings

@@ -15,8 +15,8 @@ from lbr.capability import lifeline
 from lbr.database.rows import ExternalCommandRow
 from lbr.executive.external import ExternalCommands
 from lbr.executive.reaper import Reaper
-from tests import programs
-from tests.robot import until
+from tests.support import programs
+from tests.support.robot import until
 
 EXECUTIVE = """
 import os, signal, sys

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from lbr.executive import scheduling
-from tests import programs
-from tests.robot import running, until
+from tests.support import programs
+from tests.support.robot import running, until
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.executive.starving import OTHERS_STRETCH, SUSPICIOUS_S, Look, Thread, look, verdict
-from tests import programs
-from tests.robot import until
+from tests.support import programs
+from tests.support.robot import until
 
 PATIENCE_S = 1.0
 seconds = st.floats(0.0, 100.0)

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from benchmarks.trace import Trace
 from lbr.bus.tokens import Token
-from tests import programs
-from tests.lan.door import add_token
-from tests.robot import LBR, Robot, free_port, prepare, running, until
+from tests.support import programs
+from tests.support.door import add_token
+from tests.support.robot import LBR, Robot, free_port, prepare, running, until
+from tests.support.trace import Trace
 
 FAR = '''
 """Moves nothing, but would have to stop if it did."""

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.lan import netns
-from tests.lan.door import Door, opened
+from tests.support import netns
+from tests.support.door import Door, opened
 
 
 @pytest.fixture(scope="module")

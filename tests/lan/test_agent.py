@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 
 from lbr.bus import stamp, wire
-from tests import programs
-from tests.lan import netns
 from tests.lan.agents import Two, end, placed
-from tests.lan.netns import Network
-from tests.robot import lbr, until
+from tests.support import netns, programs
+from tests.support.netns import Network
+from tests.support.robot import lbr, until
 
 pytestmark = pytest.mark.timeout(40)
 

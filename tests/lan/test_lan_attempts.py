@@ -12,8 +12,8 @@ from lbr.apps.lan.passage import Passage, Standstill
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.access import Credentials
 from lbr.errors import BusError
-from tests.lan.door import Door
-from tests.robot import lbr, until
+from tests.support.door import Door
+from tests.support.robot import lbr, until
 
 WRONG = (
     "DEBUG zenoh_transport::unicast::establishment::accept: UsrPwd extension - Recv OpenSyn. Invalid password. at x.rs"

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from tests import programs
-from tests.lan import netns
-from tests.lan.door import Door
-from tests.lan.netns import Network
-from tests.robot import running, until
+from tests.support import netns, programs
+from tests.support.door import Door
+from tests.support.netns import Network
+from tests.support.robot import running, until
 
 pytestmark = pytest.mark.timeout(30)
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "drive_with_plain_zenoh.py"

@@ -13,9 +13,9 @@ from lbr.apps.http.rates import Bucket
 from lbr.apps.lan import KIND, rights
 from lbr.bus.access import Credentials
 from lbr.capability.config import LanConfig
-from tests.lan.door import ROLES, Door, add_token, answer
-from tests.machine import Stopwatch
-from tests.robot import free_port, lbr, running, until
+from tests.support.door import ROLES, Door, add_token, answer
+from tests.support.machine import Stopwatch
+from tests.support.robot import free_port, lbr, running, until
 
 pytestmark = pytest.mark.timeout(30)
 LAN = LanConfig(

@@ -13,9 +13,9 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests import programs
-from tests.lan.door import Door
-from tests.robot import LBR, until
+from tests.support import programs
+from tests.support.door import Door
+from tests.support.robot import LBR, until
 
 pytestmark = pytest.mark.timeout(30)
 

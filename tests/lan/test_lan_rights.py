@@ -8,8 +8,8 @@ import zenoh
 
 from lbr.bus import access, keys, session, wire
 from lbr.errors import BusError
-from tests.lan.door import Door, answer
-from tests.robot import until
+from tests.support.door import Door, answer
+from tests.support.robot import until
 
 pytestmark = pytest.mark.timeout(20)
 TURN = {"power": 0.1, "angle_deg": 90}

@@ -18,8 +18,8 @@ from lbr import cli
 from lbr.bus import tokens
 from lbr.commands import token as token_command
 from lbr.errors import InputError
-from tests.lan.door import Door, add_token, answer
-from tests.robot import lbr, until
+from tests.support.door import Door, add_token, answer
+from tests.support.robot import lbr, until
 
 pytestmark = pytest.mark.timeout(30)
 A8_S = 1.0

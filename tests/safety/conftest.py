@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from benchmarks.bench import Bench, bench
-from benchmarks.figures import Results
-from benchmarks.promises import PROMISES
 from tests.safety.limits import holds
+from tests.scenarios.promises import PROMISES
+from tests.support.bench import Bench, bench
+from tests.support.figures import Results
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import pytest
 
-from benchmarks.figures import Promise, Results
-from benchmarks.promises import PROMISES
-from tests.machine import Stopwatch, measure_again, notes
+from tests.scenarios.promises import PROMISES
+from tests.support.figures import Promise, Results
+from tests.support.machine import Stopwatch, measure_again, notes
 
 TRIES = 3
 PROGRAMS = (

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from benchmarks.promises import STOP_HARD_MS
-from benchmarks.trace import Trace
-from tests.machine import notes
-from tests.robot import Robot, prepare, running, until
+from tests.scenarios.promises import STOP_HARD_MS
+from tests.support.machine import notes
+from tests.support.robot import Robot, prepare, running, until
+from tests.support.trace import Trace
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(50)]
 FASTER = "UPDATE capability SET settings = json_set(settings, '$.spin_power', 0.4) WHERE name = 'attitude'"

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import pytest
 
-from benchmarks.bench import Bench
-from benchmarks.figures import Results
-from benchmarks.scenarios import clients
+from tests.scenarios import clients
+from tests.support.bench import Bench
+from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(30)
 

@@ -5,10 +5,10 @@ One way of each nature; `python -m benchmarks.safety --gate` goes through all of
 
 import pytest
 
-from benchmarks.bench import bench
-from benchmarks.figures import Results
-from benchmarks.scenarios import crashes
 from tests.safety.limits import holds
+from tests.scenarios import crashes
+from tests.support.bench import bench
+from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(40)
 DRIVER = {"S13": ("exception", "segfault"), "P5": ("frozen",)}

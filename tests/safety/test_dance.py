@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running, until
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
 

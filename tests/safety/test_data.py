@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 import pytest
 
-from benchmarks.data import PROMISES
-from benchmarks.figures import Results
-from benchmarks.scenarios import data_audit, data_damage, data_disk, data_kills, data_life, data_mutations
 from tests.safety.limits import holds
+from tests.scenarios import data_audit, data_damage, data_disk, data_kills, data_life, data_mutations
+from tests.scenarios.data_promises import PROMISES
+from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(40)
 SEED = 1

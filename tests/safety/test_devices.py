@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import pytest
 
-from benchmarks.bench import Bench
-from benchmarks.figures import Results
-from benchmarks.scenarios import devices
+from tests.scenarios import devices
+from tests.support.bench import Bench
+from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(30)
 Held = Callable[[Callable[[Bench], None]], Results]

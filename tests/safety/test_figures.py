@@ -6,12 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.figures import Promise, Report, Result, Results, percentile, table
-from benchmarks.ledger import BEGIN, END, Ledger
-from benchmarks.promises import PROMISES
-from benchmarks.schedule import FIGURE_OF, SCENARIOS
-from benchmarks.soak import slope
-from benchmarks.trace import Line, Output, Trace, limit_violations
+from tests.scenarios.promises import PROMISES
+from tests.scenarios.schedule import FIGURE_OF, SCENARIOS
+from tests.support.figures import Promise, Report, Result, Results, percentile, slope, table
+from tests.support.ledger import BEGIN, END, Ledger
+from tests.support.trace import Line, Output, Trace, limit_violations
 
 powers = st.floats(-1, 1).map(lambda value: round(value, 3))
 outputs = st.builds(Output, st.integers(0, 10**15), powers, powers, st.sampled_from(["command", "watchdog", "close"]))

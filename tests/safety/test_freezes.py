@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 import pytest
 
-from benchmarks.bench import Bench
-from benchmarks.figures import Results
-from benchmarks.scenarios import freezes
 from tests.safety.limits import holds
+from tests.scenarios import freezes
+from tests.support.bench import Bench
+from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(30)
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.bench import Bench, bench
-from benchmarks.figures import Results
-from benchmarks.promises import PROMISES
-from benchmarks.scenarios import devices, estop
-from tests.robot import until
+from tests.scenarios import devices, estop
+from tests.scenarios.promises import PROMISES
+from tests.support.bench import Bench, bench
+from tests.support.figures import Results
+from tests.support.robot import until
 
 pytestmark = pytest.mark.timeout(30)
 

@@ -4,8 +4,8 @@ import random
 
 import pytest
 
-from benchmarks.scenarios import kills, orphans
 from tests.safety.limits import holds
+from tests.scenarios import kills, orphans
 
 pytestmark = pytest.mark.timeout(30)
 

@@ -5,10 +5,10 @@ Ways of each nature; `python -m benchmarks.safety --gate` goes through all of th
 
 import pytest
 
-from benchmarks.bench import bench
-from benchmarks.figures import Results
-from benchmarks.scenarios import crashes, edits, shutdown, starts
 from tests.safety.limits import holds
+from tests.scenarios import crashes, edits, shutdown, starts
+from tests.support.bench import bench
+from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(30)
 

@@ -5,11 +5,11 @@ from collections.abc import Callable
 
 import pytest
 
-from benchmarks.bench import Bench, bench
-from benchmarks.figures import Results
-from benchmarks.scenarios import bounds, estop, writers
 from lbr.bus import session, stamp
 from tests.safety.limits import holds
+from tests.scenarios import bounds, estop, writers
+from tests.support.bench import Bench, bench
+from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(30)
 Held = Callable[[Callable[[Bench], None]], Results]

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import psutil
 import pytest
 
-from benchmarks.bench import VICTIMS, Bench, bench
-from benchmarks.figures import Results
-from benchmarks.promises import PROMISES
-from benchmarks.scenarios import clients, estop, freezes, kills, load, resets, roles
 from tests.safety.limits import over_their_limit
+from tests.scenarios import clients, estop, freezes, kills, load, resets, roles
+from tests.scenarios.promises import PROMISES
+from tests.support.bench import VICTIMS, Bench, bench
+from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(30)
 SOON_S = 1.5
@@ -113,7 +113,7 @@ def test_work_in_a_callback_beside_the_emergency_stop_is_found_out(results: Resu
 
 
 def test_a_bus_that_is_open_to_everybody_is_found_out(results: Results, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("tests.robot.LBR", [sys.executable, str(VICTIMS / "open_bus.py")])
+    monkeypatch.setattr("tests.support.robot.LBR", [sys.executable, str(VICTIMS / "open_bus.py")])
     with suppress(AssertionError), doomed(results) as under_test:
         roles.forbidden_keys(under_test)
     assert any("@console/admin at the local socket" in text for text in results.of("E5").violations)

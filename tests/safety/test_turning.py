@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from benchmarks.bench import Bench
-from benchmarks.figures import Results
-from benchmarks.promises import PROMISES
-from benchmarks.scenarios import turns
 from tests.safety.limits import holds
+from tests.scenarios import turns
+from tests.scenarios.promises import PROMISES
+from tests.support.bench import Bench
+from tests.support.figures import Results
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
 

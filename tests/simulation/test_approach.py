@@ -2,10 +2,10 @@
 
 import pytest
 
-from benchmarks.approach import PROMISES, failing, run, trials
-from benchmarks.figures import Results
-from benchmarks.lockstep import corners, gap_m
 from lbr.operations.drive.settings import DriveSettings
+from tests.models.approach import PROMISES, failing, run, trials
+from tests.models.lockstep import corners, gap_m
+from tests.support.figures import Results
 
 
 @pytest.mark.parametrize("side", ["forward", "back"])

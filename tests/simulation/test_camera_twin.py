@@ -8,8 +8,6 @@ import threading
 import time
 
 import pytest
-from camera_bench import Film, like, picture
-from world_bench import Bench
 
 from lbr.capability.context import Device
 from lbr.errors import InputError, LbrError
@@ -24,7 +22,9 @@ from lbr.simulation.faults import CameraFaults
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import PlaceRequest, RemoveRequest
 from lbr.simulation.settings import WorldSettings
-from tests.machine import Stopwatch
+from tests.simulation.camera_bench import Film, like, picture
+from tests.simulation.world_bench import Bench
+from tests.support.machine import Stopwatch
 
 SOUND = CameraFaults()
 RED, SKY = (204, 64, 51), (184, 207, 229)

@@ -5,11 +5,11 @@ from math import cos, pi, radians, sin
 
 import pytest
 
-from benchmarks.docking import HARD, Trial
 from lbr.apps.autodock.script import Manner
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.engine import Engine
 from lbr.simulation.settings import Battery, BoxSettings, Dock, StartPose, WorldSettings
+from tests.models.docking import HARD, Trial
 
 DOCK = Dock(x_m=-1.0, y_m=0.0)
 BACK_M = 0.215

@@ -1,11 +1,11 @@
 """Bodies for the humanoid world: the one that is shipped, one of one's own, and what is said of one that does not fit."""
 
 import pytest
-from humanoid_bench import humanoid, rows
 
 from lbr.errors import InputError
 from lbr.simulation.humanoid.body import load, model_file
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+from tests.simulation.humanoid_bench import humanoid, rows
 
 ONE = """<mujoco><worldbody><body name="trunk" pos="0 0 0.2"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/>
 <site name="imu"/>{inside}</body>{beside}</worldbody></mujoco>"""

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from humanoid_bench import TICK_S, Player, drives, humanoid, rows
 
 from lbr.messages.joints import KeyFrame
 from lbr.simulation.humanoid.settings import Motor
 from lbr.simulation.measured import ServoDrive
 from lbr.simulation.settings import Imu
+from tests.simulation.humanoid_bench import TICK_S, Player, drives, humanoid, rows
 
 QUIET = Imu(gyro_bias_rps=(0, 0, 0), gyro_noise_rps=0, accel_bias_mps2=(0, 0, 0), accel_noise_mps2=0)
 NO_LOAD_RPS = 6.2

@@ -5,11 +5,11 @@ from math import radians
 from pathlib import Path
 
 import pytest
-from humanoid_bench import Player, frames_of, rows
 
 from lbr.messages.joints import KeyFrame
 from lbr.operations.joints.settings import JointsSettings
 from lbr.operations.joints.trajectory import plan
+from tests.simulation.humanoid_bench import Player, frames_of, rows
 
 JOINTS, MOTIONS = rows()
 LEGS = {"left_foot", "right_foot"}

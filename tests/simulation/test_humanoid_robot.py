@@ -4,7 +4,7 @@ from math import radians
 
 import pytest
 
-from tests.robot import prepare, running, until
+from tests.support.robot import prepare, running, until
 
 JOINT, RAISED_RAD = "left_shoulder_roll", radians(40.0)
 NEEDED = ("world", "servos", "joints")

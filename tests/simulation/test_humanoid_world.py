@@ -5,9 +5,7 @@ from math import radians
 
 import pytest
 import serial
-from humanoid_bench import rows
 from PIL import Image
-from world_bench import FakeCall, FakeContext
 
 from lbr.capability.context import Device
 from lbr.simulation.humanoid import KIND
@@ -16,7 +14,9 @@ from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.requests import FaultRequest, PickUpRequest, PictureRequest
 from lbr.simulation.rows import DEVICE_ROWS
 from lbr.simulation.twins import TWINS
-from tests.machine import Stopwatch
+from tests.simulation.humanoid_bench import rows
+from tests.simulation.world_bench import FakeCall, FakeContext
+from tests.support.machine import Stopwatch
 
 STEP_RAD = radians(300.0 / 1023.0)
 LEFT_ARM = 4

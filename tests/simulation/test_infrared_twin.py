@@ -8,7 +8,6 @@ import tty
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from world_bench import AROUND
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
@@ -16,6 +15,7 @@ from lbr.simulation.faults import InfraredFaults
 from lbr.simulation.infrared import InfraredReceiver
 from lbr.simulation.measured import Sensed
 from lbr.simulation.twins.infrared import InfraredTwin
+from tests.simulation.world_bench import AROUND
 
 CODES = {"left": 1, "right": 2, "power": 3}
 

@@ -7,7 +7,6 @@ import struct
 import threading
 
 import pytest
-from world_bench import AROUND
 
 from lbr.capability.context import Device
 from lbr.errors import DeviceError, InputError
@@ -16,7 +15,8 @@ from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.mpu9150 import Mpu9150
 from lbr.simulation.twins.mpu9150 import Mpu9150Twin
-from tests.robot import until
+from tests.simulation.world_bench import AROUND
+from tests.support.robot import until
 
 FELT = ImuReading(
     gyro_rps=(0.1, -0.2, 0.3), accel_mps2=(1.0, -2.0, 9.80665), mag_ut=(20.0, -5.0, -40.0), temperature_c=31.0

@@ -3,9 +3,9 @@
 import threading
 
 import pytest
-from world_bench import Bench
 
 from lbr.simulation.requests import PlaceRequest, RemoveRequest
+from tests.simulation.world_bench import Bench
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ import pytest
 import serial
 from hypothesis import given
 from hypothesis import strategies as st
-from world_bench import AROUND
 
 from lbr.capability.context import Device
 from lbr.simulation.ahrs import angles_deg, facing, from_angles
@@ -15,6 +14,7 @@ from lbr.simulation.measured import ImuReading
 from lbr.simulation.riox import RioxDevice
 from lbr.simulation.rows import RioxRow
 from lbr.simulation.twins.riox import RioxTwin
+from tests.simulation.world_bench import AROUND
 
 FELT = ImuReading(
     gyro_rps=(0.1, -0.2, 0.3), accel_mps2=(0.0, 0.0, 9.80665), mag_ut=(20.0, 0.0, -40.0), temperature_c=30.0

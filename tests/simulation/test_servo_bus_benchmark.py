@@ -2,9 +2,9 @@
 
 import pytest
 
-from benchmarks.servo_bus import wire_hz
-from benchmarks.servo_bus_client import Tally
-from benchmarks.servo_bus_twin import bus
+from tests.support.servo_bus.arithmetic import wire_hz
+from tests.support.servo_bus.client import Tally
+from tests.support.servo_bus.twin import bus
 
 
 @pytest.fixture

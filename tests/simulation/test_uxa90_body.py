@@ -6,11 +6,11 @@ from math import radians
 import numpy as np
 import pytest
 
-from benchmarks.uxa90.robot import Robot, humanoid, joints, rows
 from lbr.errors import InputError
 from lbr.simulation.humanoid.settings import Motor, Motors
 from lbr.simulation.measured import ServoDrive
 from lbr.simulation.uxa90.firmware import shipped
+from tests.models.uxa90.robot import Robot, humanoid, joints, rows
 
 FEET = ("left_foot", "right_foot")
 STAND, BASIC, STEP, SIT = 7, 1, 4, 21

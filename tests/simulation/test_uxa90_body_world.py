@@ -6,11 +6,8 @@ import msgspec
 import numpy as np
 import pytest
 import serial
-from camera_bench import Film, picture
 from PIL import Image
-from world_bench import FakeCall, FakeContext
 
-from benchmarks.uxa90.robot import humanoid, joints, settings
 from lbr.capability.context import Device
 from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
@@ -19,7 +16,10 @@ from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.humanoid.settings import Ball
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
-from tests.machine import Stopwatch
+from tests.models.uxa90.robot import humanoid, joints, settings
+from tests.simulation.camera_bench import Film, picture
+from tests.simulation.world_bench import FakeCall, FakeContext
+from tests.support.machine import Stopwatch
 
 BUTTON = bytes.fromhex("ff ff aa 55 aa 55 37 ba 14 00 00 00 00 01")
 NOD = 14

@@ -18,7 +18,7 @@ from lbr.simulation.uxa90 import packets
 from lbr.simulation.uxa90.board import MainBoard
 from lbr.simulation.uxa90.firmware import Frame, Programme, shipped
 from lbr.simulation.uxa90.packets import GAP_S, Packet, Reader, framed
-from tests.machine import Stopwatch
+from tests.support.machine import Stopwatch
 
 PREAMBLE = "FFFFAA55AA5537BA "
 CONTROL = PREAMBLE + "10 00 00000001 01 01"

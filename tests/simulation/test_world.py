@@ -7,15 +7,15 @@ import time
 import msgspec
 import pytest
 import serial
-from world_bench import Bench, Client
 
 from lbr.capability.context import Device
 from lbr.simulation import KIND
 from lbr.simulation.capability import World
 from lbr.simulation.requests import FaultRequest, PictureRequest
 from lbr.simulation.twins import TWINS
-from tests import programs
-from tests.machine import Stopwatch
+from tests.simulation.world_bench import Bench, Client
+from tests.support import programs
+from tests.support.machine import Stopwatch
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from lbr.simulation.requests import FaultRequest
 from lbr.simulation.settings import BoxSettings, WorldSettings
 from lbr.simulation.trace import OutputTrace
 from lbr.simulation.twins.base import Surroundings
-from tests.machine import Stopwatch
+from tests.support.machine import Stopwatch
 
 WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 

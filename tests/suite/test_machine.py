@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests import machine
-from tests.machine import LEAST_SHARE, Look, Stopwatch, share
+from tests.support import machine
+from tests.support.machine import LEAST_SHARE, Look, Stopwatch, share
 
 SECONDS = st.floats(0.0, 1e6)
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests import programs
-from tests.robot import until
+from tests.support import programs
+from tests.support.robot import until
 
 pytestmark = pytest.mark.timeout(40)
 
@@ -18,8 +18,8 @@ ROOT = Path(__file__).parents[2]
 DIES = """
 import json, os, signal
 from pathlib import Path
-from tests import programs, sweep
-from tests.robot import start
+from tests.support import programs, sweep
+from tests.support.robot import start
 
 def test_is_killed(home):
     robot = start(home)
@@ -68,7 +68,7 @@ def test_leaves_nothing():
     assert not list(Path.home().iterdir())
 """
 TELLS = """
-from tests import machine
+from tests.support import machine
 
 def test_measures_again():
     machine.notes.append("measured again, 7 ms")

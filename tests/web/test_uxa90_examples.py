@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rest_cases import ask_all, on_the_wire, served
-from benchmarks.uxa90_wire import chunks, packets
 from tests.docs.pages import ROOT
-from tests.robot import until
+from tests.fuzzing.rest_cases import ask_all, on_the_wire, served
+from tests.support.robot import until
+from tests.support.uxa90_wire import chunks, packets
 
 SLOTS = (
     """UPDATE motion SET slot_s = CASE slot WHEN 12 THEN 30 ELSE 0.2 END WHERE robot = 'uxa90' AND slot IS NOT NULL"""

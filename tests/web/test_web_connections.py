@@ -14,7 +14,7 @@ from lbr.apps.http import slots
 from lbr.apps.http.slots import LIMIT_S
 from lbr.apps.http.turns import MOST_OF_ONE
 from lbr.apps.web import streams
-from tests.robot import until
+from tests.support.robot import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.test_web_server import Plain
 from tests.web.web_stage import Served, serving

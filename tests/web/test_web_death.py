@@ -8,7 +8,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from tests.robot import only, prepare, running, until
+from tests.support.robot import only, prepare, running, until
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(30)]
 EDITS = (

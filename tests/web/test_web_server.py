@@ -25,8 +25,8 @@ from lbr.errors import DeviceError
 from lbr.messages.faces import EditCommand, EditReply, Motor
 from lbr.messages.joints import JointsState
 from lbr.messages.leases import CommandReply
-from tests.machine import Stopwatch
-from tests.robot import until
+from tests.support.machine import Stopwatch
+from tests.support.robot import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.web_stage import Served, serving
 

@@ -4,14 +4,13 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Any
 
-from imu_bench import MadeUpImu
-
 from lbr.capability.context import Received
 from lbr.messages.attitude import CalibrateCommand, ObserveCommand
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.attitude.capability import Attitude
 from lbr.operations.attitude.settings import AttitudeSettings
+from tests.operations.attitude.imu_bench import MadeUpImu
 from tests.operations.fakes import FakeAsked, FakeCall
 
 TURN_DPS = 400.0

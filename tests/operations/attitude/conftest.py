@@ -4,8 +4,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from attitude_context import FakeContext, Silent
-from imu_bench import MadeUpImu
+
+from tests.operations.attitude.attitude_context import FakeContext, Silent
+from tests.operations.attitude.imu_bench import MadeUpImu
 
 
 @pytest.fixture

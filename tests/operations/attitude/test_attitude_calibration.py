@@ -5,12 +5,12 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from attitude_context import FakeContext, Silent
-from imu_bench import MadeUpImu, about, apart_deg
 
 from lbr.messages.attitude import CalibrateCommand
 from lbr.operations.attitude.samples import HEADER
 from lbr.operations.attitude.settings import Mounting
+from tests.operations.attitude.attitude_context import FakeContext, Silent
+from tests.operations.attitude.imu_bench import MadeUpImu, about, apart_deg
 
 IRON = about(2, 0.5) @ np.diag((1.2, 0.85, 1.0)) @ about(2, -0.5)
 

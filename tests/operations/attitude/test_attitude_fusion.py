@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from imu_bench import MadeUpImu, about, apart_deg, euler_deg, feed
 from msgspec.structs import replace
 
 from lbr.messages.imu import ImuSample
 from lbr.operations.attitude.fusion import LEARNING, NO_FIELD, Fusion
 from lbr.operations.attitude.settings import AttitudeSettings, Mounting
+from tests.operations.attitude.imu_bench import MadeUpImu, about, apart_deg, euler_deg, feed
 
 
 def fusion(values=None, **more):

@@ -6,7 +6,6 @@ from math import degrees, isclose, pi, sqrt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from imu_bench import apart_deg
 
 from lbr.operations.attitude.geometry import (
     axis_map,
@@ -27,6 +26,7 @@ from lbr.operations.attitude.geometry import (
     wrapped_deg,
 )
 from lbr.operations.attitude.settings import Mounting
+from tests.operations.attitude.imu_bench import apart_deg
 
 angle = st.floats(-720.0, 720.0)
 yaws = st.floats(-pi, pi)

@@ -8,7 +8,7 @@ import pytest
 from lbr.operations.attitude import painter as painting
 from lbr.operations.attitude.painter import Painter
 from lbr.operations.attitude.picture import Drawing
-from tests.robot import until
+from tests.support.robot import until
 
 DRAWING = Drawing(title="a title", measured=[(1.0, 2.0), (3.0, 4.0)], corrected=[(0.0, 1.0)])
 

@@ -2,9 +2,8 @@
 
 from collections import deque
 
-from drive_bench import Bench
-
 from lbr.operations.drive.state import Tick
+from tests.operations.drive.drive_bench import Bench
 
 TICK_S = 0.02
 FULL_DPS, FULL_MPS = 400.0, 1.0

@@ -2,12 +2,11 @@
 
 from typing import Any
 
-from drive_bench import motors, ranges
-
 from lbr.capability.context import Received
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.leases import StopCommand
 from lbr.operations.drive.settings import DriveSettings
+from tests.operations.drive.drive_bench import motors, ranges
 from tests.operations.fakes import FakeAsked, FakeCall, FakeEstop
 
 

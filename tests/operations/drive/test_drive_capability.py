@@ -2,13 +2,13 @@
 
 import msgspec
 import pytest
-from drive_context import FakeContext
 
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import CheckVerdict
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import KIND
 from lbr.operations.drive.capability import Drive
+from tests.operations.drive.drive_context import FakeContext
 
 
 class Robot:

@@ -3,9 +3,10 @@
 from math import inf, nan
 
 import pytest
-from drive_body import Body
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from tests.operations.drive.drive_body import Body
 
 STILL = (0.0, 0.0)
 

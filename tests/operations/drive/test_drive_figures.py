@@ -2,7 +2,7 @@
 
 import pytest
 
-from benchmarks.motion.counted import FIGURES
+from tests.models.motion.counted import FIGURES
 
 
 @pytest.mark.parametrize(("figure", "n"), [("F1", 300), ("F2", 600), ("F3", 3000), ("S18", 20)])

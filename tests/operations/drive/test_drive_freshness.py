@@ -3,11 +3,11 @@
 from math import inf, nan
 
 import pytest
-from drive_bench import Bench, motors
 
 from lbr.operations.drive.kernel import drive_state
 from lbr.operations.drive.state import MotorsSeen, RangesSeen
 from lbr.operations.leasing.state import Stop
+from tests.operations.drive.drive_bench import Bench, motors
 
 STILL = (0.0, 0.0)
 

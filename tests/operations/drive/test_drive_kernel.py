@@ -3,11 +3,11 @@
 from math import inf, nan
 
 import pytest
-from drive_bench import Bench, motors, ranges
 
 from lbr.messages.drive import CheckVerdict
 from lbr.operations.drive.acceptance import CHAIN
 from lbr.operations.drive.kernel import drive_state
+from tests.operations.drive.drive_bench import Bench, motors, ranges
 
 STILL = (0.0, 0.0)
 

@@ -3,12 +3,10 @@
 from math import atan2, cos, hypot, inf, isfinite, nan, pi, sin, tau
 
 import pytest
-from drive_bench import Bench, ranges
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from benchmarks.approach import run, trials
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive import memory as memories
 from lbr.operations.drive import rules
@@ -19,6 +17,8 @@ from lbr.operations.drive.mileage import Mileage
 from lbr.operations.drive.rules import MEMORY, SENSORS, Odometer
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.sweep import Sweep
+from tests.models.approach import run, trials
+from tests.operations.drive.drive_bench import Bench, ranges
 
 SETTINGS = DriveSettings()
 AHEAD_M, ASIDE_M = SETTINGS.body_length_m / 2, SETTINGS.body_width_m / 2

@@ -5,10 +5,10 @@ import sys
 import pytest
 from hypothesis import HealthCheck, settings
 
-from benchmarks import long_simulation
-from benchmarks.motion import broken
-from benchmarks.motion.machine import MotionMachine
-from tests import programs
+from tests.models import long_simulation
+from tests.models.motion import broken
+from tests.models.motion.machine import MotionMachine
+from tests.support import programs
 
 FOUND_WITHIN = {
     "forgets_stops": 15_000,
@@ -38,7 +38,7 @@ def test_a_long_history_breaks_no_rule(seed):
 
 
 def test_the_same_seed_is_the_same_history_in_another_process():
-    again = "from benchmarks.long_simulation import simulate; print(simulate(7, steps=3000).trace)"
+    again = "from tests.models.long_simulation import simulate; print(simulate(7, steps=3000).trace)"
     there = programs.run([sys.executable, "-c", again], capture_output=True, text=True, check=True)
     assert there.stdout.strip() == long_simulation.simulate(7, steps=3000).trace
     assert there.stdout.strip() != long_simulation.simulate(8, steps=3000).trace

@@ -3,8 +3,6 @@
 from math import inf, nan
 
 import pytest
-from drive_bench import Bench
-from drive_body import Body
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -12,6 +10,8 @@ from lbr.messages.drive import CheckVerdict, DriveCommand, HeadingCommand, TurnC
 from lbr.operations.drive import asked, bearing
 from lbr.operations.drive.kernel import drive_state
 from lbr.operations.drive.settings import DriveSettings
+from tests.operations.drive.drive_bench import Bench
+from tests.operations.drive.drive_body import Body
 
 STILL = (0.0, 0.0)
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from benchmarks.lease import replay, spin
-from benchmarks.lease.replay import Driver, MismatchError, Replay
-from benchmarks.lease.seeded import PROPERTIES, SEEDED
-from benchmarks.lease.spin import DEEP, FINE_S, MODEL, Search, ticks
-from benchmarks.motion import broken
 from lbr.drivers.roboteq import arming
+from tests.models.lease import replay, spin
+from tests.models.lease.replay import Driver, MismatchError, Replay
+from tests.models.lease.seeded import PROPERTIES, SEEDED
+from tests.models.lease.spin import DEEP, FINE_S, MODEL, Search, ticks
+from tests.models.motion import broken
 
 LACKING = [program for program in ("spin", "cc") if shutil.which(program) is None]
 pytestmark = [

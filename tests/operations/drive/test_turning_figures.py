@@ -1,6 +1,6 @@
 """Turns in the simulated world by the attitude's own fusion, a few of those that `python -m benchmarks.turning` measures."""
 
-from benchmarks import turning
+from tests.models import turning
 
 
 def test_turns_and_headings_end_where_they_should():

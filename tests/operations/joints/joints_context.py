@@ -2,14 +2,13 @@
 
 from typing import Any
 
-from joints_bench import ROWS, Servos
-
 from lbr.capability.context import Received
 from lbr.messages.joints import JointMove, JointsCommand, RecoverCommand, TorqueCommand
 from lbr.messages.leases import StopCommand
 from lbr.operations.joints.capability import Joints
 from lbr.operations.joints.settings import JointsSettings
 from tests.operations.fakes import FakeAsked, FakeCall, FakeEstop
+from tests.operations.joints.joints_bench import ROWS, Servos
 
 
 class FakeContext:

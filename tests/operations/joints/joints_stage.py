@@ -11,7 +11,6 @@ import time
 from pathlib import Path
 
 import msgspec
-from joints_bench import BODY, ROWS
 
 from lbr.bus import session, wire
 from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
@@ -22,8 +21,9 @@ from lbr.executive.reaper import Reaper
 from lbr.executive.units import Unit
 from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.dynamixel import DynamixelTwin
-from tests import programs
-from tests.robot import until
+from tests.operations.joints.joints_bench import BODY, ROWS
+from tests.support import programs
+from tests.support.robot import until
 
 KEY = "5e" * 32
 JOINTS = tuple(joint for joint in ROWS if joint.name in {"left_knee", "right_knee"})

@@ -3,7 +3,8 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from joints_bench import BODY, NAMES
+
+from tests.operations.joints.joints_bench import BODY, NAMES
 
 few = settings(max_examples=30, deadline=None)
 

@@ -4,12 +4,12 @@ from math import radians
 
 import msgspec
 import pytest
-from joints_bench import BODY, NAMES
-from joints_context import FakeContext, Robot
 
 from lbr.messages.leases import CommandReply
 from lbr.operations.joints import KIND
 from lbr.operations.joints.capability import Joints
+from tests.operations.joints.joints_bench import BODY, NAMES
+from tests.operations.joints.joints_context import FakeContext, Robot
 
 
 @pytest.fixture

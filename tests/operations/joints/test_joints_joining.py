@@ -1,9 +1,9 @@
 """Joints that begin to move beside others, each as fast as it may, and how strong they are."""
 
 import pytest
-from joints_bench import BODY, DT, NAMES, Bench, frame
 
 from lbr.operations.joints.view import joints_state
+from tests.operations.joints.joints_bench import BODY, DT, NAMES, Bench, frame
 
 SLOW = {"left_knee": -1.0}
 

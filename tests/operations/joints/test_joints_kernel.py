@@ -1,12 +1,12 @@
 """The joints kernel: who may move what, how motions begin, go on and end, and what the servos are told."""
 
 import pytest
-from joints_bench import BODY, DT, NAMES, START, Bench, frame
 
 from lbr.messages.servos import ServosState
 from lbr.operations.joints.state import Tick
 from lbr.operations.joints.view import joints_state
 from lbr.operations.leasing.state import Stop
+from tests.operations.joints.joints_bench import BODY, DT, NAMES, START, Bench, frame
 
 SLOW = {"left_knee": -1.0}
 

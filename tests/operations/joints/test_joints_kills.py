@@ -5,9 +5,9 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from joints_stage import Stage
 
-from tests.robot import until
+from tests.operations.joints.joints_stage import Stage
+from tests.support.robot import until
 
 pytestmark = pytest.mark.timeout(30)
 

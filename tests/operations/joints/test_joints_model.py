@@ -5,12 +5,12 @@ from math import inf, nan
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-from joints_bench import BODY, DT, NAMES, Bench, Servos, frame
 from msgspec.structs import replace
 
 from lbr.messages.joints import StoredMotion
 from lbr.operations.joints.moving import MARGIN_RAD
 from lbr.operations.joints.state import Tick
+from tests.operations.joints.joints_bench import BODY, DT, NAMES, Bench, Servos, frame
 
 SOURCES = ("console", "pad", "far")
 IDS = {joint.device_id: name for name, joint in BODY.joints.items()}

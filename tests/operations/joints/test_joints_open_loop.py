@@ -1,11 +1,11 @@
 """Joints whose position nobody can tell: moved all the same where the row says so, by the clock and what was told."""
 
 import pytest
-from joints_bench import NAMES, Bench
 
 from lbr.messages.joints import StoredMotion
 from lbr.operations.joints.planning import UNKNOWN_S
 from lbr.operations.joints.view import joints_state
+from tests.operations.joints.joints_bench import NAMES, Bench
 
 KNEE = 14
 POSE = {"left_knee": -0.3}

@@ -1,12 +1,12 @@
 """Motions that the servos' controller plays by itself: who may have them played, and what ends them."""
 
 import pytest
-from joints_bench import NAMES, Bench
 
 from lbr.drivers.mover import first, receive, tick
 from lbr.drivers.uxa90 import plays
 from lbr.messages.joints import StoredMotion
 from lbr.operations.joints.view import joints_state
+from tests.operations.joints.joints_bench import NAMES, Bench
 
 WALK = StoredMotion(slot=4, duration_s=2.0, pose={"left_knee": -0.4})
 SIT = StoredMotion(slot=21, duration_s=1.0, limp=True)

@@ -5,10 +5,10 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from joints_bench import frame
 
 from lbr.operations.joints import trajectory
 from lbr.operations.joints.trajectory import plan, positions, speeds
+from tests.operations.joints.joints_bench import frame
 
 angles = st.floats(-3.0, 3.0)
 pose = st.fixed_dictionaries({"a": angles, "b": angles})

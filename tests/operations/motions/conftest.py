@@ -1,5 +1,6 @@
 import pytest
-from motions_bench import Stage, World
+
+from tests.operations.motions.motions_bench import Stage, World
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 from math import radians
 
-from motions_bench import JOINTS
+from tests.operations.motions.motions_bench import JOINTS
 
 
 def test_the_pose_of_now_becomes_a_motion_that_is_played_at_once(stage, world):

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
-from motions_bench import MOTIONS
 
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand
@@ -29,6 +28,7 @@ from lbr.operations.motions.state import (
     first_state,
 )
 from lbr.operations.motions.view import motions_state
+from tests.operations.motions.motions_bench import MOTIONS
 
 pytestmark = pytest.mark.timeout(60)
 SOURCES = st.sampled_from(["console", "pad", "laptop"])

@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
-from tests import programs
-from tests.robot import Robot, prepare, running, until
+from tests.support import programs
+from tests.support.robot import Robot, prepare, running, until
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
 soon = partial(until, limit_s=15.0)

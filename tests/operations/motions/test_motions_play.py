@@ -1,9 +1,9 @@
 """Playing: what is sent to the joints, for whom, and how it ends."""
 
 import pytest
-from motions_bench import MOTIONS, frame
 
 from lbr.messages.joints import Motion
+from tests.operations.motions.motions_bench import MOTIONS, frame
 
 
 def positions(world):

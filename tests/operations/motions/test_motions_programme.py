@@ -4,12 +4,12 @@ import msgspec
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motions_bench import JOINTS, frame
 
 from lbr.bus.wire import MAX_COMMAND_BYTES
 from lbr.messages.joints import JointsCommand, JointsState, JointState, KeyFrame, Motion, PlayCommand
 from lbr.operations.motions.pose import reach_s
 from lbr.operations.motions.programme import programme
+from tests.operations.motions.motions_bench import JOINTS, frame
 
 
 def motion(name, count, **leads):

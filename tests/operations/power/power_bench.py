@@ -11,7 +11,7 @@ from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import ArmCommand, CancelCommand, UpsState
 from lbr.operations.power import KIND
-from tests.machine import Stopwatch
+from tests.support.machine import Stopwatch
 
 TICK_S = 0.05
 GOOD = UpsState(valid=True, source="external", external_v=11.5, battery_v=4.1)

@@ -5,8 +5,6 @@ import threading
 
 import pytest
 from msgspec.structs import replace
-from power_bench import GOOD, LOW, TICK_S, Running
-from private_bus import Logind, needs_dbus
 
 from lbr.capability.context import Device
 from lbr.drivers.i2c import open_bus
@@ -16,6 +14,8 @@ from lbr.messages.joints import PlayCommand, TorqueCommand
 from lbr.operations.power.logind import meaning
 from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.pico import PicoTwin
+from tests.operations.power.power_bench import GOOD, LOW, TICK_S, Running
+from tests.operations.power.private_bus import Logind, needs_dbus
 
 EMULATED_LOW = replace(LOW, emulated=True)
 EMULATED_GOOD = replace(GOOD, emulated=True)

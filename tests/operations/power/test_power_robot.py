@@ -9,9 +9,9 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from private_bus import Logind, needs_dbus
 
-from tests.robot import prepare, running, until
+from tests.operations.power.private_bus import Logind, needs_dbus
+from tests.support.robot import prepare, running, until
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60), needs_dbus]
 soon = partial(until, limit_s=20.0)

@@ -1,0 +1,1 @@
+"""What only benchmarks need to load, to hold up and to compare."""

@@ -1,0 +1,129 @@
+"""S18: bounded moves end by time and by range, measured at the motors."""
+
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from lbr.bus import stamp, wire
+from tests.support.bench import ANGLES, Bench, bench
+from tests.support.figures import Results
+from tests.support.mover import POWER, accepted
+
+INTERVAL_EARLY_MS, INTERVAL_LATE_MS = -20.0, 40.0
+RENEW_S = 0.1
+WALL_NEAR_CM, WALL_FAR_CM = 380.0, 415.0
+FAR_M, NEAR_M, TARGET_CM = 1.5, 0.6, 90.0
+
+
+def interval(under_test: Bench) -> None:
+    """A move of a given time ends on time: not before that since it was asked for, nor long after it was accepted."""
+    interval_s = round(under_test.dice.uniform(0.4, 0.8), 2)
+    before = _ended(under_test)
+    asked_ns = time.monotonic_ns()
+    with held(under_test, {"interval_s": interval_s}) as accepted_ns:
+        under_test.wait_for_motion()
+        zero = under_test.trace.first_zero(accepted_ns + 100_000_000, 2.0)
+    if zero is None:
+        under_test.results.check("S18 interval", [f"a move of {interval_s:g} s never ended"])
+        return
+    under_test.until(lambda: _ended(under_test)["goal"] != before["goal"], 3.0, "the end of the move")
+    ended = _ended(under_test)
+    late_ms, early_ms = ((zero.at_ns - at_ns) * 1e-6 - interval_s * 1000 for at_ns in (accepted_ns, asked_ns))
+    if early_ms < INTERVAL_EARLY_MS and (ended["result"] != "interval" or ended["elapsed_s"] >= interval_s):
+        under_test.results.disturbed.append(f"S18 interval: the wheels stood before its time: {ended['reason']}")
+    else:
+        under_test.results.sample("S18 interval", max(0.0, late_ms, -early_ms))
+        early = [f"a move of {interval_s:g} s ended {-early_ms:.1f} ms early"] if early_ms < INTERVAL_EARLY_MS else []
+        under_test.results.check("S18 interval", early)
+    under_test.stays_at_rest(zero)
+
+
+def range_crossed(under_test: Bench) -> None:
+    """A move to a range ends when the sensor's frame says so; the sensor is pinned far, then near."""
+    _pin(under_test, FAR_M)
+    _see(under_test, lambda metres: metres > 1.0)
+    with held(under_test, {"range_cm": TARGET_CM, "sensor": "forward"}):
+        under_test.wait_for_motion()
+        _pin(under_test, NEAR_M)
+        frame_ns = _see(under_test, lambda metres: metres < 1.0)
+        zero = under_test.stopped_after("S18 range", frame_ns)
+    under_test.stays_at_rest(zero)
+    _pin(under_test, None)
+
+
+def wall_approached(under_test: Bench) -> None:
+    """Drive towards the real wall to one distance, and back to another."""
+    _until_range(under_test, 0.0, WALL_NEAR_CM, lambda metres: metres <= WALL_NEAR_CM / 100)
+    _until_range(under_test, 180.0, WALL_FAR_CM, lambda metres: metres >= WALL_FAR_CM / 100)
+
+
+def bounds(results: Results, n: int) -> None:
+    """S18."""
+    with bench(results) as under_test:
+        for _ in range(max(1, n // 4)):
+            wall_approached(under_test)
+        for _ in range(n):
+            interval(under_test)
+            range_crossed(under_test)
+
+
+def _ended(under_test: Bench) -> dict[str, Any]:
+    """Return how the newest bounded move ended."""
+    return under_test.robot.ask("drive/result", timeout_s=1.0) or {"goal": ""}
+
+
+def _until_range(under_test: Bench, angle_deg: float, range_cm: float, crossed: Callable[[float], bool]) -> None:
+    with held(under_test, {"angle_deg": angle_deg, "range_cm": range_cm, "sensor": "forward"}):
+        under_test.wait_for_motion()
+        zero = under_test.stopped_after("S18 range", _see(under_test, crossed))
+    under_test.stays_at_rest(zero)
+
+
+@contextmanager
+def held(under_test: Bench, limits: dict[str, Any]) -> Iterator[int]:
+    """Start a bounded move, give the moment of its acceptance, and renew its lease until a little after the block."""
+    robot = under_test.robot
+    command = {"power": POWER, "angle_deg": under_test.dice.choice(ANGLES)} | limits
+    lease = accepted(robot, command)
+    accepted_ns = time.monotonic_ns()
+    over = threading.Event()
+
+    def renew() -> None:
+        while not over.wait(RENEW_S):
+            robot.put("drive/command", command | {"lease": lease}, source="bench")
+
+    renewing = threading.Thread(target=renew, daemon=True)
+    renewing.start()
+    try:
+        yield accepted_ns
+        over.wait(0.15)
+    finally:
+        over.set()
+        renewing.join()
+
+
+def _pin(under_test: Bench, metres: float | None) -> None:
+    request = {"device": "range_board", "name": "range_forward_m", "value": metres}
+    reply = under_test.robot.ask("world/fault", request)
+    assert reply["accepted"], reply
+
+
+def _see(under_test: Bench, wanted: Callable[[float], bool]) -> int:
+    """Wait for the first frame whose forward distance is as wanted; return when the driver had it."""
+    robot = under_test.robot
+    frames = wire.Subscription(robot.bus, f"{robot.name}/ranges/readings", depth=64)
+    try:
+        end = time.monotonic() + 3.0
+        while time.monotonic() < end:
+            for raw in frames.take():
+                metres = json.loads(raw.payload)["forward_m"]
+                found = stamp.read(raw.attachment)
+                if metres is not None and wanted(metres) and found is not None:
+                    return found.mono_ns
+            under_test.pass_time(0.002)
+    finally:
+        frames.close()
+    raise AssertionError("the range board never showed what it was pinned to")

@@ -1,0 +1,215 @@
+"""A whole robot for tests: `lbr run` in a home of its own, and a plain client on its bus."""
+
+import json
+import os
+import select
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+from lbr.bus import keys, session, wire
+from lbr.bus.access import TOOLS, Credentials
+from lbr.database import store
+from tests.support import machine, programs
+
+T = TypeVar("T")
+LBR = [sys.executable, "-m", "lbr.cli"]
+
+
+BASE = ("motors", "ranges", "drive", "world")
+"""What most tests need of the robot; the rest would only make every start slower."""
+
+
+def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = False) -> Path:
+    """Make a home with the shipped rows, whose world traces its motor outputs; the base runs, `also`, and after `edits`.
+
+    `whole` leaves lbr as it ships. Other robots run whole, unless an edit says otherwise (`only`). What is served has a
+    port of its own.
+    """
+    home.mkdir(mode=0o700, parents=True, exist_ok=True)
+    store.create(home / "robot.db")
+    with sqlite3.connect(home / "robot.db") as database:
+        trace = str(home / "trace.txt")
+        database.execute(
+            "UPDATE capability SET settings = json_set(settings, '$.trace', ?) WHERE robot = 'lbr' AND name = 'world'",
+            (trace,),
+        )
+        if not whole:
+            database.execute(only("lbr", *BASE, *also))
+        database.execute(
+            "UPDATE capability SET settings = json_set(settings, '$.port', ?, '$.announce', json('false'))"
+            " WHERE kind = 'web'",
+            (free_port(),),
+        )
+        for edit in edits:
+            database.execute(edit)
+    database.close()
+    return home
+
+
+def only(robot: str, *names: str) -> str:
+    """Return the edit that leaves a robot these capabilities alone."""
+    wanted = ", ".join(f"'{name}'" for name in names)
+    return f"UPDATE capability SET enabled = 0 WHERE robot = '{robot}' AND name NOT IN ({wanted})"
+
+
+def free_port() -> int:
+    """Return a port of this machine that nobody has, now; each is given out once."""
+    while True:
+        with socket.socket() as found:
+            found.bind(("127.0.0.1", 0))
+            port = int(found.getsockname()[1])
+        if port not in _given:
+            _given.add(port)
+            return port
+
+
+_given: set[int] = set()
+
+
+class Robot:
+    """A running robot. Motor outputs are read from the trace that the emulated controller writes."""
+
+    def __init__(self, home: Path, popen: "subprocess.Popen[str]", ready: dict[str, Any]) -> None:
+        self.home = home
+        self.popen = popen
+        self.ready = ready
+        self.name = ready["robot"]
+        self.endpoints = ready["endpoints"]
+        self.bus = session.open_client(self.endpoints)
+        self._owner: session.Session | None = None
+
+    def as_owner(self) -> session.Session:
+        """Open a session with all rights, as `lbr`'s own commands do."""
+        running = json.loads((self.home / "run" / f"{self.name}.json").read_text())
+        return session.open_client([running["core"]], Credentials(user=TOOLS, password=running["password"]))
+
+    def ask(self, key: str, message: Any = None, *, source: str = "test", timeout_s: float = 2.0) -> Any:
+        """Query `<robot>/<key>` and return the decoded answer; None if nobody answered."""
+        answers = wire.ask(self.bus, f"{self.name}/{key}", message, source=source, timeout_s=timeout_s)
+        return json.loads(answers[0].payload) if answers else None
+
+    def put(self, key: str, message: Any, *, source: str = "test") -> None:
+        wire.put(self.bus, f"{self.name}/{key}", message, source=source)
+
+    def line(self, text: str, role: str = "admin") -> dict[str, Any]:
+        """Send a console line over the bus, with all rights as `lbr send` does, or as who may do less."""
+        if self._owner is None and role == "admin":
+            self._owner = self.as_owner()
+        bus = self._owner if role == "admin" and self._owner is not None else self.bus
+        query = bus.get(keys.console(self.name, role), payload=text, timeout=5.0)
+        return json.loads(next(iter(query)).ok.payload.to_bytes())
+
+    def status(self) -> dict[str, Any]:
+        return self.ask("@status")
+
+    def capability(self, name: str) -> dict[str, Any]:
+        absent = {"name": name, "phase": "absent", "pid": None, "reason": "", "restarts": 0}
+        return next((unit for unit in self.status()["capabilities"] if unit["name"] == name), absent)
+
+    def events(self) -> list[dict[str, Any]]:
+        return self.line("/report/events")["data"]
+
+    def edit(self, sql: str, *parameters: Any) -> None:
+        """Change the rows the way anybody does: with another SQLite client."""
+        with sqlite3.connect(self.home / "robot.db", timeout=5.0) as database:
+            database.execute(sql, parameters)
+        database.close()
+
+    @property
+    def web(self) -> str:
+        """Where it is served over HTTP: on a port of its own, whatever else runs on this machine."""
+        with sqlite3.connect(self.home / "robot.db") as database:
+            query = "SELECT settings ->> '$.port' FROM capability WHERE kind = 'web' AND robot = ?"
+            (port,) = database.execute(query, (self.name,)).fetchone()
+        database.close()
+        return f"http://127.0.0.1:{port}"
+
+    @property
+    def trace(self) -> Path:
+        return self.home / "trace.txt"
+
+    def close(self) -> int:
+        self.bus.close()
+        if self._owner is not None:
+            self._owner.close()
+        if self.popen.poll() is None:
+            self.popen.send_signal(signal.SIGTERM)
+        assert self.popen.stdout is not None
+        self.popen.stdout.close()
+        try:
+            return self.popen.wait(8.0)
+        except BaseException:  # also when the time of the test is over
+            self.popen.kill()
+            self.popen.wait()
+            raise
+
+
+def until(look: Callable[[], T], *, limit_s: float = 5.0, what: str = "") -> T:
+    """Look again and again until it is truthy; fail with the last look. The limit is for what the machine gives."""
+    watch = machine.Stopwatch()
+    while True:
+        seen = look()
+        if seen:
+            return seen
+        if watch.over(limit_s):
+            raise AssertionError(f"not within {limit_s} s ({watch}): {what or look}; last seen {seen!r}")
+        select.select([], [], [], 0.01)
+
+
+def environment(home: Path) -> dict[str, str]:
+    return os.environ | {"LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"}
+
+
+def start(
+    home: Path, *arguments: str, profile: str = "lbr-sim", limit_s: float = 9.0, prefix: tuple[str, ...] = ()
+) -> Robot:
+    """Run a robot, by the program `prefix` if there is one, and wait for its ready line."""
+    with (home / "stderr.txt").open("ab") as errors:
+        popen = programs.start(
+            [*prefix, *LBR, "run", profile, "--no-console", *arguments],
+            env=environment(home),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+        )
+    try:
+        until(lambda: select.select([popen.stdout], [], [], 0.1)[0], limit_s=limit_s, what="its ready line")
+        line = popen.stdout.readline()
+        assert line, f"no ready line: {(home / 'stderr.txt').read_text()[-2000:]}"
+        return Robot(home, popen, json.loads(line))
+    except BaseException:  # also when the time of the test is over
+        popen.kill()
+        popen.wait()
+        popen.stdout.close()
+        raise
+
+
+def lbr(home: Path, *arguments: str, stdin: str = "", limit_s: float = 9.0) -> "subprocess.CompletedProcess[str]":
+    """Run an `lbr` command to its end."""
+    return programs.run(
+        [*LBR, *arguments],
+        env=environment(home),
+        input=stdin,
+        capture_output=True,
+        text=True,
+        timeout=limit_s / machine.LEAST_SHARE,
+        check=False,
+    )
+
+
+@contextmanager
+def running(home: Path, *arguments: str, **options: Any) -> Iterator[Robot]:
+    """Run a robot for the time of a `with`, and let no process outlive it."""
+    robot = start(home, *arguments, **options)
+    try:
+        yield robot
+    finally:
+        robot.close()
