@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import pytest
 
 from lbr.bus.stamp import boot_id
-from lbr.drivers.roboteq import KIND, EnableCommand, capability
-from lbr.drivers.roboteq.arming import Setpoint, receive
+from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
+from lbr.drivers.wheels import EnableCommand, capability
+from lbr.drivers.wheels.arming import Setpoint, receive
 from lbr.errors import DeviceError
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.system import Stamp

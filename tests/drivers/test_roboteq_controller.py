@@ -57,7 +57,7 @@ def test_echo_may_be_on_or_off_before_and_after(bring_up, peer, echo_before, ech
     controller.drive(0.5, 0.5)
     assert controller.applied == (0.5, 0.5)
     for _ in range(12):
-        controller.query_next()
+        controller.poll()
     measured = controller.telemetry.measured()
     assert measured["voltage_v"] == 12.6
     assert measured["internal_v"] == 13.5
@@ -118,7 +118,7 @@ def test_swapped_channels_swap_wire_and_telemetry(bring_up, peer):
     assert peer.motor_commands()[-1] == "!M 300 100"
     assert controller.applied == (0.1, 0.3)
     for _ in range(3):
-        controller.query_next()
+        controller.poll()
     assert controller.telemetry.measured()["counts_left"] == -260
 
 
@@ -283,7 +283,7 @@ def test_a_reset_that_brings_back_the_long_watchdog_is_noticed(bring_up, peer):
     controller.open()
     peer.settings["RWD"] = 1000
     with pytest.raises(DeviceError, match="watchdog of 1000 ms"):
-        repeat(60, controller.query_next)  # an answer may come late on a busy machine
+        repeat(60, controller.poll)  # an answer may come late on a busy machine
 
 
 def test_one_misread_watchdog_is_asked_for_again_and_forgiven(bring_up, peer):
@@ -291,7 +291,7 @@ def test_one_misread_watchdog_is_asked_for_again_and_forgiven(bring_up, peer):
     controller.open()
     misread = []
     peer.answer = lambda line: b"RWD=300\r" if line == "~RWD" and not misread and not misread.append(1) else None
-    repeat(15, controller.query_next)
+    repeat(15, controller.poll)
     assert misread
     assert peer.log[-15:].count("~RWD") == 2
 
@@ -349,7 +349,7 @@ def test_what_the_controller_does_not_answer_any_more_becomes_unknown(bring_up, 
     controller.telemetry._clock = lambda: now[0]
     controller.open()
     for _ in range(12):
-        controller.query_next()
+        controller.poll()
     assert controller.telemetry.measured()["voltage_v"] == 12.6
     now[0] = 1.0
     assert controller.telemetry.measured()["voltage_v"] is None

@@ -11,9 +11,9 @@ import pytest
 from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
-from lbr.drivers.roboteq.guard import PROGRAM
-from lbr.drivers.roboteq.protocol import STOP
+from lbr.drivers.roboteq.protocol import ACKNOWLEDGED, STOP
 from lbr.drivers.serial_line import open_line
+from lbr.drivers.wheels.guard import PROGRAM
 from lbr.errors import DeviceError
 from tests.drivers.peers import FakeContext, until
 from tests.support import programs
@@ -116,7 +116,8 @@ def test_the_guard_says_why_before_it_kills():
     said, words = os.pipe()
     victim = programs.start(["/bin/sleep", "60"])
     driver = os.pidfd_open(victim.pid)
-    program = [sys.executable, "-I", "-S", str(PROGRAM), str(line), str(beats), str(driver), "60", STOP.hex()]
+    numbers = [str(line), str(beats), str(driver), "60"]
+    program = [sys.executable, "-I", "-S", str(PROGRAM), *numbers, STOP.hex(), ACKNOWLEDGED.hex()]
     guard = programs.start([*program, str(words), b"why".hex()], pass_fds=(line, beats, driver, words))
     os.write(alive, b"m")
     assert victim.wait(2.0) == -signal.SIGKILL

@@ -5,10 +5,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
-from lbr.messages.leases import CommandReply
-from lbr.messages.motors import MotorSetpoint, MotorsState
-from lbr.messages.units import Name
+from lbr.drivers.wheels import WheelsSettings, wheels_kind
 
 FaultName = Literal[
     "overheat",
@@ -24,12 +21,6 @@ Pattern = Annotated[str, Meta(max_length=200, description="regular expression to
 Baud = Literal[9600, 19200, 38400, 57600, 115200]
 
 
-class EnableCommand(Struct, frozen=True, kw_only=True):
-    """Let setpoints through to the motors, or hold them at zero."""
-
-    enabled: bool
-
-
 class Wheel(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How one wheel's motor is wired: forward times `direction` goes to `channel`."""
 
@@ -39,20 +30,13 @@ class Wheel(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     max_power: Annotated[float, Meta(gt=0.0, le=1.0, description="limit, applied after everything else")] = 1.0
 
 
-class RoboteqSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class RoboteqSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `roboteq` may set."""
 
-    device: Name
     left: Wheel = Wheel(channel=1)
     right: Wheel = Wheel(channel=2)
-    enabled: bool = True
-    setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
     watchdog_ms: Annotated[int, Meta(ge=50, le=250, description="the controller's own watchdog, `^RWD`")] = 200
     reply_timeout_s: Annotated[float, Meta(ge=0.005, le=0.1, description="an answer later than this is lost")] = 0.03
-    guard: bool = True
-    guard_silence_ms: Annotated[
-        int, Meta(ge=60, le=250, description="while a motor may turn, a driver silent for longer is killed")
-    ] = 120
     echo: bool = True
     mixing_mode: Annotated[int, Meta(ge=0, le=9, description="what `~MXMD` must answer; 0 is separate")] | None = 0
     firmware: Pattern = "(?i)roboteq"
@@ -82,16 +66,9 @@ class RoboteqSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         return (f"{text}, or it turns when it is to drive ahead: try `/r/0.1/0` with the wheels off the floor",)
 
 
-KIND = Kind(
-    name="roboteq",
-    summary="Roboteq SDC21xx motor controller driving two wheels",
-    family="driver",
-    entry="lbr.drivers.roboteq.capability:Roboteq",
-    settings=RoboteqSettings,
-    setpoints={"setpoint": MotorSetpoint},
-    outputs={"state": MotorsState},
-    commands={"enable": EnableCommand},
-    replies={"enable": CommandReply},
-    moves=True,
-    device="roboteq",
+KIND = wheels_kind(
+    "roboteq",
+    "Roboteq SDC21xx motor controller driving two wheels",
+    "lbr.drivers.roboteq.capability:Roboteq",
+    RoboteqSettings,
 )

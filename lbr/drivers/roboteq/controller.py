@@ -9,6 +9,7 @@ from lbr.drivers.roboteq import protocol as wire
 from lbr.drivers.roboteq.exchange import Exchange, Line, Outcome
 from lbr.drivers.roboteq.readings import Setting, Text, decode
 from lbr.drivers.roboteq.telemetry import Telemetry
+from lbr.drivers.wheels.contract import EMERGENCY_STOP, GuardStop, Measured
 from lbr.errors import DeviceError
 
 PATIENCE_S = 0.005
@@ -108,7 +109,34 @@ class Controller:
         self._ask(wire.query("FF"), 1)
         return True
 
-    def query_next(self) -> None:
+    def fileno(self) -> int:
+        """Return the descriptor of its line."""
+        return self._line.fileno()
+
+    @property
+    def guard_stop(self) -> GuardStop:
+        """What its guard writes to stop it."""
+        return GuardStop(wire.STOP, wire.ACKNOWLEDGED)
+
+    @property
+    def faults(self) -> tuple[str, ...] | None:
+        """Names of the fault bits set; None: not known."""
+        return self.telemetry.faults
+
+    @property
+    def grave(self) -> tuple[str, ...]:
+        """Names of the fault bits set that the row does not tolerate."""
+        return tuple(name for name in self.faults or () if name not in self._settings.tolerated_faults)
+
+    def faults_after(self, when: float) -> tuple[str, ...] | None:
+        """Return the fault bits if they were read after `when`."""
+        return self.telemetry.faults_after(when)
+
+    def measured(self) -> Measured:
+        """Return what was measured last, for as long as that can be believed."""
+        return self.telemetry.measured()
+
+    def poll(self) -> None:
         """Ask for the next value of the rotation, if no answer is due."""
         if not self._settle(0.0):
             return
@@ -248,7 +276,7 @@ class Controller:
         if self._lost_in_a_row >= LOST_IN_A_ROW:
             left = f"{self._babbles}left {self._lost_in_a_row} commands unanswered"
             raise DeviceError(self._sentence(f"{left}; check cable and power"))
-        latched = "emergency_stop" in (self.telemetry.faults or ())
+        latched = EMERGENCY_STOP in (self.telemetry.faults or ())
         if self._refused_in_a_row >= REFUSED_IN_A_ROW and not latched:
             raise DeviceError(self._sentence(f"refused {self._refused_in_a_row} commands in a row; check its set-up"))
         if self._foreign_watchdogs >= 2:  # one alone may be a misread digit

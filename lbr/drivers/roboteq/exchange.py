@@ -12,6 +12,9 @@ Result = Literal["acknowledged", "value", "refused", "lost"]
 class Line(Protocol):
     """The bytes to and from the controller."""
 
+    def fileno(self) -> int:
+        """Return its descriptor."""
+
     def read(self, wait_s: float = 0.0) -> bytes:
         """Return what has come in, waiting `wait_s` at most."""
 

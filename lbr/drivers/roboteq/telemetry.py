@@ -1,28 +1,15 @@
 """What the controller last measured, for as long as that can be believed."""
 
 from collections.abc import Callable
-from typing import TypedDict, TypeVar
+from typing import TypeVar
 
 from lbr.drivers.roboteq import RoboteqSettings, Wheel
 from lbr.drivers.roboteq.protocol import Value
 from lbr.drivers.roboteq.readings import Amps, Channels, Flags, Reading, Setting, Temperatures, Volts, decode
+from lbr.drivers.wheels.contract import Measured
 
 BELIEVED_S = 1.0
 R = TypeVar("R", bound=Reading)
-
-
-class Measured(TypedDict):
-    """The measured fields of MotorsState."""
-
-    voltage_v: float | None
-    internal_v: float | None
-    output_v: float | None
-    amps_left_a: float | None
-    amps_right_a: float | None
-    counts_left: int | None
-    counts_right: int | None
-    temperature_c: float | None
-    faults: tuple[str, ...]
 
 
 class Telemetry:

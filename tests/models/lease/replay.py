@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from math import inf, nan
 
 from lbr.capability.dating import Dates
-from lbr.drivers.roboteq import arming
-from lbr.drivers.roboteq.arming import Arming, Inhibit
+from lbr.drivers.wheels import arming
+from lbr.drivers.wheels.arming import Arming, Inhibit
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState

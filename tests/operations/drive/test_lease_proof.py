@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from lbr.drivers.roboteq import arming
+from lbr.drivers.wheels import arming
 from tests.models.lease import replay, spin
 from tests.models.lease.replay import Driver, MismatchError, Replay
 from tests.models.lease.seeded import PROPERTIES, SEEDED

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from lbr.drivers.roboteq.arming import DEAD_LEASES_KEPT, Arming, Inhibit, Setpoint, receive, tick
+from lbr.drivers.setpoint_gate import REVOKED_KEPT
+from lbr.drivers.wheels.arming import Arming, Inhibit, Setpoint, receive, tick
 
 VALID_S = 0.1
 
@@ -80,10 +81,10 @@ def test_an_inhibit_stops_at_once_and_a_zero_from_before_does_not_arm_after_it(f
 
 def test_the_memory_of_dead_leases_is_bounded():
     state = Arming()
-    for number in range(DEAD_LEASES_KEPT + 50):
+    for number in range(REVOKED_KEPT + 50):
         state = receive(state, at(10.0, nan, nan, f"L{number}"), 10.0, VALID_S)
-    assert len(state.dead) == DEAD_LEASES_KEPT
-    assert state.dead[-1] == f"L{DEAD_LEASES_KEPT + 49}"
+    assert len(state.dead) == REVOKED_KEPT
+    assert state.dead[-1] == f"L{REVOKED_KEPT + 49}"
 
 
 powers = st.sampled_from([0.0, 0.0, 0.3, -1.0, nan, inf])
@@ -114,7 +115,7 @@ class AnyHistory(RuleBasedStateMachine):
         was_armed = self.state.armed
         self._advance(receive(self.state, setpoint, self.now, VALID_S))
         if not was_armed and self.state.armed:
-            assert setpoint.zero
+            assert setpoint.neutral
             assert age_s < VALID_S
             self.zero_since_disarm = True
         if self.state.moving and self.state.setpoint is setpoint:

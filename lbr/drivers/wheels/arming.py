@@ -1,4 +1,4 @@
-"""Whether a setpoint may reach the motors: a pure function of state, event and time.
+"""Whether a setpoint may reach the wheels: a pure function of state, event and time.
 
 Disarmed is where everything begins and where every doubt ends. Only a fresh zero arms; a setpoint that comes late,
 is not finite or loses its source stops the motors, and the lease it quoted is dead for good.
@@ -7,7 +7,8 @@ is not finite or loses its source stops the motors, and the lease it quoted is d
 from dataclasses import dataclass, replace
 from math import inf, isfinite
 
-DEAD_LEASES_KEPT = 256
+from lbr.drivers.setpoint_gate import SetpointGate, fresh
+
 START = "waiting for a zero setpoint"
 
 
@@ -21,7 +22,7 @@ class Setpoint:
     born: float
 
     @property
-    def zero(self) -> bool:
+    def neutral(self) -> bool:
         """Both wheels are to stand still."""
         return self.left == 0.0 and self.right == 0.0
 
@@ -33,21 +34,19 @@ class Setpoint:
 
 @dataclass(frozen=True, slots=True)
 class Inhibit:
-    """Why nothing may move now; `fault` tells a mishap from what somebody asked for."""
+    """Why nothing may move now; `fault` tells a mishap from what was asked for."""
 
     reason: str
     fault: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Arming:
-    """The state: `setpoint` is in force exactly while it is not None."""
+class Arming(SetpointGate[Setpoint]):
+    """The state. Only a zero born after `since` arms; `trips` counts the motions that a mishap ended."""
 
-    setpoint: Setpoint | None = None
     reason: str = START
     inhibited: bool = False
     since: float = -inf
-    dead: tuple[str, ...] = ()
     trips: int = 0
 
     @property
@@ -63,18 +62,16 @@ class Arming:
     @property
     def moving(self) -> bool:
         """Whether a power other than zero is in force."""
-        return self.setpoint is not None and not self.setpoint.zero
+        return self.setpoint is not None and not self.setpoint.neutral
 
 
 def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Arming:
     """Take a setpoint from the wired source."""
-    if not setpoint.finite:
-        return _disarm(_bury(state, setpoint.lease), "the setpoint is not a finite number", now, fault=True)
-    if not _fresh(setpoint, now, valid_s) or (not setpoint.zero and setpoint.lease in state.dead):
-        return state
-    if state.armed:
-        return replace(state, setpoint=setpoint)
-    if setpoint.zero and not state.inhibited and setpoint.born > state.since:
+    verdict = state.judge(setpoint, now, valid_s)
+    if verdict == "not_finite":
+        return _disarm(state.revoked(setpoint.lease), "the setpoint is not a finite number", now, fault=True)
+    arms = setpoint.neutral and not state.inhibited and setpoint.born > state.since
+    if verdict == "passes" and (state.armed or arms):
         return replace(state, setpoint=setpoint, reason="")
     return state
 
@@ -85,7 +82,7 @@ def tick(state: Arming, inhibit: Inhibit | None, now: float, valid_s: float) -> 
         if state.armed or not state.inhibited:
             state = _disarm(state, inhibit.reason, now, fault=inhibit.fault)
         return replace(state, inhibited=True, reason=inhibit.reason, since=now)
-    if state.setpoint is not None and not _fresh(state.setpoint, now, valid_s):
+    if state.setpoint is not None and not fresh(state.setpoint.born, now, valid_s):
         state = _disarm(state, f"no setpoint within {valid_s:g} s", now, fault=True)
     if state.inhibited:
         return replace(state, inhibited=False, reason=START)
@@ -93,18 +90,6 @@ def tick(state: Arming, inhibit: Inhibit | None, now: float, valid_s: float) -> 
 
 
 def _disarm(state: Arming, reason: str, now: float, *, fault: bool) -> Arming:
-    if state.moving:
-        assert state.setpoint is not None
-        state = replace(_bury(state, state.setpoint.lease), trips=state.trips + fault)
-    return replace(state, setpoint=None, reason=f"{reason}; {START}", since=now)
-
-
-def _bury(state: Arming, lease: str) -> Arming:
-    if not lease or lease in state.dead:
-        return state
-    return replace(state, dead=(*state.dead, lease)[-DEAD_LEASES_KEPT:])
-
-
-def _fresh(setpoint: Setpoint, now: float, valid_s: float) -> bool:
-    age_s = now - setpoint.born
-    return -valid_s <= age_s < valid_s  # this way round, NaN means stop
+    moved = state.setpoint.lease if state.setpoint is not None and state.moving else ""
+    trips = state.trips + (fault and state.moving)
+    return replace(state.closed(f"{reason}; {START}", moved), since=now, trips=trips)

@@ -1,0 +1,60 @@
+"""What drivers of two driven wheels have in common: settings, kind, the gate for setpoints, the guard, the capability.
+
+A driver of another controller, in a package of its own, is a `WheelController` and three declarations:
+
+    class OdriveSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
+        baud: int = 115200
+
+    KIND = wheels_kind("odrive", "an ODrive with two motors", "my_odrive.driver:Odrive", OdriveSettings)
+
+    class Odrive(Wheels[OdriveSettings]):
+        def connect(self, device, beat):
+            return OdriveController(open_line(device, self.ctx.settings.baud), self.ctx.settings, self.ctx.clock, beat)
+
+`contract.WheelController` says what such a controller does. See docs/drivers.md.
+"""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind
+from lbr.messages.leases import CommandReply
+from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.units import Name
+
+
+class EnableCommand(Struct, frozen=True, kw_only=True):
+    """Let setpoints through to the motors, or hold them at zero."""
+
+    enabled: bool
+
+
+class WheelsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of every driver of wheels may set."""
+
+    device: Name
+    enabled: bool = True
+    setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
+    watchdog_ms: Annotated[int, Meta(ge=50, le=250, description="the controller's own watchdog")] = 200
+    guard: bool = True
+    guard_silence_ms: Annotated[
+        int, Meta(ge=60, le=250, description="while a motor may turn, a driver silent for longer is killed")
+    ] = 120
+
+
+def wheels_kind(name: str, summary: str, entry: str | type, settings: type[WheelsSettings], device: str = "") -> Kind:
+    """Return the kind of a driver of wheels; its device rows are of type `device`, which is its name unless said."""
+    return Kind(
+        name=name,
+        summary=summary,
+        family="driver",
+        entry=entry,
+        settings=settings,
+        setpoints={"setpoint": MotorSetpoint},
+        outputs={"state": MotorsState},
+        commands={"enable": EnableCommand},
+        replies={"enable": CommandReply},
+        moves=True,
+        device=device or name,
+    )

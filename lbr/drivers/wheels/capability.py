@@ -1,0 +1,286 @@
+"""A motor driver as a capability: setpoints in, power at the wheels, and the last word on whether they turn."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context, Device, Received
+from lbr.drivers.guard import WOKEN
+from lbr.drivers.wheels import EnableCommand, WheelsSettings
+from lbr.drivers.wheels.arming import Arming, Inhibit, Setpoint, receive, tick
+from lbr.drivers.wheels.contract import EMERGENCY_STOP, WheelController
+from lbr.drivers.wheels.guard import Guard
+from lbr.errors import DeviceError
+from lbr.messages.leases import CommandReply
+from lbr.messages.motors import MotorsState
+
+PUBLISH_PERIOD_S = 0.05
+RESEND_S = 0.015
+IDLE_QUERY_S = 0.04
+REPORT_PERIOD_S = 5.0
+FEW = 8
+"""So many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
+UNASKED = (
+    "the controller's emergency stop is engaged and nobody here asked for it: "
+    "release it at the controller, or engage and reset the emergency stop"
+)
+
+
+S = TypeVar("S", bound=WheelsSettings)
+
+
+class Wheels(Capability[S], ABC):
+    """Applies fresh setpoints to the wheels; in every doubt writes zero and waits for a neutral one.
+
+    A driver adds `connect`. Setpoints, arming, the emergency stop, the guard and the telemetry are the same for all.
+    """
+
+    rate_hz = 50.0
+
+    def __init__(self, ctx: Context[S]) -> None:
+        super().__init__(ctx)
+        self._controller: WheelController | None = None
+        self._guard: Guard | None = None
+        self._arming = Arming(since=ctx.clock())
+        self._enabled = ctx.settings.enabled
+        self._latched = False  # an emergency stop was asked for and is not released yet
+        self._held_since: float | None = None  # the controller acknowledged it then
+        self._source = ""
+        self._stepped: float | None = None
+        self._queried = 0.0
+        self._published = 0.0
+        self._shown: tuple[object, ...] = ()
+        self._faults: tuple[str, ...] = ()
+        self._unanswered = 0
+        self._reported = 0.0
+
+    @abstractmethod
+    def connect(self, device: Device, beat: Callable[[], None]) -> WheelController:
+        """Open the line of a device row and return the controller on it, which is brought up next."""
+
+    def open(self) -> None:
+        """Open the line and bring the controller up, at zero."""
+        settings = self.ctx.settings
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        self._controller = self.connect(self.ctx.device, self._beat)
+        self._controller.open()
+        if settings.guard:
+            self._guard = self._guarded(self._controller)
+        self._held_since = None
+        self._stepped = None
+        self._faults = ()
+        self._unanswered = 0
+        self._publish()
+
+    def step(self) -> None:
+        """Decide, write the wheels once, ask the controller one thing, tell the others."""
+        controller = self._controller
+        assert controller is not None
+        if self._guard is not None and not self._guard.standing:
+            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; opening anew")
+        self._beat()
+        if self._guard is not None and self._guard.woken():
+            self.ctx.event("guard", WOKEN, level="warning")
+        self._heed_estop(controller)
+        self._decide(controller)
+        self._act(controller)
+        self._ask(controller)
+        self._report(controller)
+        self._publish_when_due(controller)
+
+    def command(self, call: Call) -> None:
+        """Switch execution on or off; on waits for a zero setpoint."""
+        if not isinstance(call.message, EnableCommand):
+            super().command(call)
+            return
+        self._enabled = call.message.enabled  # the step that follows at once acts on it
+        said = "the motors may run again" if self._enabled else "the motors are held at zero until 'enable'"
+        call.reply(CommandReply(accepted=True, reason=said))
+
+    def degraded(self, reason: str) -> None:
+        """Tell that the controller is away."""
+        if self.ctx.estop.engaged:
+            self._latched = True
+            self.ctx.estop.acknowledge(stopped=False, reason=reason)
+        self._disarm(reason)
+        self._publish(reason)
+
+    def close(self) -> None:
+        """Write zero, then let go; what is not acknowledged the guard writes again."""
+        controller, self._controller = self._controller, None
+        guard, self._guard = self._guard, None
+        self._held_since = None
+        stopped = False
+        try:
+            stopped = controller is None or controller.close()
+        finally:
+            if guard is not None and stopped:
+                guard.dismiss()
+            elif guard is not None:
+                guard.speak()
+            self._disarm("the line was closed")
+
+    def _guarded(self, controller: WheelController) -> Guard:
+        settings = self.ctx.settings
+        try:
+            return Guard(controller.fileno(), controller.guard_stop, settings.guard_silence_ms, self.ctx.clock)
+        except OSError as err:
+            said = f"device '{settings.device}': its guard process does not start: {err}; free some memory"
+            raise DeviceError(said) from err
+
+    def _beat(self) -> None:
+        if self._guard is not None and self._controller is not None:
+            self._guard.beat(turning=self._controller.turning)
+
+    def _heed_estop(self, controller: WheelController) -> None:
+        estop = self.ctx.estop
+        if estop.engaged:
+            self._latched = True
+            if self._held_since is not None:
+                faults = controller.faults_after(self._held_since)
+                if faults is not None and EMERGENCY_STOP not in faults:
+                    self._held_since = None  # it was reset, or released elsewhere
+            if self._held_since is None and controller.emergency_stop():
+                self._held_since = self.ctx.clock()
+            held = self._held_since is not None
+            estop.acknowledge(stopped=held, reason="" if held else "the controller has not acknowledged")
+        elif self._latched and controller.release():
+            self._latched = False
+            self._held_since = None
+            estop.acknowledge(stopped=False, reason="released")
+
+    def _decide(self, controller: WheelController) -> None:
+        before, valid_s = self._arming, self.ctx.settings.setpoint_valid_s
+        state = before
+        for received in self.ctx.take("setpoint"):
+            if received.source in self.ctx.sources("setpoint"):
+                self._source = received.source
+                state = receive(state, self._setpoint(received), self.ctx.clock(), valid_s)
+        now = self.ctx.clock()
+        self._arming = tick(state, self._inhibit(controller, now), now, valid_s)
+        self._stepped = now
+        self._tell_trip(before)
+
+    @staticmethod
+    def _setpoint(received: Received) -> Setpoint:
+        message = received.message
+        return Setpoint(message.left, message.right, message.lease, received.arrived)
+
+    def _inhibit(self, controller: WheelController, now: float) -> Inhibit | None:
+        if self.ctx.estop.engaged:
+            return Inhibit(f"emergency stop: {self.ctx.estop.reason or 'no reason given'}", fault=False)
+        if self._latched:
+            return Inhibit("emergency stop: the controller has not acknowledged the release", fault=False)
+        if not self._enabled:
+            return Inhibit("execution is disabled", fault=False)
+        return self._without_source() or self._with_fault(controller) or self._held_up(now)
+
+    def _without_source(self) -> Inhibit | None:
+        sources = self.ctx.sources("setpoint")
+        if not sources:
+            return Inhibit("no source is wired to the setpoint", fault=False)
+        source = self._source or sources[0]
+        return None if self.ctx.alive(source) else Inhibit(f"'{source}' is not on the bus", fault=True)
+
+    def _with_fault(self, controller: WheelController) -> Inhibit | None:
+        faults = controller.faults
+        if faults is None:
+            return Inhibit("the controller's fault bits are not known", fault=True)
+        if EMERGENCY_STOP in faults:
+            return Inhibit(UNASKED, fault=True)
+        grave = controller.grave
+        return Inhibit(f"the controller reports {', '.join(grave)}", fault=True) if grave else None
+
+    def _held_up(self, now: float) -> Inhibit | None:
+        """After a pause longer than a setpoint lives, the next one begins with zero: it may be far up its ramp."""
+        if self._stepped is None or now - self._stepped < self.ctx.settings.setpoint_valid_s:
+            return None
+        return Inhibit(f"the driver was held up for {now - self._stepped:.2f} s", fault=True)
+
+    def _act(self, controller: WheelController) -> None:
+        state, held = self._arming, self._held_since is not None
+        if not state.moving and not controller.resting and not held:
+            controller.stop()
+        elif state.armed:
+            if state.applied != controller.asked or not controller.fed_s_ago < RESEND_S:
+                controller.drive(*state.applied)
+        elif not held and not controller.fed_s_ago < self.ctx.settings.watchdog_ms / 2000.0:
+            controller.stop()  # fed with zero, the controller does not turn to another source of commands
+
+    def _ask(self, controller: WheelController) -> None:
+        now = self.ctx.clock()
+        if now - self._queried < (RESEND_S if self._arming.moving else IDLE_QUERY_S):
+            return
+        self._queried = now
+        controller.poll()
+
+    def _report(self, controller: WheelController) -> None:
+        faults = controller.faults
+        if faults is not None and faults != self._faults and not self._latched:
+            self._tell_faults(faults)
+        unanswered = controller.lost + controller.refused
+        if unanswered >= max(FEW, 2 * self._unanswered) and self.ctx.clock() - self._reported > REPORT_PERIOD_S:
+            self._unanswered, self._reported = unanswered, self.ctx.clock()
+            data = {"lost": controller.lost, "refused": controller.refused}
+            counted = f"{controller.lost} commands unanswered and refused {controller.refused}"
+            text = f"the controller has left {counted} since it was opened"
+            self.ctx.event("unanswered", text, level="warning", data=data)
+
+    def _tell_faults(self, faults: tuple[str, ...]) -> None:
+        self._faults = faults
+        if faults:
+            text = UNASKED if EMERGENCY_STOP in faults else f"the controller reports {', '.join(faults)}"
+            self.ctx.event("fault", text, level="error", data={"faults": list(faults)})
+            self.ctx.warn(text)
+        else:
+            self.ctx.event("fault", "the controller reports no fault any more")
+            self.ctx.ready()
+
+    def _tell_trip(self, before: Arming) -> None:
+        if self._arming.trips > before.trips:
+            data = {"trips": self._arming.trips}
+            self.ctx.event("trip", f"motors stopped: {self._arming.reason}", level="warning", data=data)
+
+    def _disarm(self, reason: str) -> None:
+        before = self._arming
+        self._arming = tick(before, Inhibit(reason, fault=True), self.ctx.clock(), self.ctx.settings.setpoint_valid_s)
+        self._tell_trip(before)
+
+    def _publish_when_due(self, controller: WheelController) -> None:
+        shown = (
+            self._arming.armed,
+            self._arming.reason,
+            self._arming.trips,
+            self.ctx.estop.engaged,
+            controller.faults,
+            controller.applied == (0.0, 0.0),
+        )
+        if shown != self._shown or not self.ctx.clock() - self._published < PUBLISH_PERIOD_S:
+            self._shown = shown
+            self._publish()
+
+    def _publish(self, away: str = "") -> None:
+        self._published = self.ctx.clock()
+        state = self._arming
+        if self._controller is None:
+            reason = away or state.reason
+            self.ctx.publish("state", _at_rest(replace(state, reason=reason), estop=self.ctx.estop.engaged))
+            return
+        left, right = self._controller.applied
+        message = MotorsState(
+            left=left,
+            right=right,
+            armed=state.armed,
+            reason=state.reason,
+            estop=self.ctx.estop.engaged,
+            trips=state.trips,
+            **self._controller.measured(),
+        )
+        self.ctx.publish("state", message)
+
+
+def _at_rest(state: Arming, *, estop: bool) -> MotorsState:
+    return MotorsState(left=0.0, right=0.0, armed=False, reason=state.reason, estop=estop, trips=state.trips)

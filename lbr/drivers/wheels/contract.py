@@ -1,0 +1,95 @@
+"""What a controller of wheels has to do for the capability that drives it."""
+
+from typing import NamedTuple, Protocol, TypedDict
+
+EMERGENCY_STOP = "emergency_stop"
+"""The fault that says that the controller's own emergency stop is engaged."""
+
+
+class GuardStop(NamedTuple):
+    """What the guard writes to stop the motors, and what the controller says when it has; nothing: it says nothing."""
+
+    request: bytes
+    acknowledged: bytes = b""
+
+
+class Measured(TypedDict, total=False):
+    """The measured fields of MotorsState; what is left out, or None, is not measured."""
+
+    voltage_v: float | None
+    internal_v: float | None
+    output_v: float | None
+    amps_left_a: float | None
+    amps_right_a: float | None
+    counts_left: int | None
+    counts_right: int | None
+    temperature_c: float | None
+    faults: tuple[str, ...]
+
+
+class WheelController(Protocol):
+    """A controller on its line. Powers are -1..1, forward positive. Whatever is wrong is a DeviceError that says what to do.
+
+    No call may take longer than a few milliseconds in the usual case, nor hold up a stop for longer than 30 ms ever:
+    the loop that calls it is what stops the wheels. Commands that are not acknowledged count as lost, and are repeated
+    by the capability. `beat`, which it gets from `connect`, is to be called before everything that is written.
+    """
+
+    lost: int
+    """Commands that nothing answered since it was opened."""
+    refused: int
+    """Commands that the controller refused since it was opened."""
+    applied: tuple[float, float]
+    """The power that the controller acknowledged last."""
+    asked: tuple[float, float]
+    """The power that was written last."""
+    resting: bool
+    """Whether zero was acknowledged, and nothing was written since."""
+    turning: bool
+    """Whether a wheel may turn: from before a power is written until zero was acknowledged. The guard goes by it."""
+
+    def open(self) -> None:
+        """Identify it, write zero, then set and read back what safety rests on, its own watchdog above all."""
+
+    def close(self) -> bool:
+        """Write zero and close the line; return whether it was acknowledged, or nothing is there to be stopped."""
+
+    def fileno(self) -> int:
+        """Return the descriptor of its line, which the guard holds too."""
+
+    @property
+    def guard_stop(self) -> GuardStop:
+        """What its guard writes to stop it."""
+
+    def drive(self, left: float, right: float) -> None:
+        """Write the power of both wheels; what is not finite is zero."""
+
+    def stop(self) -> bool:
+        """Write zero as soon as the line is free; return whether it was acknowledged."""
+
+    def emergency_stop(self) -> bool:
+        """Cut the power, by a latch of its own where it has one, and write zero; return whether that was acknowledged."""
+
+    def release(self) -> bool:
+        """Write zero, then end its emergency stop; return whether both were acknowledged."""
+
+    def poll(self) -> None:
+        """Ask for the next of the values that it measures, unless an answer is due."""
+
+    @property
+    def fed_s_ago(self) -> float:
+        """Seconds since a motor command was last written; inf before the first."""
+
+    @property
+    def faults(self) -> tuple[str, ...] | None:
+        """What it complains of, by name; EMERGENCY_STOP is one of them. None: not known, so that nothing may move."""
+
+    @property
+    def grave(self) -> tuple[str, ...]:
+        """Those of its faults with which nothing may move."""
+
+    def faults_after(self, when: float) -> tuple[str, ...] | None:
+        """Return the faults if they were read after that; None where it keeps no latch that could be lost."""
+
+    def measured(self) -> Measured:
+        """Return what it measured last, for as long as that can be believed."""

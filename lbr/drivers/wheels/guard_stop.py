@@ -1,0 +1,72 @@
+"""The guard's program: waits until the driver dies or falls silent while a motor turns, then writes the stop. Imports little.
+
+Run by path, without what is installed: `guard_stop.py LINE_FD PIPE_FD DRIVER_PIDFD SILENCE_MS STOP_HEX
+ACKNOWLEDGED_HEX [WORDS_FD WORDS_HEX]`; `-` for an acknowledgement: the controller gives none.
+See `lbr.drivers.watch` for what the driver says. Before the guard ends a silent driver it writes the words to their
+descriptor.
+"""
+
+import os
+import select
+import sys
+import termios
+import time
+from contextlib import suppress
+
+if __name__ == "__main__":
+    sys.path.insert(0, os.path.abspath(f"{__file__}/../../../.."))  # noqa: PTH100  importing pathlib takes too long
+
+from lbr.drivers.watch import outlast
+
+TRIES = 10
+AT_LEAST = 2  # the first may end a line that the driver left half written, and be refused with it
+ANSWER_S = 0.03
+KEPT_BYTES = 256
+
+
+def main(
+    line: int,
+    pipe: int,
+    driver: int,
+    silence_ms: int,
+    stop: bytes,
+    acknowledged: bytes,
+    words_fd: int = -1,
+    words: bytes = b"",
+) -> None:
+    """Return when dismissed; otherwise stop the motors first."""
+    if not outlast(pipe, driver, silence_ms, words_fd, words):
+        return
+    for attempt in range(1, TRIES + 1):
+        if stopped(line, stop, acknowledged) and attempt >= AT_LEAST:
+            return
+    with suppress(OSError, termios.error):
+        termios.tcflush(line, termios.TCOFLUSH)  # closing a line waits for its output, for half a minute
+
+
+def stopped(line: int, stop: bytes, acknowledged: bytes) -> bool:
+    """Write the stop and say whether it was acknowledged; a line that never falls silent is not waited for."""
+    answer = b""
+    until = time.monotonic() + ANSWER_S
+    with suppress(OSError, termios.error):  # what is no tty has nothing to drop
+        termios.tcflush(line, termios.TCIOFLUSH)
+    with suppress(OSError):
+        os.write(line, stop)
+        while not heard(answer, acknowledged) and (left_s := until - time.monotonic()) > 0.0:
+            if select.select([line], [], [], left_s)[0]:
+                answer = (answer + os.read(line, KEPT_BYTES))[-KEPT_BYTES:]
+    return heard(answer, acknowledged)
+
+
+def heard(answer: bytes, acknowledged: bytes) -> bool:
+    """Say whether an answer holds the acknowledgement; a controller that gives none is never believed."""
+    return bool(acknowledged) and acknowledged in answer
+
+
+if __name__ == "__main__":
+    line_fd, pipe_fd, driver_fd, limit_ms = (int(word) for word in sys.argv[1:5])
+    stop_hex, answer_hex = sys.argv[5:7]
+    last = (int(sys.argv[7]), bytes.fromhex(sys.argv[8])) if len(sys.argv) > 8 else (-1, b"")
+    sure = b"" if answer_hex == "-" else bytes.fromhex(answer_hex)
+    main(line_fd, pipe_fd, driver_fd, limit_ms, bytes.fromhex(stop_hex), sure, *last)
+    os._exit(0)

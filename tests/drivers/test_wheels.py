@@ -1,0 +1,128 @@
+"""A driver of wheels from outside: what the family gives it, it need not write itself."""
+
+import os
+import select
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from lbr.capability.faults import faults
+from lbr.drivers.wheels import EnableCommand
+from lbr.drivers.wheels.guard_stop import heard
+from lbr.messages.motors import MotorSetpoint
+from tests.drivers.peers import FakeContext, Pty, until
+from tests.drivers.tiny_wheels import KIND, Tiny
+from tests.support import programs
+from tests.support.machine import Stopwatch
+
+DRIVER = """
+import sys, time
+from tests.drivers.peers import FakeContext
+from tests.drivers.tiny_wheels import KIND, Tiny
+from lbr.messages.motors import MotorSetpoint
+ctx = FakeContext(KIND.parse('{"device": "motors"}'), sys.argv[1], "tiny")
+motors = Tiny(ctx)
+motors.open()
+while True:
+    power = 0.5 * ctx.published[-1][1].armed
+    ctx.give(MotorSetpoint(left=power, right=power, lease="L1"))
+    motors.step()
+    time.sleep(0.01)
+"""
+
+
+class TinyPeer(Pty):
+    """The controller's end of the line."""
+
+    def __init__(self, path):
+        self.motor, self.answers = None, True
+        self._over = threading.Event()
+        super().__init__(path)
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def finish(self):
+        self._over.set()
+        self._thread.join()
+        self.unplug()
+
+    def _serve(self):
+        came = b""
+        while not self._over.is_set():
+            if select.select([self.master], [], [], 0.005)[0]:
+                *lines, came = (came + os.read(self.master, 4096)).split(b"\r")
+                for line in lines:
+                    self.motor = tuple(int(number) for number in line.split()[1:])
+                    if self.answers:
+                        os.write(self.master, b"ok\r")
+
+
+@pytest.fixture
+def peer(tmp_path):
+    peer = TinyPeer(tmp_path / "tty")
+    yield peer
+    peer.finish()
+
+
+@pytest.fixture
+def ctx(peer):
+    return FakeContext(KIND.parse('{"device": "motors", "guard": false}'), peer.path, "tiny")
+
+
+@pytest.fixture
+def motors(ctx):
+    motors = Tiny(ctx)
+    motors.open()
+    yield motors
+    motors.close()
+
+
+def test_its_kind_is_as_kinds_must_be():
+    assert faults(KIND) == ()
+    assert KIND.moves
+    assert KIND.device == "tiny"
+
+
+def test_only_a_zero_arms_and_silence_stops(motors, ctx, peer):
+    ctx.give(MotorSetpoint(left=0.5, right=0.5, lease="L1"))
+    motors.step()
+    assert peer.motor == (0, 0)
+    for power in (0.0, 0.5):
+        ctx.give(MotorSetpoint(left=power, right=power, lease="L1"))
+        motors.step()
+    until(lambda: peer.motor == (500, 500))
+    assert ctx.state.voltage_v == 12.0
+
+    def stopped():
+        motors.step()
+        return peer.motor == (0, 0) and not ctx.state.armed
+
+    until(stopped, 0.5)
+
+
+def test_the_emergency_stop_is_acknowledged_and_execution_can_be_disabled(motors, ctx, peer):
+    ctx.estop.engaged = True
+    motors.step()
+    assert ctx.estop.acknowledged[-1] == (True, "")
+    assert set(KIND.commands) == {"enable"}
+    assert KIND.commands["enable"] is EnableCommand
+
+
+def test_a_killed_driver_leaves_wheels_at_zero_and_no_guard(peer):
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    process = programs.start([sys.executable, "-c", DRIVER, str(peer.path)], stdout=subprocess.DEVNULL, env=environment)
+    until(lambda: peer.motor == (500, 500), 5.0)
+    watch = Stopwatch()
+    process.kill()
+    until(lambda: peer.motor == (0, 0), 0.3)
+    assert watch.given_s < 0.15, watch
+    process.wait()
+
+
+def test_an_acknowledgement_counts_only_where_there_is_one():
+    assert heard(b"noise ok\r", b"ok\r")
+    assert not heard(b"", b"")
+    assert not heard(b"anything", b"")

@@ -1,0 +1,90 @@
+"""A driver of wheels as a package outside lbr would bring it: a controller that takes `P LEFT RIGHT`, and says `ok`."""
+
+from math import inf, isfinite
+
+from lbr.drivers.serial_line import open_line
+from lbr.drivers.wheels import WheelsSettings, wheels_kind
+from lbr.drivers.wheels.capability import Wheels
+from lbr.drivers.wheels.contract import GuardStop, Measured
+from lbr.errors import DeviceError
+
+STOP = b"P 0 0\r"
+ANSWER_S = 0.02
+
+
+class TinySettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row may set."""
+
+    baud: int = 115200
+
+
+class TinyController:
+    """The controller on its line."""
+
+    def __init__(self, line, clock, beat):
+        self.lost = self.refused = 0
+        self.applied = self.asked = (0.0, 0.0)
+        self.resting = self.turning = False
+        self.guard_stop = GuardStop(STOP, b"ok\r")
+        self.faults, self.grave = (), ()
+        self._line, self._clock, self._beat = line, clock, beat
+        self._fed = -inf
+
+    def open(self):
+        if not self.stop():
+            raise DeviceError("the tiny controller does not answer; check its cable")
+
+    def close(self):
+        stopped = self.stop()
+        self._line.close()
+        return stopped
+
+    def fileno(self):
+        return self._line.fileno()
+
+    def drive(self, left, right):
+        powers = (left, right) if isfinite(left) and isfinite(right) else (0.0, 0.0)
+        self.turning = self.turning or powers != (0.0, 0.0)
+        if self._say(powers):
+            self.turning = powers != (0.0, 0.0)
+
+    def stop(self):
+        if not self._say((0.0, 0.0)):
+            return False
+        self.resting, self.turning = True, False
+        return True
+
+    emergency_stop = release = stop
+
+    def poll(self):
+        pass
+
+    @property
+    def fed_s_ago(self):
+        return self._clock() - self._fed
+
+    def faults_after(self, when):
+        return None
+
+    def measured(self):
+        return Measured(voltage_v=12.0)
+
+    def _say(self, powers):
+        self.asked, self.resting, self._fed = powers, False, self._clock()
+        self._beat()
+        self._line.write(b"P %d %d\r" % tuple(round(power * 1000) for power in powers))
+        if b"ok\r" not in self._line.read(ANSWER_S):
+            self.lost += 1
+            return False
+        self.applied = powers
+        return True
+
+
+class Tiny(Wheels[TinySettings]):
+    """Two wheels on a tiny controller."""
+
+    def connect(self, device, beat):
+        return TinyController(open_line(device, self.ctx.settings.baud), self.ctx.clock, beat)
+
+
+KIND = wheels_kind("tiny", "a tiny motor controller", Tiny, TinySettings)
