@@ -5,7 +5,7 @@ BIN := .venv/bin
 T ?= tests
 N ?= 2
 
-.PHONY: help setup check lint format types docs test gate all
+.PHONY: help setup check lint format types docs test gate smoke all
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -35,7 +35,10 @@ test: ## the tests, or those under T=path, N=2 at a time
 	$(BIN)/pytest -n $(N) $(T)
 
 gate: ## the safety gate: a small amount of each measurement
-	$(BIN)/python -m benchmarks.safety --gate
+	$(BIN)/python -m benchmarks safety --gate
+
+smoke: ## does every benchmark still work? seconds of each
+	$(BIN)/python -m benchmarks --smoke
 
 all: ## all of it, as on a machine that has next to nothing
 	.ci/run

@@ -1,6 +1,6 @@
 """How old a picture is when it arrives: at a subscriber of the bus, and in a browser that navcam serves.
 
-`python -m benchmarks.camera --seconds 30 --json FILE`. The pictures come at 640x360 and 15 a second from a program on
+`python -m benchmarks camera --seconds 30 --json FILE`. The pictures come at 640x360 and 15 a second from a program on
 a socket, 30 kB each; with `--simulated` they are those of the simulated world, which has to draw them first. Exit code
 1 if one of the promises is broken.
 """
@@ -21,11 +21,14 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
+from benchmarks import Measured
 from lbr.bus import keys, stamp, wire
 from tests.support import programs
 from tests.support.bench import temporary_home
-from tests.support.figures import Promise, Report, Results, machine, table
+from tests.support.figures import Promise, Results
 from tests.support.robot import Robot, environment, running, until
+
+SMOKE = "--seconds 1"
 
 FPS, WIDTH, HEIGHT, BYTES = 15, 640, 360, 30_000
 CAMERA = "camera_front"
@@ -38,31 +41,21 @@ PROMISES = {
 PART = b"\r\n--FRAME\r\nContent-Type: image/jpeg\r\n\r\n"
 
 
-def main() -> int:
-    """Measure, print, and say whether a promise was broken."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how long, and of what."""
     parser.add_argument("--seconds", type=float, default=30.0, help="how long (default %(default)s)")
     parser.add_argument("--simulated", action="store_true", help="take the pictures of the simulated world")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result")
-    arguments = parser.parse_args()
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Watch the pictures of a robot."""
     results = Results(PROMISES)
-    began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
-    with _robot(simulated=arguments.simulated) as robot:
-        measure(results, robot, arguments.seconds)
-    report = Report(
-        machine=machine(),
-        load="I",
-        started=started,
-        took_s=round(time.monotonic() - began, 1),
-        results=results.ordered(),
-    )
-    if arguments.json:
-        report.write(arguments.json)
-    print(table(report.results))
-    return report.tell_broken()
+    with _robot(simulated=given.simulated) as robot:
+        watch(results, robot, given.seconds)
+    return Measured(results=results.ordered())
 
 
-def measure(results: Results, robot: Robot, seconds: float) -> None:
+def watch(results: Results, robot: Robot, seconds: float) -> None:
     """Watch the camera by both ways at once."""
     heard = Pictures(robot)
     until(lambda: heard.count, what="a first picture")
@@ -191,7 +184,3 @@ def _watch(url: str, seen: list[tuple[bytes, int]], over: threading.Event) -> No
             *pictures, held = held.split(PART)
             seen += [(picture, arrived_ns) for picture in pictures]
     connection.close()
-
-
-if __name__ == "__main__":
-    sys.exit(main())

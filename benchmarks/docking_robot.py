@@ -1,6 +1,6 @@
 """Docking with the whole robot in the simulated world, and what is left of its motion when its program dies.
 
-`python -m benchmarks.docking_robot --trials 3 --start 2.0 -1.5 160`. Exit code 1 if a trial does not dock within
+`python -m benchmarks docking_robot --trials 3 --start 2.0 -1.5 160`. Exit code 1 if a trial does not dock within
 two minutes (five from another place than the world's own start), or if the base
 still moves 1.5 s after the program was killed or ended.
 """
@@ -13,24 +13,60 @@ import signal
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tests.support.robot import Robot, prepare, running
+from benchmarks import Measured, listed
+from tests.support.figures import Promise, Results
+from tests.support.robot import Robot, prepare, running, until
+
+SMOKE = "--trials 0 --ends SIGKILL"
+PROMISES = {
+    "docks": Promise(what="the whole robot docks and charges, in two minutes from its start, in five from elsewhere"),
+    "stands": Promise(what="1.5 s after the program was ended in mid-motion nothing moves"),
+}
 
 NEEDED = ("imu", "attitude", "odometry", "battery", "dock")
 WITHIN_S, ANYWHERE_S, STILL_S = 120.0, 300.0, 1.5
 MOVING_MPS, MOVING_RPS = 0.03, 0.1
 
 
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how often, and from where."""
+    parser.add_argument("--trials", type=int, default=1, help="times it docks (default %(default)s)")
+    parser.add_argument("--start", type=float, nargs=3, metavar=("X", "Y", "DEG"), help="where the robot begins")
+    parser.add_argument(
+        "--ends", type=listed, default=["SIGKILL", "SIGTERM"], help="what ends it while it moves (default: both)"
+    )
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Dock, then end the program while it moves."""
+    results, text = Results(PROMISES), []
+    edits = (begun_at(*given.start),) if given.start else ()
+    trials: list[tuple[str, Callable[[Path], tuple[bool, str]]]] = [
+        *[("docks", partial(docks, within_s=ANYWHERE_S if given.start else WITHIN_S))] * given.trials,
+        *[("stands", partial(dies, number=signal.Signals[name])) for name in given.ends],
+    ]
+    for figure, run in trials:
+        with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+            good, said_so = run(prepare(Path(place) / "h", *NEEDED, edits=edits))
+        results.check(figure, [] if good else [said_so])
+        text.append(f"{figure}: {'good' if good else 'FAILED'}: {said_so}")
+        print(text[-1], file=sys.stderr, flush=True)
+    return Measured(results=results.ordered())
+
+
 def pose(robot: Robot) -> dict[str, Any]:
     """The truth about the robot."""
-    return robot.ask("world/pose")
+    return dict(until(lambda: robot.ask("world/pose"), what="the robot's pose"))
 
 
 def moves(robot: Robot) -> bool:
     now = pose(robot)
-    return abs(now["speed_mps"]) > MOVING_MPS or abs(now["turn_rps"]) > MOVING_RPS
+    return bool(abs(now["speed_mps"]) > MOVING_MPS or abs(now["turn_rps"]) > MOVING_RPS)
 
 
 def started(robot: Robot) -> int:
@@ -66,9 +102,9 @@ def docks(home: Path, within_s: float) -> tuple[bool, str]:
 def dies(home: Path, number: int) -> tuple[bool, str]:
     """End the program while the robot moves."""
     with running(home, limit_s=30.0) as robot:
-        pid, until = started(robot), time.monotonic() + 60.0
+        pid, end = started(robot), time.monotonic() + 60.0
         while not moves(robot):
-            if time.monotonic() > until or not alive(pid):
+            if time.monotonic() > end or not alive(pid):
                 return False, f"it never moved; {said(robot)}"
             time.sleep(0.02)
         os.kill(pid, number)
@@ -84,24 +120,3 @@ def begun_at(x_m: float, y_m: float, yaw_deg: float) -> str:
     """Return the edit that puts the robot there at the beginning."""
     start = json.dumps({"x_m": x_m, "y_m": y_m, "yaw_rad": math.radians(yaw_deg)})
     return f"UPDATE capability SET settings = json_set(settings, '$.start', json('{start}')) WHERE name = 'world'"
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--trials", type=int, default=1)
-    parser.add_argument("--start", type=float, nargs=3, metavar=("X", "Y", "DEG"), help="where the robot begins")
-    given = parser.parse_args()
-    edits = (begun_at(*given.start),) if given.start else ()
-    trials = [("docks", docks, (ANYWHERE_S if given.start else WITHIN_S,))] * given.trials
-    trials += [("dies", dies, (signal.SIGKILL,)), ("ends", dies, (signal.SIGTERM,))]
-    failed = 0
-    for name, run, arguments in trials:
-        with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-            good, text = run(prepare(Path(place) / "h", *NEEDED, edits=edits), *arguments)
-        failed += not good
-        print(f"{name}: {'good' if good else 'FAILED'}: {text}", flush=True)
-    return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """What a whole simulated robot costs: time to ready, CPU while idle, private memory, process by process.
 
-`python -m benchmarks.footprint --seconds 20`. Private memory (USS) stands beside as many processes that have a zenoh
+`python -m benchmarks footprint --seconds 20`. Private memory (USS) stands beside as many processes that have a zenoh
 session and nothing else. The world and what draws its pictures are listed and left out of the sum: a real robot has
 none. The cameras are switched off first, unless `--cameras`. Exit code 1 if a hard value is broken: ready in 3 s.
 """
@@ -16,39 +16,44 @@ from pathlib import Path
 
 import psutil
 
+from benchmarks import Measured
 from lbr.bus.session import leaf_environment
 from tests.support import programs
 from tests.support.bench import Bench, let_go, processes_of, temporary_home
 from tests.support.clients import idle
+from tests.support.figures import Promise, Results
 from tests.support.robot import Robot, start
 
-READY_HARD_S = 3.0
+SMOKE = "--seconds 1"
+
+PROMISES = {"ready": Promise(what="`lbr run` to ready, database made", unit="s", hard=3.0)}
 SIMULATION = "world"
 
 
-def main() -> int:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=20.0)
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how long, and of what."""
+    parser.add_argument("--seconds", type=float, default=20.0, help="how long it is idle (default %(default)s)")
     parser.add_argument("--cameras", action="store_true", help="leave the cameras as they come")
-    arguments = parser.parse_args()
-    seconds = arguments.seconds
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Run a whole robot, idle."""
+    results = Results(PROMISES)
     with temporary_home() as home:
         (home / "robot.db").unlink()
         began = time.monotonic()
         robot = start(home)
-        ready_s = time.monotonic() - began
+        results.sample("ready", time.monotonic() - began)
         try:
-            if not arguments.cameras:
+            if not given.cameras:
                 robot.line("/camera/off")
-            costs = _costs(robot, seconds)
+            costs = _costs(robot, given.seconds)
         finally:
             let_go(robot)
     with _bare(len(costs)) as bare:
         Bench.pass_time(1.0)
         bare_mib = [_private_mib(process) for process in bare]
-    _show(costs, bare_mib, ready_s, seconds)
-    return 0 if ready_s <= READY_HARD_S else 1
+    return Measured(results=results.ordered(), load=f"idle for {given.seconds:g} s", text=_text(costs, bare_mib))
 
 
 def _costs(robot: Robot, seconds: float) -> dict[str, tuple[float, float]]:
@@ -73,17 +78,18 @@ def _names(robot: Robot) -> dict[int, str]:
     return names
 
 
-def _show(costs: dict[str, tuple[float, float]], bare_mib: list[float], ready_s: float, seconds: float) -> None:
-    print(f"`lbr run` to ready, database made: {ready_s:.2f} s (hard {READY_HARD_S:g} s)")
-    print(f"idle for {seconds:g} s\n")
-    print("| process | CPU, % of a core | private memory, MiB |\n|---|--:|--:|")
-    for name, (cpu, memory) in costs.items():
-        print(f"| {name} | {cpu:.1f} | {memory:.1f} |")
+def _text(costs: dict[str, tuple[float, float]], bare_mib: list[float]) -> str:
+    text = ["", "| process | CPU, % of a core | private memory, MiB |", "|---|--:|--:|"]
+    text += [f"| {name} | {cpu:.1f} | {memory:.1f} |" for name, (cpu, memory) in costs.items()]
     counted = [cost for name, cost in costs.items() if name not in {SIMULATION, f"child of {SIMULATION}"}]
     cpu, memory = sum(cost[0] for cost in counted), sum(cost[1] for cost in counted)
-    print(f"| all but the simulation | {cpu:.1f} | {memory:.1f} |")
-    print(f"| {len(counted)} processes with a bare zenoh session | | {sum(bare_mib[: len(counted)]):.1f} |")
-    print(f"\nratio of memory: {memory / sum(bare_mib[: len(counted)]):.2f}")
+    bare = sum(bare_mib[: len(counted)])
+    text += [
+        f"| all but the simulation | {cpu:.1f} | {memory:.1f} |",
+        f"| {len(counted)} processes with a bare zenoh session | | {bare:.1f} |",
+        f"\nratio of memory: {memory / bare:.2f}",
+    ]
+    return "\n".join(text)
 
 
 @contextmanager
@@ -121,7 +127,3 @@ def _cpu_s(process: psutil.Process) -> float:
 
 def _private_mib(process: psutil.Process) -> float:
     return float(process.memory_full_info().uss) / 2**20
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """How regular eighteen joints are commanded and measured, and how soon a stop is on their wire; on a simulated bus.
 
-`python -m benchmarks.joints_cycle [--seconds 600] [--stops 60] [--json FILE]` runs the processes `servos` and `joints`
+`python -m benchmarks joints_cycle [--seconds 600] [--stops 60] [--json FILE]` runs the processes `servos` and `joints`
 of the Bioloid on an emulated servo bus of its own process, with a USB2AX and all the line's delays. A client commands all
 joints at 100 Hz, and reads every state; answers get lost and noise comes before them, 1 % each, and 1 % of the time
 a servo is silent. Then, in the same traffic, a second client says `joints/stop`: measured until the last byte that
@@ -20,40 +20,42 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import psutil
 
+from benchmarks import Measured
 from benchmarks.instruments.joints_traffic import Client, Watched, errors, pass_time, summary, way
 from lbr.bus import keys, wire
 from lbr.database import store
-from tests.support.figures import machine
+from tests.support.figures import Promise, Results
 from tests.support.robot import Robot, start, until
 from tests.support.servo_bus.line import Process
+
+SMOKE = "--seconds 2 --stops 2"
 
 FAULTS = {"drop": 0.01, "garbage": 0.01}
 DEAD_EVERY_S, DEAD_S = 30.0, 0.3
 HELD_STEPS = 4
 """A goal that changes by no more than that is held: where a joint was measured a sweep earlier or later."""
 WATCH_S = 0.3
-TARGET_MS, HARD_MS = 20.0, 50.0
+PROMISES = {"joints stop": Promise(what="stop in full traffic, to the last joint held", target=20.0, hard=50.0)}
 SYNC_WRITE, GOAL = "83", 30
 
 
-def main() -> int:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=600.0, help="how long the cycle is watched")
-    parser.add_argument("--stops", type=int, default=60)
-    parser.add_argument("--json", type=Path, help="write the figures into this file")
-    options = parser.parse_args()
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how long, and how often."""
+    parser.add_argument(
+        "--seconds", type=float, default=600.0, help="how long the cycle is watched (default %(default)s)"
+    )
+    parser.add_argument("--stops", type=int, default=60, help="stops in the same traffic (default %(default)s)")
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Watch the cycle, then stop in it."""
+    results = Results(PROMISES)
     with tempfile.TemporaryDirectory(prefix="lbr-") as place, running(Path(place) / "h") as (robot, twin, log, ways):
-        figures: dict[str, Any] = {"machine": machine(), "seconds": options.seconds}
-        figures |= cycle(robot, twin, log, ways, options.seconds)
-        figures |= stops(robot, twin, log, ways, options.stops)
-    print("\n".join(f"{name}: {_shown(value)}" for name, value in figures.items()))
-    if options.json:
-        options.json.write_bytes(msgspec.json.format(msgspec.json.encode(figures)) + b"\n")
-    return 1 if figures["stops not held"] or figures["stop to held, ms"]["max"] > HARD_MS else 0
+        figures = cycle(robot, twin, log, ways, given.seconds)
+        figures |= stops(results, robot, twin, log, ways, given.stops)
+    return Measured(results=results.ordered(), load=f"{given.seconds:g} s of traffic", figures=figures)
 
 
 @contextmanager
@@ -121,14 +123,14 @@ def cycle(
     }
 
 
-def stops(robot: Robot, twin: Process, log: Path, ways: dict[str, tuple[float, float]], tries: int) -> dict[str, Any]:
+def stops(
+    results: Results, robot: Robot, twin: Process, log: Path, ways: dict[str, tuple[float, float]], tries: int
+) -> dict[str, Any]:
     """Stop again and again while everything moves."""
     _tell(twin, {"faults": FAULTS})
     second = robot.as_owner()
     key = f"{robot.name}/joints/stop"
-    held_ms: list[float] = []
     answered_ms: list[float] = []
-    failed: list[str] = []
     for _ in range(tries):
         client = Client(robot, ways).start()
         pass_time(random.uniform(0.3, 0.5))
@@ -139,18 +141,11 @@ def stops(robot: Robot, twin: Process, log: Path, ways: dict[str, tuple[float, f
         client.cease()
         pass_time(WATCH_S)
         at, why = held(goals(log), began, len(ways))
-        if why or not replies:
-            failed.append(why or "the stop was not answered")
-        else:
-            held_ms.append((at - began) * 1e3)
+        results.check("joints stop", [why or "the stop was not answered"] if why or not replies else [])
+        if not why and replies:
+            results.sample("joints stop", (at - began) * 1e3)
     second.close()
-    return {
-        "stop to held, ms": summary(held_ms),
-        "stop to its answer, ms": summary(answered_ms),
-        "stops": tries,
-        "stops held within the target": sum(took_ms <= TARGET_MS for took_ms in held_ms),
-        "stops not held": failed,
-    }
+    return {"stop to its answer, ms": summary(answered_ms)}
 
 
 def held(written: list[tuple[float, dict[int, int]]], began: float, servos: int) -> tuple[float, str]:
@@ -206,13 +201,3 @@ def _spent_s(robot: Robot) -> dict[str, float]:
 def _tell(twin: Process, order: dict[str, Any]) -> None:
     twin.tell(json.dumps(order))
     twin.answer()
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, dict):
-        return ", ".join(f"{name} {number:g}" for name, number in value.items())
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """Measures how soon the motors stand when a driver on another machine is lost, and whether anything held back moves them.
 
-`python -m benchmarks.lan --n 20 --json FILE`; S9 and F1 need root, for two network namespaces and a cable between them.
+`python -m benchmarks lan --n 20 --json FILE`; S9 and F1 need root, for two network namespaces and a cable between them.
 Exit code 1 if a hard value is broken.
 """
 
@@ -15,11 +15,14 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
+from benchmarks import Measured
 from benchmarks.instruments.stalling import Stalling, Way
 from tests.support.door import Door, opened
-from tests.support.figures import Promise, Report, Results, machine, table
+from tests.support.figures import Promise, Results
 from tests.support.netns import Network, network, why_not
 from tests.support.robot import prepare, until
+
+SMOKE = "--n 1"
 
 PROMISES: dict[str, Promise] = {
     "S8 LAN": Promise(what="client on another machine killed, to motor zero", hard=300),
@@ -36,31 +39,21 @@ STANDS_S = 1.0
 CUTS_S = (0.3, 8.0)
 
 
-def main() -> int:
-    """Measure, print, and say whether a hard value was broken."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how often."""
     parser.add_argument("--n", type=int, default=20, help="tries of each (default %(default)s)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result")
-    arguments = parser.parse_args()
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Lose the driver on the other machine, again and again."""
     results, dice = Results(PROMISES), random.Random(1)
-    began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
     with tempfile.TemporaryDirectory(prefix="lbr-") as folder:
-        near(results, Path(folder) / "near", arguments.n, dice)
+        near(results, Path(folder) / "near", given.n, dice)
         if why_not():
             print(f"S9 is left out: {why_not()}", file=sys.stderr)
         else:
-            far(results, Path(folder) / "far", arguments.n, dice)
-    report = Report(
-        machine=machine(),
-        load="I",
-        started=started,
-        took_s=round(time.monotonic() - began, 1),
-        results=[results.by_figure[figure] for figure in PROMISES if figure in results.by_figure],
-    )
-    if arguments.json:
-        report.write(arguments.json)
-    print(table(report.results))
-    return report.tell_broken()
+            far(results, Path(folder) / "far", given.n, dice)
+    return Measured(results=results.ordered())
 
 
 def near(results: Results, home: Path, n: int, dice: random.Random) -> None:
@@ -159,7 +152,3 @@ def _revoke(door: Door, name: str, _client: object) -> None:
 def _wait(seconds: float) -> None:
     if seconds > 0:
         time.sleep(seconds)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """Searches every world of the model to its last state, then finds every seeded error.
 
-`python -m benchmarks.lease`, or `--worlds ,t,c`; exit code 1 if a property breaks, an error is not found, or no end is.
+`python -m benchmarks lease`, or `--worlds ,t,c`; exit code 1 if a property breaks, an error is not found, or no end is.
 Each letter of a world adds to two clients on the robot: t(ake-over), e(mergency stop),
 c(rashes), r(emote: the second client is on another machine), i(nsisting is noticed; without it e breaks property 7).
 """
@@ -10,38 +10,51 @@ import sys
 import tempfile
 from pathlib import Path
 
+from benchmarks import Measured
 from tests.models.lease.seeded import PROPERTIES, SEEDED
 from tests.models.lease.spin import DEEP, FINE_S, Search
+from tests.support.figures import Promise, Results
+
+SMOKE = "--worlds none --errors 1"
+PROMISES = {
+    "lease": Promise(what="worlds of the model, searched to their last state, in which no property breaks"),
+    "lease errors": Promise(what="errors seeded in the model that the search finds"),
+}
 
 WORLDS = ("", "t", "i", "c", "r", "ei")
 HASH_BITS = 25
 
 
-def main() -> int:
-    """Search, print what came out, and say whether all is as it should be."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--worlds", default=",".join(WORLDS), metavar=",t,c", help="default: %(default)s")
-    worlds = parser.parse_args().worlds.split(",")
-    bad = False
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add which worlds."""
+    parser.add_argument("--errors", type=int, default=len(SEEDED), help="seeded errors to find (default: all)")
+    parser.add_argument(
+        "--worlds",
+        default=",".join(WORLDS),
+        metavar=",t,c",
+        help="or none: the seeded errors alone (default: %(default)s)",
+    )
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Search the worlds, then the seeded errors."""
+    results, text = Results(PROMISES), []
     with tempfile.TemporaryDirectory(prefix="lbr-lease-") as folder:
         search = Search(Path(folder), FINE_S)
-        for world in worlds:
+        for world in [] if given.worlds == "none" else given.worlds.split(","):
             found = search.run(world, depth=DEEP, hash_bits=HASH_BITS)
-            bad = bad or not found.closed or found.broken > 0
             said = "closed, nothing breaks" if found.closed else PROPERTIES.get(found.broken, "NOT SEARCHED TO ITS END")
-            figures = (
+            results.check("lease", [f"world {world or '-'}: {said}"] if found.broken or not found.closed else [])
+            states = (
                 f"{found.states:>10,} states, depth {found.depth:,}, {found.seconds:.0f} s, {found.megabytes:.0f} MB"
             )
-            print(f"{world or '-':4} {figures}: {said}", flush=True)
-            for line in found.trace[-30:]:
-                print(f"       {line}")
-        for seeded in SEEDED:
+            text += [f"{world or '-':4} {states}: {said}", *(f"       {line}" for line in found.trace[-30:])]
+            print(text[-1], file=sys.stderr, flush=True)
+        for seeded in SEEDED[: given.errors]:
             found = search.run(seeded.world, seeded.number)
             right = found.broken == seeded.breaks
-            bad = bad or not right
-            print(f"{seeded.name}: {'found' if right else 'NOT FOUND'}, breaks {found.broken}, {found.states:,} states")
-    return 1 if bad else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+            results.check("lease errors", [] if right else [f"{seeded.name} was not found"])
+            text.append(
+                f"{seeded.name}: {'found' if right else 'NOT FOUND'}, breaks {found.broken}, {found.states:,} states"
+            )
+    return Measured(results=results.ordered(), load="spin", text="\n".join(text))

@@ -1,6 +1,6 @@
 """Holds the drive kernel against its model through long seeded histories: K2. Nothing sleeps, nothing asks for the time.
 
-`python -m benchmarks.long_simulation --steps 10000000 --seed 1`; the same seed gives the same trace hash, anywhere.
+`python -m benchmarks long_simulation --steps 10000000 --seed 1`; the same seed gives the same trace hash, anywhere.
 `--seeds 100` runs seeds 1 to 100 in as many processes as there are cores. After a violation, `--replay SEED --until
 STEP` shows what led to it. Exit code 1 on a violation.
 """
@@ -13,28 +13,39 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
+from benchmarks import Measured
 from tests.models.long_simulation import Run, replay, simulate
 from tests.models.motion import broken
+from tests.support.figures import Promise, Results
+
+SMOKE = "--steps 5000"
+PROMISES = {"K2": Promise(what="seeds of long histories in which the kernel does what the model says, and no more")}
 
 
-def main() -> int:
-    """Simulate, print, and say whether anything was violated."""
-    arguments = _arguments()
-    if arguments.replay is not None:
-        print("\n".join(replay(arguments.replay, arguments.until or arguments.steps, arguments.kernel)))
-        return 0
-    bad = 0
-    for run in _runs(arguments):
-        print(
-            f"seed {run.seed}: {run.steps} steps, {run.steps_per_s:.0f} a second, trace {run.trace}, "
-            f"{run.violation or 'no violation'}",
-            flush=True,
-        )
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how much, or what to look at again."""
+    parser.add_argument("--steps", type=int, default=1_000_000, help="events for each seed (default %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="the first seed (default %(default)s)")
+    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="this many seeds, in processes of their own")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes at once (default: the cores)")
+    parser.add_argument("--replay", type=int, metavar="SEED", help="show the last events of a seed")
+    parser.add_argument("--until", type=int, metavar="STEP", help="with --replay: up to here")
+    names = [kernel.__name__ for kernel in broken.KERNELS]
+    parser.add_argument("--kernel", default="", choices=["", *names], help="one that is broken on purpose")
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Let the seeds live."""
+    if given.replay is not None:
+        return Measured(text="\n".join(replay(given.replay, given.until or given.steps, given.kernel)))
+    results, text = Results(PROMISES), []
+    for run in _runs(given):
+        text.append(f"seed {run.seed}: {run.steps} steps, {run.steps_per_s:.0f} a second, trace {run.trace}")
+        results.check("K2", [f"seed {run.seed}: {run.violation}"] if run.violation else [])
         if run.violation:
-            bad += 1
-            print("\n".join(run.led_to_it))
-            print(f"again: python -m benchmarks.long_simulation --replay {run.seed} --until {run.steps}")
-    return 1 if bad else 0
+            again = f"python -m benchmarks long_simulation --replay {run.seed} --until {run.steps}"
+            text += [run.violation, *run.led_to_it, f"again: {again}"]
+    return Measured(results=results.ordered(), load="nothing sleeps, nothing asks for the time", text="\n".join(text))
 
 
 def _runs(arguments: argparse.Namespace) -> Iterator[Run]:
@@ -51,20 +62,3 @@ def _runs(arguments: argparse.Namespace) -> Iterator[Run]:
 
 def _tell(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--steps", type=int, default=1_000_000, help="events for each seed (default %(default)s)")
-    parser.add_argument("--seed", type=int, default=1, help="the first seed (default %(default)s)")
-    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="this many seeds, in processes of their own")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes at once (default: the cores)")
-    parser.add_argument("--replay", type=int, metavar="SEED", help="show the last events of a seed")
-    parser.add_argument("--until", type=int, metavar="STEP", help="with --replay: up to here")
-    names = [kernel.__name__ for kernel in broken.KERNELS]
-    parser.add_argument("--kernel", default="", choices=["", *names], help="one that is broken on purpose")
-    return parser.parse_args()
-
-
-if __name__ == "__main__":
-    sys.exit(main())

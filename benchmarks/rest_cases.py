@@ -1,46 +1,46 @@
 """Asks a simulated UXA-90 whatever its OpenAPI document allows, and more, and looks at answers and at the wire.
 
-`python -m benchmarks.rest_cases --cases 1000 [--json FILE] [--seed N]`. Exit code 1 if an answer was a 5xx, did not come
+`python -m benchmarks rest_cases --cases 1000 [--json FILE] [--seed N]`. Exit code 1 if an answer was a 5xx, did not come
 within five seconds, was not what the document says, or if anything illegal was on the serial line.
 """
 
 import argparse
-import json
-import sys
 import tempfile
 import time
 from pathlib import Path
 
-from tests.fuzzing.rest_cases import ask_all, on_the_wire, served
+from benchmarks import Measured
+from tests.fuzzing.rest_cases import ANSWER_S, ask_all, on_the_wire, served
+from tests.support.figures import Promise, Results
+
+SMOKE = "--cases 20"
+PROMISES = {
+    "rest": Promise(what="requests of every kind: no 5xx, answers as the document says, nothing illegal on the line"),
+    "rest slowest": Promise(what="request to its answer", hard=ANSWER_S * 1e3),
+}
 
 
-def main() -> int:
-    """Ask, print, and say whether anything was wrong."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", type=int, default=1000)
-    parser.add_argument("--seed", type=int)
-    parser.add_argument("--json", type=Path)
-    arguments = parser.parse_args()
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how many."""
+    parser.add_argument("--cases", type=int, default=1000, help="requests (default %(default)s)")
+    parser.add_argument("--seed", type=int, help="of chance, to ask the same again")
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Ask, and look at the answers and at the wire."""
+    results = Results(PROMISES)
     with tempfile.TemporaryDirectory(prefix="lbr-") as place, served(Path(place) / "h") as (_, client, trace):
         began = time.monotonic()
-        tally = ask_all(client, arguments.cases, arguments.seed)
+        tally = ask_all(client, given.cases, given.seed)
         took_s = time.monotonic() - began
         wire, illegal = on_the_wire(trace)
-    found = {
-        "cases": sum(tally.statuses.values()),
+    result = results.of("rest")
+    result.checks, result.violations = sum(tally.statuses.values()), [*tally.wrong, *illegal[:20]]
+    results.sample("rest slowest", tally.slowest_s * 1e3)
+    figures = {
         "statuses": {str(status): count for status, count in sorted(tally.statuses.items())},
         "operations": len(tally.operations),
         "seconds": round(took_s, 1),
-        "slowest_ms": round(tally.slowest_s * 1e3, 1),
-        "wrong": tally.wrong,
         "wire": dict(wire),
-        "illegal": illegal[:20],
     }
-    print(json.dumps(found, indent=2))
-    if arguments.json:
-        arguments.json.write_text(json.dumps(found, indent=2) + "\n")
-    return int(bool(tally.wrong or illegal))
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return Measured(results=results.ordered(), figures=figures)

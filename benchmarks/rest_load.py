@@ -1,6 +1,6 @@
 """Four clients of the UXA-90's API at 20 requests a second each, and viewers of its states, for as long as wanted.
 
-`python -m benchmarks.rest_load --seconds 600 [--json FILE]`. Head and neck are moved, motors are asked for, several are
+`python -m benchmarks rest_load --seconds 600 [--json FILE]`. Head and neck are moved, motors are asked for, several are
 moved at once; meanwhile a fifth client moves one arm now and then, to see in the trace of the emulated main board how
 long after a request its first byte is on the wire. At the end 23 motors are moved by one request. Exit code 1 if an
 answer was an error, if the slowest hundredth took 50 ms or more, if fewer than 20 states came a second, if a request
@@ -12,7 +12,6 @@ import contextlib
 import http.client
 import json
 import os
-import sys
 import tempfile
 import threading
 import time
@@ -22,10 +21,13 @@ from typing import Any
 
 from websockets.sync.client import connect
 
+from benchmarks import Measured
 from lbr.executive import scheduling
 from tests.fuzzing.rest_cases import served
 from tests.support.figures import percentile
 from tests.support.uxa90_wire import chunks, packets
+
+SMOKE = "--seconds 1"
 
 CLIENTS, RATE_HZ = 4, 20.0
 VIEWERS = 2
@@ -43,6 +45,18 @@ NEAR = {
     19: (50, 60),
 }
 """Where both the API and the joints let motors go that do not rest in the middle."""
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how long."""
+    parser.add_argument("--seconds", type=float, default=600.0, help="how long (default %(default)s)")
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Run the load."""
+    outrank()
+    found = loaded(given.seconds)
+    return Measured(figures=found, broken=failures(found))
 
 
 class Tally:
@@ -158,7 +172,7 @@ def together(port: int, trace: Path) -> dict[str, Any]:
     return {"asked_for": len(ids), "most_in_one_piece": most, "wrong": client.tally.wrong}
 
 
-def measure(seconds: float) -> dict[str, Any]:
+def loaded(seconds: float) -> dict[str, Any]:
     """Run the load, and return the figures."""
     with tempfile.TemporaryDirectory() as folder, served(Path(folder) / "home") as (robot, _client, trace):
         port = int(robot.web.rpartition(":")[2])
@@ -236,23 +250,3 @@ def outrank() -> None:
     with contextlib.suppress(OSError):
         os.setsid()
     scheduling.rank(os.getpid(), scheduling.MOTION)
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=600.0)
-    parser.add_argument("--json", type=Path)
-    arguments = parser.parse_args()
-    outrank()
-    found = measure(arguments.seconds)
-    print(json.dumps(found, indent=2))
-    if arguments.json:
-        arguments.json.write_text(json.dumps(found, indent=2))
-    wrong = failures(found)
-    for text in wrong:
-        print(f"NOT AS IT SHOULD BE: {text}")
-    return 1 if wrong else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """Measures how soon the motors stand after every kind of fault, and how the robot recovers.
 
-`python -m benchmarks.safety --n 30 --table` is about a tenth of the full amount; `--only S1,S3` runs a few scenarios.
+`python -m benchmarks safety --n 30` is about a tenth of the full amount; `--only S1,S3` runs a few scenarios.
 `--gate` tries everything in under five minutes, several at a time, for hard values only. `--full` is the whole amount
 in ten rounds, `--minutes 120` as many of them as fit. `--merge FILE` keeps what any benchmark has written with `--json`
 in benchmarks/results.json, and `--write-docs` makes the table in docs/safety.md of that. Exit code 1 if a hard value
@@ -26,15 +26,42 @@ from typing import NamedTuple
 import msgspec
 from msgspec import Struct
 
+from benchmarks import Measured
 from lbr.capability.tether import PR_SET_PDEATHSIG
 from tests.scenarios.promises import PROMISES
 from tests.scenarios.schedule import FIGURE_OF, SCENARIOS
-from tests.support.figures import Report, Result, Results, machine, table
+from tests.support.figures import Report, Result, Results
 from tests.support.ledger import Ledger
 from tests.support.machine import Stopwatch
 
+SMOKE = "--tries 1 --only S1"
+
 ROUNDS = 10
 GATE_JOBS = 4
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how much, of what, on which robot; or what to keep."""
+    amount = parser.add_mutually_exclusive_group()
+    amount.add_argument("--n", type=int, default=10, help="how much; 300 is the full amount (default %(default)s)")
+    amount.add_argument("--tries", type=int, default=0, help="so many tries of each scenario, as in --only S1,S8")
+    amount.add_argument("--gate", action="store_true", help="everything in under five minutes")
+    amount.add_argument("--full", action="store_true", help="the full amount, in ten rounds")
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no round of --full that ends later")
+    parser.add_argument("--jobs", type=int, default=0, help=f"scenarios at a time ({GATE_JOBS} for --gate, else 1)")
+    parser.add_argument("--only", type=_names, metavar="S1,S3", help=f"of {', '.join(SCENARIOS)}")
+    parser.add_argument("--whole", action="store_true", help="on lbr-sim as it ships, not on its base")
+    parser.add_argument("--load", default="nothing else running", help="what else the machine does, for the record")
+    parser.add_argument("--merge", type=Path, nargs="+", default=[], metavar="FILE", help="keep these results")
+    parser.add_argument("--write-docs", action="store_true", help="fill docs/safety.md from what is kept")
+
+
+def measure(given: argparse.Namespace) -> Measured | None:
+    """Run scenarios, or keep what they have measured."""
+    if given.merge or given.write_docs:
+        keep(given.merge, write_docs=given.write_docs)
+        return None
+    return together(rounds(given), given.load, jobs=given.jobs or (GATE_JOBS if given.gate else 1), whole=given.whole)
 
 
 class Run(NamedTuple):
@@ -45,46 +72,19 @@ class Run(NamedTuple):
     whole: bool = False
 
 
-def main() -> int:
-    """Measure, print, and say whether a hard value was broken."""
-    signal.signal(
-        signal.SIGINT, signal.default_int_handler
-    )  # a shell in the background has it ignored, in children too
-    arguments = _arguments()
-    if arguments.merge or arguments.write_docs:
-        return _keep(arguments.merge, write_docs=arguments.write_docs)
-    report = measure(
-        _rounds(arguments),
-        arguments.load,
-        jobs=arguments.jobs or (GATE_JOBS if arguments.gate else 1),
-        whole=arguments.whole,
-    )
-    report.tell_repeated()
-    if arguments.json:
-        report.write(arguments.json)
-    if arguments.table or not arguments.json:
-        print(table(report.results))
-    return report.tell_broken()
-
-
-def measure(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1, whole: bool = False) -> Report:
+def together(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1, whole: bool = False) -> Measured:
     """Run all rounds; with several jobs, what need not be alone runs beside others."""
     results = Results(PROMISES, whole=whole)
-    began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
     watch = Stopwatch()
     for plan in rounds:
         runs = [run._replace(whole=whole) for run in plan]
         shared = [run for run in runs if not SCENARIOS[run.name].alone] if jobs > 1 else []
-        _together(results, shared, jobs)
+        _beside_others(results, shared, jobs)
         for run in runs:
             if run not in shared:
                 _take(results, run_alone(run))
-    took_s = round(time.monotonic() - began, 1)
-    return Report(
-        machine=machine(),
+    return Measured(
         load=f"{load}; no program waited for {watch.share:.0%} of the time",
-        started=started,
-        took_s=took_s,
         results=results.ordered(),
         repeated=results.repeated,
         disturbed=results.disturbed,
@@ -135,7 +135,7 @@ def run_alone(run: Run) -> bytes:
     return msgspec.json.encode(Outcome(results.ordered(), results.disturbed, results.repeated, gave_up))
 
 
-def _together(results: Results, runs: list[Run], jobs: int) -> None:
+def _beside_others(results: Results, runs: list[Run], jobs: int) -> None:
     """Run several at a time; what may be the machine's fault is tried again by itself, that counts, and it is told."""
     if not runs:
         return
@@ -163,7 +163,7 @@ def _end_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def _rounds(arguments: argparse.Namespace) -> Iterator[list[Run]]:
+def rounds(arguments: argparse.Namespace) -> Iterator[list[Run]]:
     """Give what to run: one round, or the full amount in tenths until the time is over."""
     names = arguments.only or list(SCENARIOS)
     if arguments.gate:
@@ -189,7 +189,7 @@ def _tenth(full: int, turn: int) -> int:
     return full * (turn + 1) // ROUNDS - full * turn // ROUNDS
 
 
-def _keep(paths: list[Path], *, write_docs: bool) -> int:
+def keep(paths: list[Path], *, write_docs: bool) -> None:
     """Merge reports of any benchmark into what is kept, and perhaps make the table of it."""
     ledger = Ledger.read()
     for path in paths:
@@ -198,26 +198,6 @@ def _keep(paths: list[Path], *, write_docs: bool) -> int:
         ledger.write()
     if write_docs:
         ledger.write_docs()
-    return 0
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    amount = parser.add_mutually_exclusive_group()
-    amount.add_argument("--n", type=int, default=10, help="how much; 300 is the full amount (default %(default)s)")
-    amount.add_argument("--tries", type=int, default=0, help="so many tries of each scenario, as in --only S1,S8")
-    amount.add_argument("--gate", action="store_true", help="everything in under five minutes")
-    amount.add_argument("--full", action="store_true", help="the full amount, in ten rounds")
-    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no round of --full that ends later")
-    parser.add_argument("--jobs", type=int, default=0, help=f"scenarios at a time ({GATE_JOBS} for --gate, else 1)")
-    parser.add_argument("--only", type=_names, metavar="S1,S3", help=f"of {', '.join(SCENARIOS)}")
-    parser.add_argument("--whole", action="store_true", help="on lbr-sim as it ships, not on its base")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result")
-    parser.add_argument("--table", action="store_true", help="print a Markdown table")
-    parser.add_argument("--load", default="nothing else running", help="what else the machine does, for the record")
-    parser.add_argument("--merge", type=Path, nargs="+", default=[], metavar="FILE", help="keep these results")
-    parser.add_argument("--write-docs", action="store_true", help="fill docs/safety.md from what is kept")
-    return parser.parse_args()
 
 
 def _names(text: str) -> list[str]:
@@ -225,7 +205,3 @@ def _names(text: str) -> list[str]:
     if unknown := [name for name in names if name not in SCENARIOS]:
         raise argparse.ArgumentTypeError(f"no scenario {', '.join(unknown)}; there are {', '.join(SCENARIOS)}")
     return names
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """How fast servos can be read, by whom, at what cost, and whether every state is true; all on a simulated line.
 
-`python -m benchmarks.servo_bus [--rounds N] [--seconds S] [--json FILE]`. Eighteen emulated AX-12A at 1 Mbit/s on a pty,
+`python -m benchmarks servo_bus [--rounds N] [--seconds S] [--json FILE]`. Eighteen emulated AX-12A at 1 Mbit/s on a pty,
 with the servos' own delays and jitter and no USB. In turns, so that other load meets all alike: (a) a loop in C, the
 floor; (b) lbr's block read; (c) the vendor's kit with three reads for each state; (d) the vendor's kit with a block
 read; at return delays of 0, 250 and 500 us. Then the USB2AX's sync read against what its line allows, and (b) and the
@@ -13,18 +13,20 @@ machine: trust ratios and CPU time.
 
 import argparse
 import statistics
-import sys
 import time
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from tests.support.figures import machine
+from benchmarks import Measured
+from tests.support.figures import Promise, Results
 from tests.support.servo_bus.arithmetic import wire_hz
 from tests.support.servo_bus.line import Line, line
 
+SMOKE = "--rounds 1 --seconds 0.05 --no-faults"
+
+PROMISES = {"servo bus": Promise(what="states that were read, each what the servo said, and not what it said before")}
 DELAYS = {0: 0, 125: 250, 250: 500}
 """Values of the return delay register, and what they are in microseconds."""
 
@@ -54,6 +56,33 @@ PASSING = {"unplug", "brown_out"}
 """Faults that end halfway."""
 
 
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how often, and how long."""
+    parser.add_argument("--rounds", type=int, default=7, help="default: %(default)s")
+    parser.add_argument("--seconds", type=float, default=0.6, help="how long each client reads in each round")
+    parser.add_argument("--no-faults", action="store_true", help="leave the faults out")
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Let all clients read in turns, then beside faults."""
+    with line() as under_test:
+        missing = {"floor", "vendor_three"} - set(under_test.kinds)
+        text = [f"left out: {NAMES[kind]}; see --help" for kind in sorted(missing)]
+        figures = [figure for delay in DELAYS for figure in compare(under_test, delay, given.rounds, given.seconds)]
+        survived = [] if given.no_faults else list(survive(under_test, max(1.0, given.seconds)))
+    text += ["", table(figures), "", *([fault_table(survived)] if survived else []), *verdicts(figures)]
+    results = Results(PROMISES)
+    result = results.of("servo bus")
+    read: tuple[Figure | Survived, ...] = (*figures, *survived)
+    for found in read:
+        result.checks += found.states
+        bad = found.wrong + found.stale
+        result.violations += [f"{found.client}: {found.wrong} wrong, {found.stale} stale"] if bad else []
+    kept = {"figures": figures, "faults": survived}
+    load = f"{given.rounds} rounds of {given.seconds:g} s"
+    return Measured(results=results.ordered(), load=load, text="\n".join(text), figures=kept)
+
+
 class Figure(msgspec.Struct, kw_only=True):
     """A client at a return delay: medians over the rounds, sums of what must not be."""
 
@@ -81,32 +110,6 @@ class Survived(msgspec.Struct, kw_only=True):
     longest_ms: float
     rate_hz: float
     after_hz: float
-
-
-def main() -> int:
-    """Measure, print, judge."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--seconds", type=float, default=0.6, help="how long each client reads in each round")
-    parser.add_argument("--no-faults", action="store_true", help="leave the faults out")
-    parser.add_argument("--json", type=Path, help="write the figures into this file")
-    options = parser.parse_args()
-    with line() as under_test:
-        missing = {"floor", "vendor_three"} - set(under_test.kinds)
-        for kind in sorted(missing):
-            print(f"left out: {NAMES[kind]}; see --help")
-        figures = [figure for delay in DELAYS for figure in compare(under_test, delay, options.rounds, options.seconds)]
-        print(f"\n{machine()}; {options.rounds} rounds of {options.seconds:g} s\n\n{table(figures)}\n")
-        survived = [] if options.no_faults else list(survive(under_test, max(1.0, options.seconds)))
-    if survived:
-        print(fault_table(survived))
-    print("\n".join(verdicts(figures)))
-    bad = sum(figure.wrong + figure.stale for figure in figures) + sum(found.wrong + found.stale for found in survived)
-    print(f"{bad} wrong or stale states")
-    if options.json:
-        told = {"machine": machine(), "figures": figures, "faults": survived}
-        options.json.write_bytes(msgspec.json.format(msgspec.json.encode(told)) + b"\n")
-    return 1 if bad else 0
 
 
 def compare(under_test: Line, delay: int, rounds: int, seconds: float) -> Iterator[Figure]:
@@ -205,7 +208,3 @@ def fault_table(survived: Sequence[Survived]) -> str:
 
 def _met(met: bool) -> str:
     return "met" if met else "missed"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """Lets a robot live for a while: three people use it, once a minute something breaks; nothing may leak, crash or stop for no reason.
 
-`python -m benchmarks.soak --minutes 30 --json FILE`; `--seed` makes the same faults in the same order, `--base` leaves
+`python -m benchmarks soak --minutes 30 --json FILE`; `--seed` makes the same faults in the same order, `--base` leaves
 the robot its motors, ranges, drive and world alone. What happens is told on standard error, and every few minutes how
 much memory the executive has. Exit code 1 if a hard value is broken.
 """
@@ -13,17 +13,19 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from pathlib import Path
 from statistics import median
 
 from msgspec import structs
 
+from benchmarks import Measured
 from tests.scenarios.devices import MOTORS, RANGES, fault
 from tests.scenarios.freezes import break_links
 from tests.scenarios.storms import WORKERS, Cost, audit_faults, costs, left_over
 from tests.scenarios.traffic import Traffic
 from tests.support.bench import Bench, bench
-from tests.support.figures import BASE, Promise, Report, Results, machine, slope, table
+from tests.support.figures import BASE, Promise, Results, slope
+
+SMOKE = "--minutes 0.1 --fault-every 3 --base"
 
 LOOK_S = 5.0
 FAULT_S = 1.5
@@ -54,6 +56,26 @@ PROMISES: dict[str, Promise] = {
         "F6": Promise(what="outputs within the configured maximum and slew, in every scenario"),
     }.items()
 }
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how long, and of what."""
+    parser.add_argument("--minutes", type=float, default=30.0, help="how long (default %(default)s)")
+    parser.add_argument("--fault-every", type=float, default=60.0, metavar="SECONDS", help="default: %(default)s")
+    parser.add_argument("--base", action="store_true", help="motors, ranges, drive and world alone")
+    parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Let it live."""
+    results = Results(PROMISES, whole=not given.base)
+    soak(results, given.minutes, given.seed, fault_every_s=given.fault_every)
+    return Measured(
+        results=[result for result in results.ordered() if result.figure.startswith("K1") or result.violations],
+        load=f"{given.minutes:g} minutes, seed {given.seed}",
+        repeated=results.repeated,
+        disturbed=results.disturbed,
+    )
 
 
 class Soak:
@@ -198,37 +220,3 @@ def _levels_off(results: Results, looks: list[tuple[float, dict[str, Cost]]]) ->
     last = points[-max(2, int(len(points) * LAST_SHARE)) :]
     print(f"executive: {points[0][1]:.1f} MiB, {last[0][1]:.1f} at two thirds, {last[-1][1]:.1f}", file=sys.stderr)
     results.sample("K1 executive", slope(last))
-
-
-def main() -> int:
-    """Soak, print, and say whether a hard value was broken."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--minutes", type=float, default=30.0)
-    parser.add_argument("--fault-every", type=float, default=60.0, metavar="SECONDS")
-    parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
-    parser.add_argument("--base", action="store_true", help="motors, ranges, drive and world alone")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result")
-    arguments = parser.parse_args()
-    results = Results(PROMISES, whole=not arguments.base)
-    began, started = time.monotonic(), time.strftime("%Y-%m-%d %H:%M:%S %Z")
-    soak(results, arguments.minutes, arguments.seed, fault_every_s=arguments.fault_every)
-    report = Report(
-        machine=machine(),
-        load=f"{arguments.minutes:g} minutes, seed {arguments.seed}",
-        started=started,
-        took_s=round(time.monotonic() - began, 1),
-        results=[result for result in results.ordered() if result.figure.startswith("K1")],
-        repeated=results.repeated,
-        disturbed=results.disturbed,
-    )
-    report.tell_repeated()
-    if arguments.json:
-        report.write(arguments.json)
-    print(table(results.ordered()))
-    for text in results.violations()[:20]:
-        print(f"BROKEN {text}", file=sys.stderr)
-    return 1 if any(result.verdict == "broken" for result in results.ordered()) else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

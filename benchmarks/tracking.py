@@ -1,6 +1,6 @@
 """What tracking costs and how exact it is: for each picture, side by side with decoding it and with another method.
 
-`python -m benchmarks.tracking --seconds 10`. Pictures of 640x480 with a ball, as JPEG, are made here: noisy, lit from
+`python -m benchmarks tracking --seconds 10`. Pictures of 640x480 with a ball, as JPEG, are made here: noisy, lit from
 above, with a highlight. `blob` is what tracking does; `circles` finds the same ball in the same mask by Hough's
 transform. The last line is a process that looks at 15 pictures a second, as tracking does.
 """
@@ -15,42 +15,51 @@ import cv2
 import numpy as np
 import psutil
 
-from lbr.apps.tracking import KIND, vision
+from benchmarks import Measured
+from lbr.apps.tracking import TrackingSettings, vision
 from lbr.apps.tracking.eye import Eye
 from lbr.messages.tracking import Seen
 
+SMOKE = "--seconds 0.2 --pictures 4"
+
 WIDTH, HEIGHT, FPS = 640, 480, 15
 ORANGE, GREY = (20, 110, 235), (120, 110, 100)
-PICTURES = 60
 
 
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how long."""
+    parser.add_argument("--pictures", type=int, default=60, help="to find the ball in (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=10.0, help="how long to look (default %(default)s)")
-    seconds = parser.parse_args().seconds
-    made = pictures()
-    settings = KIND.settings()
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Find the ball in pictures made here."""
+    made = pictures(given.pictures)
+    settings = TrackingSettings()
     ranges = vision.hsv_ranges(settings)
     blob = vision.finder(settings, "colour")
-    print(f"OpenCV {cv2.__version__}, {WIDTH}x{HEIGHT}, {statistics.mean(len(data) for data, _ in made) / 1000:.0f} kB")
-    print(f"{'decode, whole':24}{_ms(made, lambda data: cv2.imdecode(_bytes(data), cv2.IMREAD_COLOR)):8.2f} ms")
-    print(f"{'decode, half':24}{_ms(made, vision.decode):8.2f} ms")
+    kilobytes = statistics.mean(len(data) for data, _ in made) / 1000
+    text = [
+        f"OpenCV {cv2.__version__}, {WIDTH}x{HEIGHT}, {kilobytes:.0f} kB",
+        f"{'decode, whole':24}{_ms(made, lambda data: cv2.imdecode(_bytes(data), cv2.IMREAD_COLOR)):8.2f} ms",
+        f"{'decode, half':24}{_ms(made, vision.decode):8.2f} ms",
+    ]
     for name, find in (("blob", blob), ("circles", lambda data: _circles(data, ranges))):
         errors, missed = _errors(made, find)
-        print(
+        text.append(
             f"{'decode, half, ' + name:24}{_ms(made, find):8.2f} ms  middle {errors[0]:.2f} px, worst {errors[1]:.2f} px, "
             f"missed {missed} of {len(made)}"
         )
-    _look(blob, [data for data, _ in made], seconds)
+    text.append(_looked(blob, [data for data, _ in made], given.seconds))
+    return Measured(text="\n".join(text))
 
 
-def pictures() -> list[tuple[bytes, tuple[float, float, float]]]:
+def pictures(count: int) -> list[tuple[bytes, tuple[float, float, float]]]:
     """Return pictures, and where the ball is in each: x, y and radius in pixels."""
     dice = np.random.default_rng(7)
     rows, columns = np.mgrid[0:HEIGHT, 0:WIDTH].astype(np.float32)
     made = []
-    for _ in range(PICTURES):
+    for _ in range(count):
         radius = float(dice.uniform(6.0, 80.0))
         x, y = float(dice.uniform(radius, WIDTH - radius)), float(dice.uniform(radius, HEIGHT - radius))
         lit = np.clip(0.85 - 0.35 * (rows - y) / radius, 0.4, 1.0)[..., None]
@@ -98,7 +107,7 @@ def _ms(made: list[tuple[bytes, tuple[float, float, float]]], work: Callable[[by
     return min(times)
 
 
-def _look(find: vision.Finder, made: list[bytes], seconds: float) -> None:
+def _looked(find: vision.Finder, made: list[bytes], seconds: float) -> str:
     process = psutil.Process()
     eye = Eye(lambda: find, lambda: None)
     began, cpu, due, count = time.monotonic(), time.process_time(), time.monotonic(), 0
@@ -108,12 +117,8 @@ def _look(find: vision.Finder, made: list[bytes], seconds: float) -> None:
         time.sleep(max(0.0, due - time.monotonic()))
     share = (time.process_time() - cpu) / (time.monotonic() - began)
     eye.close()
-    print(f"{FPS} pictures/s: {share:.1%} of a core; {process.memory_info().rss / 2**20:.0f} MiB in use")
+    return f"{FPS} pictures/s: {share:.1%} of a core; {process.memory_info().rss / 2**20:.0f} MiB in use"
 
 
 def _bytes(data: bytes) -> "np.ndarray[tuple[int], np.dtype[np.uint8]]":
     return np.frombuffer(data, np.uint8)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,20 +1,15 @@
 """How fast the UXA-90's servos are read and told, and whether anything is ever believed of the wrong one.
 
-`python -m benchmarks.uxa90_line [--bytes N] [--json FILE]`. The driver in this process; at the other end of a pty, in a
+`python -m benchmarks uxa90_line [--bytes N] [--json FILE]`. The driver in this process; at the other end of a pty, in a
 process of its own, the emulated main board with 25 servos at 115200 baud (a servo answers after 1 to 1.3 ms), or servos
 at the end of a bad line that knows the truth. Exit code 1 if anything was believed that is not so, or crashed.
 """
 
 import argparse
-import heapq
-import os
-import pty
 import random
-import select
 import sys
 import tempfile
 import time
-import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
@@ -24,6 +19,7 @@ from typing import Any
 
 import msgspec
 
+from benchmarks import Measured
 from lbr.capability.context import Device, Received
 from lbr.drivers.uxa90 import KIND
 from lbr.drivers.uxa90.capability import Uxa90
@@ -31,16 +27,40 @@ from lbr.drivers.uxa90.packets import position_rad
 from lbr.drivers.uxa90.trust import TOLERANCE
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
-from tests.fuzzing.uxa90_answers import KINDS, Fuzzer, wrong
+from tests.fuzzing.uxa90_answers import Fuzzer, wrong
 from tests.support import programs
-from tests.support.figures import machine, percentile
+from tests.support.figures import Promise, Results, percentile
 from tests.support.uxa90_wire import chunks, packets
+
+SMOKE = "--bytes 1000 --share 0.1"
 
 SERVOS = range(25)
 API_MOTORS = [servo for servo in SERVOS if servo not in (20, 21)]
 TICK_S = 0.01
-FUZZ_SHARE = 0.02
-FUZZ_KINDS = KINDS + ("blob",) * 5
+PROMISES = {"uxa90 line": Promise(what="places that the driver trusted on a spoilt line, each where the servo is")}
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how much."""
+    parser.add_argument("--bytes", type=int, default=100_000, help="how many spoilt bytes the driver is to meet")
+    parser.add_argument("--share", type=float, default=1.0, help="of the time for all else (default %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Read, tell, move all, and believe nothing wrong."""
+    results = Results(PROMISES)
+    figures: dict[str, Any] = {
+        f"read, {together} in a write": reading(together, 4.0 * given.share) for together in (5, 1)
+    }
+    figures["told"] = telling(max(10, round(150 * given.share)))
+    figures["all moving"] = streaming(5.0 * given.share)
+    figures["fuzz"] = found = fuzzing(given.bytes, given.seed, 15.0 * given.share)
+    result = results.of("uxa90 line")
+    result.checks = found["believed"]
+    result.violations = [f"believed of servo {lie[0]}: {lie[1]}, it is at {lie[2]}" for lie in found["wrong"]]
+    result.violations += ["the driver crashed"] * found["crashes"]
+    return Measured(results=results.ordered(), load=f"{given.bytes} spoilt bytes, seed {given.seed}", figures=figures)
 
 
 class Driver:
@@ -94,43 +114,20 @@ class Driver:
             self.state = message
 
 
-def main() -> int:
-    """Measure, print, judge."""
-    if sys.argv[1:2] == ["--board"]:
-        return board(sys.argv[2])
-    if sys.argv[1:2] == ["--bad"]:
-        return bad(sys.argv[2], int(sys.argv[3]))
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bytes", type=int, default=100_000, help="how many spoilt bytes the driver is to meet")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--json", type=Path, help="write the figures into this file")
-    options = parser.parse_args()
-    found: dict[str, Any] = {"machine": machine()}
-    for together in (5, 1):
-        found[f"read, {together} in a write"] = reading(together)
-    found["told"] = telling()
-    found["all moving"] = streaming()
-    found["fuzz"] = fuzzing(options.bytes, options.seed)
-    print(msgspec.json.format(msgspec.json.encode(found)).decode())
-    if options.json:
-        options.json.write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
-    return 1 if found["fuzz"]["wrong"] or found["fuzz"]["crashes"] else 0
-
-
-def reading(together: int) -> dict[str, float]:
+def reading(together: int, seconds: float) -> dict[str, float]:
     """Return how often all servos are read while nothing else happens."""
-    with _peer("--board") as path:
+    with _peer("good") as path:
         driver = Driver(path, together=together, sweep_hz=50.0)
-        driver.run(4.0)
+        driver.run(seconds)
         driver.driver.close()
     bus = driver.state.bus
     return {"sweeps_hz": bus.sweeps_hz, "sweep_ms": bus.sweep_ms, "states_hz": bus.states_hz}
 
 
-def telling(times: int = 150) -> dict[str, float]:
+def telling(times: int) -> dict[str, float]:
     """Return how long a goal takes from the driver's step to the main board, and in how many writes 23 motors leave."""
     waits_ms, whole, rng = [], 0, random.Random(1)
-    with _peer("--board") as path:
+    with _peer("good") as path:
         trace = path.with_name(path.name + ".trace")
         driver = Driver(path)
         driver.run(1.5)
@@ -161,10 +158,10 @@ def telling(times: int = 150) -> dict[str, float]:
     }
 
 
-def streaming(seconds: float = 5.0) -> dict[str, float]:
+def streaming(seconds: float) -> dict[str, float]:
     """Return how fresh positions are while every servo gets a new goal in each cycle."""
     ages: list[float] = []
-    with _peer("--board") as path:
+    with _peer("good") as path:
         driver = Driver(path)
         driver.run(1.5)
         places = {state.id: state.raw or 127 for state in driver.state.servos}
@@ -191,12 +188,12 @@ def streaming(seconds: float = 5.0) -> dict[str, float]:
     }
 
 
-def fuzzing(enough: int, seed: int) -> dict[str, Any]:
+def fuzzing(enough: int, seed: int, good_s: float) -> dict[str, Any]:
     """Return what was believed on a line that is spoilt until so many bytes were, and what is once it is good again."""
     truth = Fuzzer(seed=seed).truth
     lies: set[tuple[int, int, int]] = set()
     crashes, looks, began = 0, 0, time.monotonic()
-    with _peer("--bad", str(seed)) as path:
+    with _peer("bad", str(seed)) as path:
         spoilt = path.with_name("spoilt")
         driver = Driver(path, reply_s=0.01)
         while _number(spoilt) < enough:
@@ -211,7 +208,7 @@ def fuzzing(enough: int, seed: int) -> dict[str, Any]:
             looks += len(believed)
             lies |= set(wrong(believed, truth, TOLERANCE))
         path.with_name("good").touch()
-        driver.run(15.0)
+        driver.run(good_s)
         after = {state.id: state.raw for state in driver.state.servos if state.trusted}
         driver.driver.close()
         found = _number(spoilt)
@@ -225,50 +222,12 @@ def fuzzing(enough: int, seed: int) -> dict[str, Any]:
     }
 
 
-def board(path: str) -> int:
-    """Be the emulated main board, until the parent is gone."""
-    from lbr.simulation.twins.base import Surroundings
-    from lbr.simulation.twins.uxa90 import Uxa90Twin
-
-    device = Device("board", "uxa90", path, {"trace": True})
-    twin = Uxa90Twin(device, Surroundings(seed=1, now=time.monotonic()))
-    while os.getppid() != 1:
-        due, fd = twin.next_due(), twin.watched()
-        wait_s = 0.05 if due is None else max(0.0, min(0.05, due - time.monotonic()))
-        select.select([] if fd is None else [fd], [], [], wait_s)
-        twin.service(time.monotonic())
-    return 0
-
-
-def bad(path: str, seed: int) -> int:
-    """Be servos at the end of a bad line, until the parent is gone."""
-    fuzzer = Fuzzer(seed=seed, share=FUZZ_SHARE, kinds=FUZZ_KINDS, blob_bytes=3000)
-    master, slave = pty.openpty()
-    tty.setraw(slave)
-    Path(path).symlink_to(os.ttyname(slave))
-    place, good = Path(path).with_name("spoilt"), Path(path).with_name("good")
-    due: list[tuple[float, int, bytes]] = []
-    order, told = count(), 0
-    while os.getppid() != 1:
-        wait_s = max(0.0, min(0.05, due[0][0] - time.monotonic())) if due else 0.05
-        if select.select([master], [], [], wait_s)[0]:
-            for delay_s, piece in fuzzer.feed(os.read(master, 4096)):
-                heapq.heappush(due, (time.monotonic() + delay_s, next(order), piece))
-        while due and due[0][0] <= time.monotonic():
-            os.write(master, heapq.heappop(due)[2])
-        if fuzzer.spoilt_bytes != told:
-            told = fuzzer.spoilt_bytes
-            place.write_text(str(told))
-            fuzzer.share = 0.0 if good.exists() else fuzzer.share
-    return 0
-
-
 @contextmanager
 def _peer(*words: str) -> Iterator[Path]:
-    """Start this module as the other end of a line, and yield the line's path."""
+    """Start the other end of a line, and yield the line's path."""
     with tempfile.TemporaryDirectory(prefix="lbr-") as folder:
         path = Path(folder) / "tty"
-        argv = [sys.executable, "-m", "benchmarks.uxa90_line", words[0], str(path), *words[1:]]
+        argv = [sys.executable, "-m", "benchmarks.instruments.uxa90_peers", words[0], str(path), *words[1:]]
         process = programs.start(argv)
         try:
             while not path.exists():
@@ -287,7 +246,3 @@ def _number(path: Path) -> int:
     with suppress(OSError, ValueError):
         return int(path.read_text())
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

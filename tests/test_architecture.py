@@ -271,7 +271,7 @@ def misplaced(source: str, module: str, *, package: bool = False) -> list[str]:
     for name in sorted(imports(source, module, package=package)):
         parts = name.split(".")
         if parts[0] in {"tests", "benchmarks"} and not (
-            is_module(name) or ("." in (parent := name.rpartition(".")[0]) and is_module(parent))
+            is_module(name) or ((parent := name.rpartition(".")[0]) != "tests" and is_module(parent))
         ):
             wrong.append(f"{name}: there is no such module")
         elif parts[0] == "benchmarks" and place == "tests":

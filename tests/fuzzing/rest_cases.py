@@ -1,8 +1,4 @@
-"""Asks a simulated UXA-90 whatever its OpenAPI document allows, and more, and looks at answers and at the wire.
-
-`python -m benchmarks.rest_cases --cases 1000 [--json FILE] [--seed N]`. Exit code 1 if an answer was a 5xx, did not come
-within five seconds, was not what the document says, or if anything illegal was on the serial line.
-"""
+"""Asks a simulated UXA-90 whatever its OpenAPI document allows, and more, and looks at answers and at the wire."""
 
 import time
 from collections import Counter

@@ -1,4 +1,4 @@
-"""Chance at every way into a robot, a small share of it and from one seed; `python -m benchmarks.fuzz` does more."""
+"""Chance at every way into a robot, a small share of it and from one seed; `python -m benchmarks fuzz` does more."""
 
 import random
 

@@ -1,4 +1,4 @@
-"""Whoever wants more than they may: on the bus, at the console, in the rows, on the network. `benchmarks.security` does more."""
+"""Whoever wants more than they may: on the bus, at the console, in the rows, on the network. `python -m benchmarks security` does more."""
 
 import pytest
 

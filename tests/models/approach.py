@@ -1,7 +1,5 @@
 """Somebody steps in the robot's way: S20, and S15 for each sensor. Faster than real time, and the same at each run.
 
-`python -m benchmarks.approach --trials 200 --seed 1`; `--json FILE` keeps the figures. Exit code 1 on a contact.
-
 S20: the base moves at 0.5 m/s when somebody (a box 0.3 to 0.5 m wide) appears 0.5 m from its outline: ahead or behind
 while it drives straight, to its left or right while it drives an arc to that side, forwards or backwards. Each trial
 is one that ends in a collision if nobody brakes: what would have passed by itself does not count. The sensors' noise

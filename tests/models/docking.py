@@ -1,7 +1,6 @@
 """Docking in the simulated world, in lockstep: from the start, and from wherever the robot is let go in the room.
 
-`python -m benchmarks.docking --trials 50 --seed 1`. Exit code 1 if a trial does not dock. Physics, beams and battery are
-the world's; the drive is left out: powers go straight to the wheels, and turns are made by the true angle. After the
+Physics, beams and battery are the world's; the drive is left out: powers go straight to the wheels, and turns are made by the true angle. After the
 first trial the compass is wrong by up to 18 degrees.
 """
 

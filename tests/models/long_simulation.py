@@ -1,8 +1,6 @@
 """Holds the drive kernel against its model through long seeded histories: K2. Nothing sleeps, nothing asks for the time.
 
-`python -m benchmarks.long_simulation --steps 10000000 --seed 1`; the same seed gives the same trace hash, anywhere.
-`--seeds 100` runs seeds 1 to 100 in as many processes as there are cores. After a violation, `--replay SEED --until
-STEP` shows what led to it. Exit code 1 on a violation.
+The same seed gives the same trace hash, anywhere.
 """
 
 import time

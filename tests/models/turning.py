@@ -1,7 +1,6 @@
-"""Measures how well turns end: by angle and to headings, in simulation, beside the open loop that they replace.
+"""How well turns end: by angle and to headings, in simulation, beside the open loop that they replace.
 
-`python -m benchmarks.turning --n 200 --json FILE --table`; nothing sleeps, the same seed gives the same figures. Exit
-code 1 if a turn failed, took a revolution too many or longer than it may.
+Nothing sleeps; the same seed gives the same figures.
 """
 
 from random import Random

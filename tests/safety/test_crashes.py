@@ -1,6 +1,6 @@
 """Processes that crash or hang by themselves stop moving, are replaced, and do not go on where they were.
 
-One way of each nature; `python -m benchmarks.safety --gate` goes through all of them.
+One way of each nature; `python -m benchmarks safety --gate` goes through all of them.
 """
 
 import pytest

@@ -1,6 +1,6 @@
 """Starting and stopping whole robots, whatever is plugged in, and editing their rows while they run.
 
-Ways of each nature; `python -m benchmarks.safety --gate` goes through all of them.
+Ways of each nature; `python -m benchmarks safety --gate` goes through all of them.
 """
 
 import pytest

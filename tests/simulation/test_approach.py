@@ -1,4 +1,4 @@
-"""Somebody steps in the way: world, board, parser and kernel in lockstep, as `python -m benchmarks.approach` does at length."""
+"""Somebody steps in the way: world, board, parser and kernel in lockstep, as `python -m benchmarks approach` does at length."""
 
 import pytest
 

@@ -7,7 +7,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 from msgspec import Struct, field, structs
@@ -70,6 +70,8 @@ class Report(Struct, kw_only=True):
     results: list[Result]
     repeated: list[str] = []
     disturbed: list[str] = []
+    figures: dict[str, Any] = {}
+    """What no promise grades."""
 
     def write(self, path: Path) -> None:
         """Write it as JSON, one figure to a line."""

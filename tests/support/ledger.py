@@ -20,9 +20,9 @@ at most* is what so many tries without a failure leave possible (3/N, 95 %), *an
 lbr-sim as it ships; where it is empty, no robot ran, or the base with what the line is about.
 Load: *I* nothing else, *H* four busy loops, *G* these and floods of 20,000 messages, *clock* a wall clock that jumps.
 
-`python -m benchmarks.safety --gate` tries all of it in under five minutes, as CI does; `--full --minutes 120` measures in
-rounds as much as fits, `--whole` on whole robots. `python -m benchmarks.soak --minutes 30` lets a robot live, with a fault a minute. What any
-benchmark writes with `--json FILE` gets into this table by `python -m benchmarks.safety --merge FILE --write-docs`."""
+`python -m benchmarks safety --gate` tries all of it in under five minutes, as CI does; `--full --minutes 120` measures in
+rounds as much as fits, `--whole` on whole robots. `python -m benchmarks soak --minutes 30` lets a robot live, with a fault a minute. What any
+benchmark writes with `--json FILE` gets into this table by `python -m benchmarks safety --merge FILE --write-docs`."""
 
 
 class Ledger(Struct, kw_only=True):

@@ -1,6 +1,6 @@
 /* The lease: clients, the drive's decision, the driver's decision, the controller's watchdog, and what may go wrong between.
  *
- * `spin -a lease.pml && cc -O2 -DSAFETY -o pan pan.c && ./pan`, or `python -m benchmarks.lease`, which also takes the times
+ * `spin -a lease.pml && cc -O2 -DSAFETY -o pan pan.c && ./pan`, or `python -m benchmarks lease`, which also takes the times
  * below from lbr itself. Time goes in ticks; all that happens within one tick happens at one time. Every date is kept as
  * an age, which stops growing once it makes no difference any more, so that the states are finitely many.
  *

@@ -1,7 +1,14 @@
-"""What the emulated main board plays, made up for lbr: names and times are the factory's, movements are not."""
+"""What the emulated main board plays, made up for lbr: names and times are the factory's, movements are not.
 
-from collections.abc import Callable
+`python -m tests.models.uxa90.choreography` writes it down as `firmware.json`.
+"""
 
+import json
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from lbr.simulation.uxa90 import firmware
 from lbr.simulation.uxa90.firmware import Frame, Programme
 from tests.models.uxa90.gait import Gait, ahead, aside, turned
 from tests.models.uxa90.posture import ARMS, BASIC, SITTING, STRAIGHT, Point, Pose, frame, legs
@@ -9,6 +16,7 @@ from tests.models.uxa90.posture import ARMS, BASIC, SITTING, STRAIGHT, Point, Po
 Limb = Callable[..., Pose]
 
 BEAT_S = 0.45
+FILE = Path(firmware.__file__).with_name("firmware.json")
 
 
 def programmes() -> dict[int, Programme]:
@@ -162,3 +170,34 @@ def _lasting(
     played_s = Programme(frames=tuple(frames), figures=figures or {}).duration_s
     end = frame(BASIC, round(total_s - played_s, 3))
     return Programme(name=name, frames=(*frames, end), figures=figures or {})
+
+
+def written(all_of_them: dict[int, Programme]) -> str:
+    """Return the text of `firmware.json`, a frame a line, naming only servos that have something new to do."""
+    return "{\n" + ",\n".join(f'  "{slot}": {_programme(each)}' for slot, each in sorted(all_of_them.items())) + "\n}\n"
+
+
+def _programme(programme: Programme) -> str:
+    fields = {"name": programme.name, "limp": programme.limp} if programme.limp else {"name": programme.name}
+    text = json.dumps(fields)[:-1] + f', "frames": [{_lines(programme.frames, 4)}]'
+    if programme.figures:
+        figures = (f'\n    "{name}": [{_lines(frames, 6)}]' for name, frames in programme.figures.items())
+        text += f',\n   "figures": {{{",".join(figures)}}}'
+    return text + "}"
+
+
+def _lines(frames: Iterable[Frame], indent: int) -> str:
+    out: list[dict[str, Any]] = []
+    told: dict[str, float] = {}
+    for each in frames:
+        counts = {servo: int(count) if count == int(count) else count for servo, count in each.counts.items()}
+        new: dict[str, Any] = {"duration_s": round(each.duration_s, 6)}
+        new |= {"counts": changed} if (changed := {k: v for k, v in counts.items() if told.get(k) != v}) else {}
+        new |= {"smooth": True} if each.smooth else {}
+        told = {} if each.figure else told | counts
+        out.append({"figure": each.figure, "times": each.times} if each.figure else new)
+    return ",".join(f"\n{' ' * indent}{json.dumps(line)}" for line in out)
+
+
+if __name__ == "__main__":
+    FILE.write_text(written(programmes()))

@@ -1,4 +1,4 @@
-"""The kernel's counted figures, a few of each; `python -m benchmarks.motion` counts them all."""
+"""The kernel's counted figures, a few of each; `python -m benchmarks motion` counts them all."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Turns in the simulated world by the attitude's own fusion, a few of those that `python -m benchmarks.turning` measures."""
+"""Turns in the simulated world by the attitude's own fusion, a few of those that `python -m benchmarks turning` measures."""
 
 from tests.models import turning
 
