@@ -1,9 +1,11 @@
 """Lines from a pipe or the command line: one after the other, each motion held until its end."""
 
+import contextlib
 import math
 import queue
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent import futures
 from typing import IO
@@ -15,12 +17,30 @@ from lbr.errors import BusError, InputError, LbrError
 from lbr.messages.system import ConsoleResult
 
 FAILED, BAD_INPUT = 1, 2
+DROPPED_TOLD = 4
 POLL_S = 0.05
+
+
+class Read(str):
+    """A line, and when it was read, by the monotonic clock; of a script it counts as read before all of it began."""
+
+    at: float
+
+
+def read(text: str, at: float) -> Read:
+    """Return a line that was read then."""
+    line = Read(text)
+    line.at = at
+    return line
 
 
 class Lines:
     """Says lines in order, except empty ones and comments (`# …`). A bounded motion is waited for. An unbounded one is held for `hold_s` if that is given, and
-    otherwise until a later line moves or stops the robot, or the input ends. A stop never waits for a motion's end."""
+    otherwise until a later line moves or stops the robot, or the input ends.
+
+    A stop never waits for a motion's end. One that comes while a line is under way waits for no other line either: what
+    came before it and was not said yet is dropped.
+    """
 
     def __init__(self, operator: Operator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
         self._operator = operator
@@ -30,7 +50,8 @@ class Lines:
         self._worst = 0
         self.closing = False
         self._waiting: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-        self._next: list[str | None] = []
+        self._next: deque[str | None] = deque()
+        self._began = math.inf
 
     def run(self, lines: Iterable[str]) -> int:
         """Say every line; return the worst line's exit code."""
@@ -59,7 +80,7 @@ class Lines:
     def _take(self) -> str | None:
         while not self._peek(POLL_S):
             self._operator.ear.beat()
-        return None if self.closing else self._next.pop()
+        return None if self.closing else self._next.popleft()
 
     def _peek(self, timeout_s: float) -> bool:
         """Say whether a next line (or the end) is there, waiting a little for it."""
@@ -72,6 +93,7 @@ class Lines:
         return True
 
     def _say(self, line: str) -> None:
+        self._began = time.monotonic()
         try:
             result = self._submitted(line)
         except LbrError as err:
@@ -104,8 +126,8 @@ class Lines:
             if result.done():
                 return result.result()
             self._operator.ear.beat()
-            if self._peek(0.0) and self._is_stop():
-                self._say(str(self._next.pop()))
+            if self._is_stop():
+                self._say(str(self._next.popleft()))
         raise BusError("the console ends; nobody waited for the answer")
 
     def _hold(self, held: Holder) -> Ending | None:
@@ -113,17 +135,30 @@ class Lines:
         while held.ending is None and not self.closing:
             self._operator.ear.beat()
             ready = self._peek(POLL_S)
-            if ready and self._is_stop():
+            if self._is_stop():
                 return None
             if not held.hold.goal and self._is_over(until, ready=ready):
-                return None if ready and self._next[-1] is not None and self._hold_s is None else self._release(held)
+                return None if ready and self._next[0] is not None and self._hold_s is None else self._release(held)
             if ready:
                 held.wait(POLL_S)
         return held.ending
 
     def _is_stop(self) -> bool:
-        line = self._next[-1]
-        return line is not None and is_stop(line)
+        """Say whether the next line is a stop; one that has come since the line under way began is the next."""
+        with contextlib.suppress(queue.Empty):
+            while True:
+                self._next.append(self._waiting.get_nowait())
+        for place, line in enumerate(self._next):
+            if line is not None and is_stop(line) and (place == 0 or getattr(line, "at", 0.0) > self._began):
+                self._drop(place)
+                return True
+        return False
+
+    def _drop(self, count: int) -> None:
+        dropped = [one_line(str(self._next.popleft()).strip()) for _ in range(count)]
+        if dropped:
+            more = f" and {count - DROPPED_TOLD} more" if count > DROPPED_TOLD else ""
+            self._failed(f"a stop came, so not said any more: {', '.join(dropped[:DROPPED_TOLD])}{more}", FAILED)
 
     def _is_over(self, until: float | None, *, ready: bool) -> bool:
         return ready if until is None else not time.monotonic() < until

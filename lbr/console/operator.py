@@ -128,6 +128,8 @@ class BusOperator:
             self._said += 1
             turn = self._said
         began = time.monotonic()
+        if is_stop(line):
+            self._cease()
         self._news.said(line)
         result = self._submit(line)
         self._news.answered(result.text)
@@ -173,6 +175,14 @@ class BusOperator:
         if holder is not None and holder.ending is None:
             self._quiet_until = time.monotonic() + SETTLE_S
             holder.release(why)
+
+    def _cease(self) -> None:
+        """Renew no more what we hold: a stop is on its way, and what it needs to arrive may hang."""
+        with self._lock:
+            holder = self._holder
+        if holder is not None and holder.ending is None:
+            self._quiet_until = time.monotonic() + SETTLE_S
+            holder.drop()
 
     def close(self) -> None:
         """Release, and stop listening."""

@@ -1,10 +1,11 @@
 import io
 import os
+import time
 
 import pytest
 from fake_robot import ROBOT, wait_for
 
-from lbr.console.lines import Lines, say_once
+from lbr.console.lines import Lines, read, say_once
 from lbr.console.local import lines_of
 from lbr.console.operator import BusOperator
 from lbr.messages.system import ConsoleResult
@@ -94,6 +95,36 @@ def test_a_stop_does_not_wait_for_the_end_of_a_bounded_motion(robot, operator):
     robot.lines["stop"] = ConsoleResult(code=0, text="stopped")
     _, out, _ = run(operator, ["/r/0.2/0/40/forward/5", "stop"])
     assert out.splitlines() == ["moving under L1", "stopped"]
+
+
+def test_a_stop_that_comes_later_waits_for_no_line_before_it(robot, operator):
+    robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
+    robot.lines["stop"] = ConsoleResult(code=0, text="stopped")
+
+    def lines():
+        yield read("/r/0.2/0/40/forward/5", time.monotonic())
+        wait_for(lambda: len(robot.renewed) > 2)
+        yield read("status", time.monotonic())
+        yield read("stop", time.monotonic())
+
+    code, out, err = run(operator, lines())
+    assert (code, err) == (1, "a stop came, so not said any more: status\n")
+    assert out.splitlines() == ["moving under L1", "stopped"]
+
+
+def test_the_lines_of_a_file_and_what_was_written_at_once_are_said_in_their_order(robot, operator, tmp_path):
+    robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
+    robot.finish("g1")
+    robot.lines |= {"next": ConsoleResult(code=0, text="next"), "stop": ConsoleResult(code=0, text="stopped")}
+    text = "/r/0.2/0/40/forward/5\nnext\nstop\n"
+    (tmp_path / "script").write_text(text)
+    reader, writer = os.pipe()
+    os.write(writer, text.encode())
+    os.close(writer)
+    for fd in (os.open(tmp_path / "script", os.O_RDONLY), reader):
+        code, out, _ = run(operator, lines_of(fd))
+        os.close(fd)
+        assert (code, out.splitlines()[-2:]) == (0, ["next", "stopped"])
 
 
 @pytest.mark.parametrize(("dead", "expected"), [("", (0, "stopped after 0.2 s")), ("an obstacle", (1, "an obstacle"))])

@@ -1,5 +1,7 @@
 """What may follow the name of an external command: what a row lists or fits, and never an option beside."""
 
+import threading
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -33,6 +35,14 @@ SIDES = ("left", "right")
 )
 def test_arguments_are_what_the_row_allows(allowed, given_, why):
     assert arguments.refusal(allowed, given_) == why
+
+
+def test_a_pattern_that_python_would_think_about_for_ever_holds_nobody_up():
+    others = threading.Event()
+    threading.Thread(target=others.set).start()
+    told = arguments.refusal(("(a+)+b",), ("a" * 60,))
+    assert others.is_set()
+    assert told.startswith("takes as its first argument what fits (a+)+b")
 
 
 @given(st.text(max_size=30), st.sampled_from([".*", "(?s).*", "-?.*", "(-|x).*", r"\W*\w*"]))
