@@ -60,16 +60,17 @@ class Web(Capability[WebSettings]):
         """Listen and serve."""
         settings = self.ctx.settings
         try:
-            sock = listening.listen(settings.host, settings.port)
+            sockets = listening.listen(settings.host, settings.port)
         except InputError as err:
             row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
             raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
-        self._place = Place(self.ctx.robot, self.ctx.name, settings, sock.getsockname()[1])
+        self._place = Place(self.ctx.robot, self.ctx.name, settings, sockets[0].getsockname()[1])
         self._bridge.open()
         try:
-            self._serving = Serving(self._application(), sock, tls=self._place.tls, beside=self._beside(sock))
+            self._serving = Serving(self._application(), sockets, tls=self._place.tls, beside=self._beside(sockets[0]))
         except InputError as err:
-            sock.close()
+            for one in sockets:
+                one.close()
             raise DeviceError(str(err)) from err
         self._serving.start()
         self.ctx.event("listening", f"HTTP at {', '.join(self._place.urls) or settings.host}")
