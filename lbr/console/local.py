@@ -39,8 +39,8 @@ class _Open:
 _open = _Open()
 
 
-def run_local(robot: str, connect: Callable[[], session.Session], submit: Callable[[str], ConsoleResult]) -> int:
-    """Run the robot's own console in this thread, until it is left; `submit` says a line directly."""
+def run_local(robot: str, connect: Callable[[], session.Session], submit: Callable[[str, float], ConsoleResult]) -> int:
+    """Run the robot's own console in this thread, until it is left; `submit` says a line directly, and how long it waited."""
     _open.over.clear()
     atexit.register(leave)  # a thread must not be inside the bus library when the interpreter ends
     try:

@@ -1,5 +1,6 @@
 import io
 import os
+import threading
 import time
 
 import pytest
@@ -8,6 +9,7 @@ from fake_robot import ROBOT, wait_for
 from lbr.console.lines import Lines, read, say_once
 from lbr.console.local import lines_of
 from lbr.console.operator import BusOperator
+from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import ConsoleResult
 
 
@@ -145,3 +147,49 @@ def test_lines_come_as_they_are_written_and_the_last_needs_no_end():
     os.close(writer)
     assert list(lines) == ["b\udcffc"]
     os.close(reader)
+
+
+def refuses(robot, line: str) -> None:
+    robot.lines[line] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone")
+
+
+def test_after_a_stop_by_another_the_lines_of_a_script_are_not_said_but_a_stop_is(robot, operator):
+    refuses(robot, "/r/0.2/0")
+    robot.lines["s"] = ConsoleResult(code=0, text="stopped")
+    code, out, err = run(operator, ["/r/0.2/0", "next", "next", "s", "/r/0.3/0"])
+    assert code == 1
+    assert out == "stopped\n"
+    assert err.splitlines() == [
+        f"{STOPPED_SINCE}by phone",
+        "2 lines that came before that stop: not said any more",
+        "1 line that came before that stop: not said any more",
+    ]
+    assert [line for line, _, _ in robot.said] == ["/r/0.2/0", "s"]
+
+
+def test_lines_that_come_after_a_stop_by_another_are_said(robot, operator):
+    refuses(robot, "/r/0.2/0")
+    robot.lines["next"] = ConsoleResult(code=0, text="next")
+    err = io.StringIO()
+
+    def lines():
+        yield "/r/0.2/0"
+        wait_for(lambda: STOPPED_SINCE in err.getvalue())
+        yield "next"
+
+    out = io.StringIO()
+    assert Lines(operator, out, err).run(lines()) == 1
+    assert out.getvalue() == "next\n"
+
+
+def test_a_line_tells_for_how_long_it_waited(robot, operator):
+    gate = robot.blocked["first"] = threading.Event()
+
+    def lines():
+        yield from ["first", "next"]
+        wait_for(lambda: robot.said)
+        threading.Event().wait(0.2)
+        gate.set()
+
+    run(operator, lines())
+    assert robot.waited["first"] < 0.15 < 0.2 <= robot.waited["next"]

@@ -183,7 +183,7 @@ class Web(Capability[WebSettings]):
         for face in self._faces:
             face.stopped(why)
         for request in STOPS:
-            self.ctx.ask(request, StopCommand(reason=why[:200]), 1.0)
+            self.ctx.ask(request, StopCommand(reason=why[:200], whole=True), 1.0)
 
     def _failed(self, err: Exception) -> None:
         self._counts.news.append(("web_fault", f"{type(err).__name__}: {err}"))
