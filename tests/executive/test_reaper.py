@@ -109,13 +109,14 @@ def test_nothing_is_left_two_seconds_after_the_executive_is_killed(executive, li
 
 def test_what_forks_and_leaves_faster_than_it_is_looked_at_is_ended_too(executive, tmp_path):
     (tmp_path / "fleeing.py").write_text(
-        "import fcntl, os\n"
+        "import fcntl\n"
+        "from os import _exit, fork, getpid\n"
         "held = open('held', 'w')\n"
         "fcntl.flock(held, fcntl.LOCK_EX)\n"
-        "print(os.getpid(), file=open('pids', 'a'), flush=True)\n"
+        "print(getpid(), file=open('pids', 'a'), flush=True)\n"
         "while True:\n"
-        "    if os.fork():\n"
-        "        os._exit(0)\n"
+        "    if fork():\n"
+        "        _exit(0)\n"
     )
     popen, _, (group,) = executive(f"exec {sys.executable} -I -S fleeing.py", 1)
     try:
