@@ -14,7 +14,8 @@ COMPARED_WITHIN_S = 5.0
 """A process of its own takes some 20 ms; a machine that is far too busy makes a second of that."""
 _FITS = 10
 _COMPARE = f"""
-import resource, re, sys
+import os, resource, re, sys
+os.nice(39)
 resource.setrlimit(resource.RLIMIT_CPU, (1, 1))
 sys.exit({_FITS} if re.fullmatch(sys.argv[1], sys.argv[2], re.ASCII) else 0)
 """
@@ -56,7 +57,7 @@ def _fits(pattern: str, word: str) -> bool:
     """Say whether a pattern fits a whole word; one that takes too long does not.
 
     Python compares with its lock held, and may take for ever over one short word: so another process does it, which the
-    kernel ends after a second of computing.
+    kernel ends after a second of computing. It ranks behind all that runs, for what is typed must not slow the robot.
     """
     try:
         done = subprocess.run(
