@@ -33,16 +33,31 @@ def _seal(key: bytes, payload: bytes, seq: int, mono_ns: int, boot: str) -> byte
 
 
 def make(
-    source: str, seq: int, payload: bytes = b"", key: bytes = b"", *, sent_s: float | None = None, token: str = ""
+    source: str,
+    seq: int,
+    payload: bytes = b"",
+    key: bytes = b"",
+    *,
+    sent_s: float | None = None,
+    token: str = "",
+    waited_s: float = 0.0,
 ) -> bytes:
     """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it.
 
     `token` names the token whose secret is the key, for the door of a robot elsewhere. `sent_s` is when what is passed on was sent first, on this machine's monotonic clock; now, if it is not given.
+    `waited_s` is for how long it had waited here by then.
     """
     mono_ns = time.monotonic_ns() if sent_s is None else int(sent_s * 1e9)
     seal = _seal(key, payload, seq, mono_ns, boot_id()).decode() if key else ""
     stamp = Stamp(
-        source=source, seq=seq, mono_ns=mono_ns, wall_ns=time.time_ns(), boot=boot_id(), seal=seal, token=token
+        source=source,
+        seq=seq,
+        mono_ns=mono_ns,
+        wall_ns=time.time_ns(),
+        boot=boot_id(),
+        seal=seal,
+        token=token,
+        waited_s=max(0.0, waited_s),
     )
     return _encoder.encode(stamp)
 

@@ -244,7 +244,7 @@ class Served:
 class Question:
     """A query under way; its answers arrive on Zenoh's thread. `attachment` passes on a stamp instead of our own.
 
-    `proof` is the token by which we came in at a robot's door: it tells there who asks.
+    `proof` is the token by which we came in at a robot's door: it tells there who asks. `waited_s`: so long it waited here.
     """
 
     def __init__(
@@ -257,6 +257,7 @@ class Question:
         source: str,
         attachment: bytes = b"",
         proof: Credentials | None = None,
+        waited_s: float = 0.0,
         wake: Callable[[], None] = lambda: None,
     ) -> None:
         user, secret = (proof.user, proof.password.encode()) if proof is not None else ("", b"")
@@ -270,7 +271,7 @@ class Question:
                 zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
                 payload=payload,
                 encoding=JSON,
-                attachment=attachment or stamps.make(source, 0, payload, secret, token=user),
+                attachment=attachment or stamps.make(source, 0, payload, secret, token=user, waited_s=waited_s),
                 timeout=timeout_s,
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 priority=zenoh.Priority.REAL_TIME,
@@ -299,14 +300,15 @@ def ask(
     seal: bytes = b"",
     sent_s: float | None = None,
     attachment: bytes = b"",
+    waited_s: float = 0.0,
 ) -> list[Raw]:
     """Query a key and wait for all answers; an empty list means that nobody answered in time.
 
-    `sent_s` is when what is passed on was said first, so that nobody takes it for fresher than it is; `attachment`
-    passes on the stamp itself.
+    `sent_s` is when what is passed on was said first, so that nobody takes it for fresher than it is, and
+    `waited_s` for how long it had waited by then; `attachment` passes on the stamp itself.
     """
     payload = encode(message) if message is not None else b""
-    stamp = attachment or stamps.make(source, 0, payload, seal, sent_s=sent_s)
+    stamp = attachment or stamps.make(source, 0, payload, seal, sent_s=sent_s, waited_s=waited_s)
     try:
         replies = session.get(
             key,

@@ -38,6 +38,7 @@ class BusCall:
         boot = found.boot if found is not None else ""
         self.remote = (found is not None and bool(found.via)) or (away and boot != stamp.boot_id())
         self.sender_s = found.mono_ns / 1e9 if found is not None and found.boot else nan
+        self.waited_s = found.waited_s if found is not None else 0.0
         self.answerable = request.answerable
         self._request = request
         self._owner = owner

@@ -33,7 +33,7 @@ class Call(Protocol):
     """A command waiting for its answer; a `put` is one too, that is not `answerable`.
 
     `arrived`: when it was sent, or else came, on our clock. `remote`: from another machine, where it was sent at
-    `sender_s` by that machine's monotonic clock (NaN: unknown).
+    `sender_s` by that machine's monotonic clock (NaN: unknown). `waited_s`: for so long it had waited at its sender.
     """
 
     name: str
@@ -42,6 +42,7 @@ class Call(Protocol):
     arrived: float
     remote: bool
     sender_s: float
+    waited_s: float
     answerable: bool
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:

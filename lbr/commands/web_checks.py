@@ -8,6 +8,7 @@ import socket
 from collections.abc import Iterable, Iterator
 
 from lbr import home
+from lbr.apps.http import listening
 from lbr.commands.finding import Finding
 from lbr.database.rows import CapabilityRow
 
@@ -28,7 +29,10 @@ def ports(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
 
 def _port(robot: str, name: str, host: str, port: int, *, runs: bool) -> Finding:
     about, where = f"port of '{name}'", f"port {port} at {host}"
-    problem = _taken(host, port)
+    problem, beside = _taken(host, port), listening.BESIDE.get(host, "")
+    if not problem and beside and listening.is_here(beside):
+        problem = _taken(beside, port)
+        where = f"port {port} at {beside}" if problem else where
     if problem == errno.EADDRINUSE and runs:
         return Finding(
             about=about, level="good", text=f"{where}: robot '{robot}' runs here; 'lbr status' shows if it has it"

@@ -22,7 +22,7 @@ CURSOR_IS_HERE = re.compile(r"\x1b\[[0-9]+;[0-9]+R")
 _ENDS = re.compile(r"[\r\n]")
 _MARKS = re.compile(r"(\x1b\[20[01]~)")
 _HALF_MARKS = ("\x1b[200", "\x1b[201", "\x1b[20", "\x1b[2", "\x1b[", "\x1b")
-_KEYS_BEFORE = re.compile(r"(?:\x1b[\[\]OP]?[0-9;<?M~]*|[\x00-\x1f\x7f])*")
+_KEYS_BEFORE = re.compile(r"(?:\x1b[\[\]OP]?[0-9;<?M~]*|[\x00-\x1f\x7f\ufffd\udc80-\udcff])*")
 
 
 class Heard(Struct, frozen=True):
@@ -37,7 +37,7 @@ class Overhearing:
     """Follows what is typed, piece by piece: hears stops in it, and knows a flood of lines from typing.
 
     A stop word is heard although keys came before it that the editor takes for the beginning of something else: an
-    escape, a sequence cut short, a search, a paste that has no end. What a whole paste holds is not said.
+    escape, a sequence cut short, a byte that is no text, a search, a paste that has no end. What a whole paste holds is not said.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:

@@ -1,26 +1,49 @@
 """Lines from a pipe or the command line: one after the other, each motion held until its end."""
 
+import contextlib
 import math
 import queue
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent import futures
 from typing import IO
 
 from lbr.console.hold import Ending, Holder
-from lbr.console.operator import Operator, is_stop
+from lbr.console.operator import Operator, is_stop, stopped_since
 from lbr.console.printable import one_line
 from lbr.errors import BusError, InputError, LbrError
 from lbr.messages.system import ConsoleResult
 
 FAILED, BAD_INPUT = 1, 2
+DROPPED_TOLD = 4
 POLL_S = 0.05
+
+
+class Read(str):
+    """A line, and when it was read, by the monotonic clock; of a script it counts as read before all of it began."""
+
+    __slots__ = ("at",)
+
+    at: float
+
+
+def read(text: str, at: float) -> Read:
+    """Return a line that was read then."""
+    line = Read(text)
+    line.at = at
+    return line
 
 
 class Lines:
     """Says lines in order, except empty ones and comments (`# …`). A bounded motion is waited for. An unbounded one is held for `hold_s` if that is given, and
-    otherwise until a later line moves or stops the robot, or the input ends. A stop never waits for a motion's end."""
+    otherwise until a later line moves or stops the robot, or the input ends.
+
+    A stop never waits for a motion's end. One that comes while a line is under way waits for no other line either: what
+    came before it and was not said yet is dropped. Once another stops the robot, the lines that had come by then are not
+    said any more, except a stop.
+    """
 
     def __init__(self, operator: Operator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
         self._operator = operator
@@ -29,15 +52,17 @@ class Lines:
         self._hold_s = hold_s
         self._worst = 0
         self.closing = False
-        self._waiting: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-        self._next: list[str | None] = []
+        self._waiting: queue.SimpleQueue[tuple[float, str | None]] = queue.SimpleQueue()
+        self._next: deque[tuple[float, str | None]] = deque()
+        self._began = math.inf
+        self._stopped = -math.inf
 
     def run(self, lines: Iterable[str]) -> int:
         """Say every line; return the worst line's exit code."""
         threading.Thread(target=self._read, args=(lines,), name="lines", daemon=True).start()
         try:
-            while (line := self._take()) is not None:
-                self._say(line)
+            while (taken := self._take()) is not None:
+                self._say(*taken)
             self._out.flush()
         finally:
             self._operator.release()
@@ -46,20 +71,34 @@ class Lines:
     def close(self) -> None:
         """End `run` from another thread; what is held is stopped."""
         self.closing = True
-        self._waiting.put(None)
+        self._waiting.put((time.monotonic(), None))
 
     def _read(self, lines: Iterable[str]) -> None:
         try:
             for line in lines:
                 if line.strip() and not line.lstrip().startswith("#"):
-                    self._waiting.put(line)
+                    self._waiting.put((time.monotonic(), line))
         finally:
-            self._waiting.put(None)
+            self._waiting.put((time.monotonic(), None))
 
-    def _take(self) -> str | None:
-        while not self._peek(POLL_S):
-            self._operator.ear.beat()
-        return None if self.closing else self._next.pop()
+    def _take(self) -> tuple[float, str] | None:
+        """Return when the next line came, and the line; None at the end."""
+        dropped = 0
+        while True:
+            while not self._peek(POLL_S):
+                self._operator.ear.beat()
+            came, line = self._next[0] if not self.closing else (0.0, None)
+            late = line is not None and came <= self._stopped and not is_stop(line)
+            if dropped and not late:
+                said = "1 line that" if dropped == 1 else f"{dropped} lines that"
+                self._failed(f"{said} came before that stop: not said any more", FAILED)
+                dropped = 0
+            if line is None:
+                return None
+            self._next.popleft()
+            if not late:
+                return came, line
+            dropped += 1
 
     def _peek(self, timeout_s: float) -> bool:
         """Say whether a next line (or the end) is there, waiting a little for it."""
@@ -71,14 +110,17 @@ class Lines:
             return False
         return True
 
-    def _say(self, line: str) -> None:
+    def _say(self, came: float, line: str) -> None:
+        self._began = time.monotonic()
         try:
-            result = self._submitted(line)
+            result = self._submitted(line, came)
         except LbrError as err:
             self._failed(one_line(str(err)), BAD_INPUT if isinstance(err, InputError) else FAILED)
             return
         show(result, self._out, self._err)
         self._worst = max(self._worst, result.code)
+        if stopped_since(result):
+            self._stopped = time.monotonic()
         held = self._operator.latest()
         if held is None or held.hold is not result.hold:
             return
@@ -88,13 +130,13 @@ class Lines:
         elif ending is not None:
             self._failed(ending.text, FAILED)
 
-    def _submitted(self, line: str) -> ConsoleResult:
+    def _submitted(self, line: str, came: float) -> ConsoleResult:
         """Say a line and return its result; a stop that comes meanwhile is said at once."""
         result: futures.Future[ConsoleResult] = futures.Future()
 
         def submit() -> None:
             try:
-                result.set_result(self._operator.submit(line))
+                result.set_result(self._operator.submit(line, time.monotonic() - came))
             except BaseException as err:  # noqa: BLE001 - it belongs to the thread that waits
                 result.set_exception(err)
 
@@ -104,8 +146,9 @@ class Lines:
             if result.done():
                 return result.result()
             self._operator.ear.beat()
-            if self._peek(0.0) and self._is_stop():
-                self._say(str(self._next.pop()))
+            if self._is_stop():
+                came_stop, stop = self._next.popleft()
+                self._say(came_stop, str(stop))
         raise BusError("the console ends; nobody waited for the answer")
 
     def _hold(self, held: Holder) -> Ending | None:
@@ -113,17 +156,30 @@ class Lines:
         while held.ending is None and not self.closing:
             self._operator.ear.beat()
             ready = self._peek(POLL_S)
-            if ready and self._is_stop():
+            if self._is_stop():
                 return None
             if not held.hold.goal and self._is_over(until, ready=ready):
-                return None if ready and self._next[-1] is not None and self._hold_s is None else self._release(held)
+                return None if ready and self._next[0][1] is not None and self._hold_s is None else self._release(held)
             if ready:
                 held.wait(POLL_S)
         return held.ending
 
     def _is_stop(self) -> bool:
-        line = self._next[-1]
-        return line is not None and is_stop(line)
+        """Say whether the next line is a stop; one that has come since the line under way began is the next."""
+        with contextlib.suppress(queue.Empty):
+            while True:
+                self._next.append(self._waiting.get_nowait())
+        for place, (_came, line) in enumerate(self._next):
+            if line is not None and is_stop(line) and (place == 0 or getattr(line, "at", 0.0) > self._began):
+                self._drop(place)
+                return True
+        return False
+
+    def _drop(self, count: int) -> None:
+        dropped = [one_line(str(self._next.popleft()[1]).strip()) for _ in range(count)]
+        if dropped:
+            more = f" and {count - DROPPED_TOLD} more" if count > DROPPED_TOLD else ""
+            self._failed(f"a stop came, so not said any more: {', '.join(dropped[:DROPPED_TOLD])}{more}", FAILED)
 
     def _is_over(self, until: float | None, *, ready: bool) -> bool:
         return ready if until is None else not time.monotonic() < until

@@ -3,6 +3,7 @@
 import atexit
 import contextlib
 import os
+import stat
 import sys
 import termios
 import threading
@@ -14,7 +15,7 @@ from lbr import home
 from lbr.bus import session
 from lbr.console import target
 from lbr.console.interrupt import interruptible
-from lbr.console.lines import Lines
+from lbr.console.lines import Lines, read
 from lbr.console.operator import BusOperator
 from lbr.console.outlet import Outlet, Stream
 from lbr.messages.system import ConsoleResult
@@ -38,8 +39,8 @@ class _Open:
 _open = _Open()
 
 
-def run_local(robot: str, connect: Callable[[], session.Session], submit: Callable[[str], ConsoleResult]) -> int:
-    """Run the robot's own console in this thread, until it is left; `submit` says a line directly."""
+def run_local(robot: str, connect: Callable[[], session.Session], submit: Callable[[str, float], ConsoleResult]) -> int:
+    """Run the robot's own console in this thread, until it is left; `submit` says a line directly, and how long it waited."""
     _open.over.clear()
     atexit.register(leave)  # a thread must not be inside the bus library when the interpreter ends
     try:
@@ -118,11 +119,16 @@ def _wait_ready(operator: BusOperator, lines: Lines) -> None:
 
 
 def lines_of(fd: int) -> Iterator[str]:
-    """Yield the lines of a file descriptor as they come; bytes that are not UTF-8 are kept as lone surrogates."""
-    rest = b""
+    """Yield the lines of a file descriptor as they come; bytes that are not UTF-8 are kept as lone surrogates.
+
+    Each knows when it was read (`Read`). What is read at once was written together, as is a whole file.
+    """
+    rest, at = b"", 0.0
     with contextlib.suppress(OSError):
+        is_file = stat.S_ISREG(os.fstat(fd).st_mode)
         while chunk := os.read(fd, 65536):
+            at = 0.0 if is_file else time.monotonic()
             *lines, rest = (rest + chunk).split(b"\n")
-            yield from (line.decode(errors="surrogateescape") for line in lines)
+            yield from (read(line.decode(errors="surrogateescape"), at) for line in lines)
     if rest:
-        yield rest.decode(errors="surrogateescape")
+        yield read(rest.decode(errors="surrogateescape"), at)

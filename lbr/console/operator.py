@@ -18,6 +18,7 @@ from lbr.console.printable import clean
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
 from lbr.messages.joints import JointsState
+from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.motors import MotorsState
 from lbr.messages.power import PowerState
 from lbr.messages.sensing import Ranges
@@ -53,8 +54,11 @@ class Operator(Protocol):
     robot: str
     ear: Ear
 
-    def submit(self, line: str) -> ConsoleResult:
-        """Say a line, hold the motion that it starts, and return its result; InputError and BusError say why not."""
+    def submit(self, line: str, waited_s: float = 0.0) -> ConsoleResult:
+        """Say a line, hold the motion that it starts, and return its result; InputError and BusError say why not.
+
+        It was typed or written `waited_s` ago: what another stopped since then it does not move.
+        """
 
     def words(self) -> list[dict[str, Any]]:
         """Return what can be said, for completion; empty if the robot does not answer."""
@@ -83,6 +87,11 @@ def is_stop(line: str) -> bool:
     return line.strip().strip("/").lower() in STOPS
 
 
+def stopped_since(result: ConsoleResult) -> bool:
+    """Say whether a line was refused because another stopped the robot after it was typed or written."""
+    return result.code != 0 and result.text.startswith(STOPPED_SINCE)
+
+
 class BusOperator:
     """An operator over the bus; a console in the robot's own process passes `submit` to say its lines directly.
 
@@ -98,7 +107,7 @@ class BusOperator:
         *,
         role: Role = "operate",
         proof: Credentials | None = None,
-        submit: Callable[[str], ConsoleResult] | None = None,
+        submit: Callable[[str, float], ConsoleResult] | None = None,
         streams: Session | None = None,
         listen: bool = True,
         on_end: Callable[[str, Ending], None] = lambda _line, _ending: None,
@@ -119,7 +128,7 @@ class BusOperator:
         self._holder: Holder | None = None
         self._latest: _Latest | None = _Latest(streams or session, robot, wake) if listen else None
 
-    def submit(self, line: str) -> ConsoleResult:
+    def submit(self, line: str, waited_s: float = 0.0) -> ConsoleResult:
         """Say a line; a motion that it starts is held, unless a later line has been said meanwhile."""
         line = clean(line)
         if not line:
@@ -128,8 +137,10 @@ class BusOperator:
             self._said += 1
             turn = self._said
         began = time.monotonic()
+        if is_stop(line):
+            self._cease()
         self._news.said(line)
-        result = self._submit(line)
+        result = self._submit(line, waited_s)
         self._news.answered(result.text)
         late_s = time.monotonic() - began
         if result.hold is not None and not late_s < LATE_ANSWER_S:
@@ -143,7 +154,7 @@ class BusOperator:
     def words(self) -> list[dict[str, Any]]:
         """Return what can be said."""
         try:
-            data = self._submit("help").data
+            data = self._submit("help", 0.0).data
         except (BusError, InputError):
             return []
         return [entry for entry in data if isinstance(entry, dict)] if isinstance(data, list) else []
@@ -173,6 +184,14 @@ class BusOperator:
         if holder is not None and holder.ending is None:
             self._quiet_until = time.monotonic() + SETTLE_S
             holder.release(why)
+
+    def _cease(self) -> None:
+        """Renew no more what we hold: a stop is on its way, and what it needs to arrive may hang."""
+        with self._lock:
+            holder = self._holder
+        if holder is not None and holder.ending is None:
+            self._quiet_until = time.monotonic() + SETTLE_S
+            holder.drop()
 
     def close(self) -> None:
         """Release, and stop listening."""
@@ -212,7 +231,7 @@ class BusOperator:
         if not expected:
             self.on_end(line, ending)
 
-    def _ask(self, line: str) -> ConsoleResult:
+    def _ask(self, line: str, waited_s: float) -> ConsoleResult:
         answered = threading.Event()
         question = wire.Question(
             self._session,
@@ -221,6 +240,7 @@ class BusOperator:
             timeout_s=LINE_TIMEOUT_S,
             source=self._source,
             proof=self._proof,
+            waited_s=waited_s,
             wake=answered.set,
         )
         while not (question.done or question.replies):

@@ -33,7 +33,7 @@ from lbr.console.completion import LineCompleter
 from lbr.console.ear import BEAT_S, STUCK_S, Contact
 from lbr.console.hold import Ending
 from lbr.console.keyboard import CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
-from lbr.console.operator import BusOperator, is_stop
+from lbr.console.operator import BusOperator, is_stop, stopped_since
 from lbr.console.printable import one_line, wrapped
 from lbr.console.toolbar import CONTACT_S, toolbar
 from lbr.errors import LbrError
@@ -102,7 +102,7 @@ class Terminal:
         self._stops = 0
         listen(self._session.app.input, heard=self._overheard, flooded=self._flooded)
         self._above = Above(self._session.app, self._screen)
-        self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self._lines: queue.SimpleQueue[tuple[float, str]] = queue.SimpleQueue()
 
     def run(self) -> int:
         """Read lines until end of input, Ctrl-C, a shutdown or `close`; then stop what is held. Return an exit code."""
@@ -123,7 +123,7 @@ class Terminal:
                 self._closing = True
             finally:
                 self._over.set()
-                self._lines.put("")  # whoever waits for a line is not to wait any more
+                self._lines.put((time.monotonic(), ""))  # whoever waits for a line is not to wait any more
                 self._operator.release()
             if not self._closing:
                 self._print(self._parting())
@@ -203,7 +203,7 @@ class Terminal:
         if is_stop(line):
             self._stop(line)
         elif line or self._question.open:
-            self._lines.put(line)
+            self._lines.put((time.monotonic(), line))
         return False
 
     def _stop(self, line: str) -> None:
@@ -211,10 +211,13 @@ class Terminal:
         self._stops += 1
         dropped = self._forget_lines()
         self._above.print(PROMPT + one_line(line))
-        if dropped:
-            self._print(f"Not said any more: {', '.join(dropped)}", "warning")
+        self._tell_dropped(dropped)
         self._question.answer(line)
         self._start(line, threading.Event())
+
+    def _tell_dropped(self, dropped: list[str]) -> None:
+        if dropped:
+            self._print(f"Not said any more: {', '.join(dropped)}", "warning")
 
     def _overheard(self, stop: str) -> None:
         """Stop also when the editor does not take these keys for a line: it is searching, or waits for a paste's end."""
@@ -243,7 +246,7 @@ class Terminal:
     def _say_all(self) -> None:
         while not self._over.is_set():
             try:
-                line = self._lines.get(timeout=REFRESH_S)
+                typed, line = self._lines.get(timeout=REFRESH_S)
             except queue.Empty:
                 continue
             if self._over.is_set():
@@ -255,18 +258,20 @@ class Terminal:
                 continue
             line = meant
             answered = threading.Event()
-            self._start(line, answered)
+            self._start(line, answered, typed)
             answered.wait(PATIENCE_S)
 
-    def _start(self, line: str, answered: threading.Event) -> None:
-        threading.Thread(target=self._say, args=(line, answered), name="console line", daemon=True).start()
+    def _start(self, line: str, answered: threading.Event, typed: float | None = None) -> None:
+        threading.Thread(target=self._say, args=(line, answered, typed), name="console line", daemon=True).start()
 
-    def _say(self, line: str, answered: threading.Event) -> None:
+    def _say(self, line: str, answered: threading.Event, typed: float | None) -> None:
         with self._lock:
             self._under_way[line] = time.monotonic()
         try:
-            result = self._operator.submit(line)
+            result = self._operator.submit(line, 0.0 if typed is None else time.monotonic() - typed)
             self._show(result)
+            if stopped_since(result):
+                self._tell_dropped(self._forget_lines())
             if result.confirm:
                 self._question.ask(result)
                 self._print(QUESTION, "warning")
@@ -361,7 +366,7 @@ class Terminal:
         found = []
         with contextlib.suppress(queue.Empty):
             while True:
-                found.append(self._lines.get_nowait())
+                found.append(self._lines.get_nowait()[1])
         return found
 
 

@@ -1,13 +1,24 @@
-"""What may be typed after the name of an external command. Pure."""
+"""What may be typed after the name of an external command."""
 
 import re
+import subprocess
+import sys
 from collections.abc import Sequence
 
 from lbr.database.rows import Argument
 
 MOST = 16
 LONGEST = 200
-"""Of an argument and of a pattern: room for a path, and none for what a regular expression would think about long."""
+"""Of an argument and of a pattern: room for a path."""
+COMPARED_WITHIN_S = 5.0
+"""A process of its own takes some 20 ms; a machine that is far too busy makes a second of that."""
+_FITS = 10
+_COMPARE = f"""
+import os, resource, re, sys
+os.nice(39)
+resource.setrlimit(resource.RLIMIT_CPU, (1, 1))
+sys.exit({_FITS} if re.fullmatch(sys.argv[1], sys.argv[2], re.ASCII) else 0)
+"""
 
 
 def fault(allowed: Sequence[object]) -> str:
@@ -39,7 +50,27 @@ def _takes(one: Argument, word: str) -> bool:
         return word in one
     if word.startswith("-") or len(word) > LONGEST or not word.isprintable():
         return False
-    return re.fullmatch(one, word, re.ASCII) is not None
+    return _fits(one, word)
+
+
+def _fits(pattern: str, word: str) -> bool:
+    """Say whether a pattern fits a whole word; one that takes too long does not.
+
+    Python compares with its lock held, and may take for ever over one short word: so another process does it, which the
+    kernel ends after a second of computing. It ranks behind all that runs, for what is typed must not slow the robot.
+    """
+    try:
+        done = subprocess.run(
+            [sys.executable, "-I", "-S", "-c", _COMPARE, pattern, word],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            timeout=COMPARED_WITHIN_S,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return done.returncode == _FITS
 
 
 def _fault(number: int, one: object) -> str:

@@ -28,6 +28,8 @@ _SENTENCES = {
     sqlite3.SQLITE_CORRUPT: f"is damaged: {_RESTORE}",
     sqlite3.SQLITE_FULL: "cannot grow, because the disk is full: make room",
     sqlite3.SQLITE_CANTOPEN: "cannot be opened: check that it and its folder exist and are yours",
+    sqlite3.SQLITE_INTERRUPT: "has rows that take too long to read or write: a trigger or view that is not of lbr's schema "
+    "may be why, and `lbr db check` names those",
     sqlite3.SQLITE_NOTADB: f"is no database at all: name another file; {_RESTORE}",
 }
 _ROW_FAULT = re.compile(r"CHECK constraint failed in |\S+ value in ")

@@ -1,5 +1,6 @@
 """The database file: create, open with every check, and what the executive reads and writes while it runs."""
 
+import math
 import os
 import sqlite3
 import threading
@@ -33,6 +34,10 @@ from lbr.messages.system import Event, TokenRole
 
 APPLICATION_ID = 0x4C425231
 PATIENCE_S = 0.1
+COMPUTED_S = 0.5
+"""Of the processor, for one transaction of who must not be held up: fifty times what the shipped rows take."""
+LOOK_EVERY = 10_000
+"""Steps of SQLite's machine, some more than the shipped rows take."""
 EDIT_TRIES = 5
 
 
@@ -77,6 +82,18 @@ class Database:
         self._connection = connection
         self._wall_ns = wall_ns
         self._lock = threading.RLock()
+        self._until_cpu_s = math.inf
+        self._computed_s = math.inf
+
+    def bound(self, computed_s: float = COMPUTED_S) -> None:
+        """Give up, from now on, what takes the calling thread longer than that to compute; RowError says so.
+
+        For who must not be held up by what rows, views and triggers make SQLite do.
+        """
+        self._computed_s = computed_s
+        connection = self._connection.connection.driver_connection
+        assert isinstance(connection, sqlite3.Connection)
+        connection.set_progress_handler(lambda: time.thread_time() > self._until_cpu_s, LOOK_EVERY)
 
     @classmethod
     def open(cls, path: Path, *, wall_ns: Callable[[], int] = time.time_ns) -> Self:
@@ -94,6 +111,7 @@ class Database:
     def data_version(self) -> int:
         """Return a number that changes when another connection has committed; our own writes leave it."""
         with self._lock, sentences(self.path):
+            self._begin()
             pragma(self._connection, f"busy_timeout = {PATIENCE_S * 1000:.0f}")
             return int(pragma(self._connection, "data_version"))
 
@@ -282,6 +300,9 @@ class Database:
     ) -> None:
         self.close()
 
+    def _begin(self) -> None:
+        self._until_cpu_s = time.thread_time() + self._computed_s
+
     def _prepare(self) -> None:
         connection = self._connection
         if not self.path.stat().st_size:  # as sqlite3 leaves it that was told to change what was not there
@@ -306,6 +327,7 @@ class Database:
     @contextmanager
     def _reading(self, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
         with self._lock, sentences(self.path):
+            self._begin()
             pragma(self._connection, f"busy_timeout = {patience_s * 1000:.0f}")
             with transaction(self._connection, "DEFERRED") as connection:
                 yield connection
@@ -314,6 +336,7 @@ class Database:
     def _writing(self, *, durable: bool = False, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
         """Write in one transaction. Durable waits for the disk after it, so that other writers need not wait as well."""
         with self._lock, sentences(self.path):
+            self._begin()
             pragma(self._connection, f"busy_timeout = {patience_s * 1000:.0f}")
             with transaction(self._connection, "IMMEDIATE") as connection:
                 yield connection

@@ -4,6 +4,7 @@ import ast
 import contextlib
 import io
 import json
+import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 from lbr import home
 from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
+from lbr.capability.halts import Halts
 from lbr.capability.kind import STOP
 from lbr.console.printable import clean
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
@@ -22,7 +24,7 @@ from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.joints import JointMove, JointsCommand, PlayCommand
-from lbr.messages.leases import DEAD_LEASE, StopCommand
+from lbr.messages.leases import DEAD_LEASE, STOPPED_SINCE, StopCommand
 from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
@@ -39,7 +41,7 @@ LEASED = (DriveCommand, TurnCommand, HeadingCommand, JointsCommand, JointMove, P
 class _Speaker(NamedTuple):
     """Who says a line, with which rights, whether at the robot's own terminal, and when.
 
-    `afar` is the stamp of a line from another machine, which goes on to whom it concerns as it is.
+    `afar` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had `waited_s` there.
     """
 
     source: str
@@ -47,6 +49,7 @@ class _Speaker(NamedTuple):
     local: bool
     sent_s: float
     afar: bytes = b""
+    waited_s: float = 0.0
 
     @property
     def told(self) -> str:
@@ -70,12 +73,14 @@ class Dispatcher:
         self._bus = bus
         self._reports = Reports(robot, bus)
         self._namespace = dict(namespace)
+        self._halts = Halts()
+        self._halting = threading.Lock()
         self._leases: dict[tuple[str, str, bool], str] = {}
         self._built_in: dict[str, Callable[[VerbCall, _Speaker], ConsoleResult]] = {
             "stop": self._stop,
             "report": self._report,
             "status": lambda _call, _by: ConsoleResult(code=DONE, text=self._reports.health()),
-            "estop": lambda call, by: robot.estop(str(call.payload.get("reason", "")), by.source),
+            "estop": self._estop,
             "reset": lambda _call, by: robot.estop_reset(by.source),
             "help": self._help,
             "shutdown": self._shutdown,
@@ -91,17 +96,18 @@ class Dispatcher:
         local: bool = False,
         sent_s: float | None = None,
         afar: bytes = b"",
+        waited_s: float = 0.0,
     ) -> ConsoleResult:
         """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock.
 
-        `afar` is its stamp if it came from another machine.
+        `afar` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or written.
         """
         try:
             parsed = self._robot.vocabulary.parse(line)
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")
             said_s = time.monotonic() if sent_s is None else sent_s
-            return self._run(parsed, _Speaker(source, role, local, said_s, afar), clean(line))
+            return self._run(parsed, _Speaker(source, role, local, said_s, afar, waited_s), clean(line))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err))
         except LbrError as err:
@@ -114,8 +120,8 @@ class Dispatcher:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
-        if RANKS[by.role] < RANKS[needed]:
-            return ConsoleResult(code=FAILED, text=f"this needs the role '{needed}', and you have '{by.role}'")
+        if why := _not_allowed(needed, by) or self._too_late(parsed, needed, by):
+            return ConsoleResult(code=FAILED, text=why)
         if by.afar and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.told, line[:MOST_RECORDED])
         if isinstance(parsed, ExternalStop):
@@ -125,6 +131,25 @@ class Dispatcher:
         if parsed.capability == "executive":
             return self._built_in[parsed.command](parsed, by)
         return self._ask(parsed, by)
+
+    def _too_late(self, parsed: Parsed, needed: Role, by: _Speaker) -> str:
+        """Return why a line that waited does nothing any more: another stopped the robot in the meantime.
+
+        Each mover knows this of motion; here it holds for programs and whatever else may come to move something.
+        """
+        ends = isinstance(parsed, ExternalStop) or (isinstance(parsed, VerbCall) and parsed.command in {STOP, "estop"})
+        if ends or by.waited_s == 0.0 or RANKS[needed] <= RANKS["view"]:
+            return ""
+        at, who = self._halts.by_others(by.source)
+        return "" if by.sent_s - by.waited_s > at else f"{STOPPED_SINCE}by {who}"
+
+    def _halt(self, by: _Speaker) -> None:
+        with self._halting:
+            self._halts = self._halts.heard(by.sent_s, by.source)
+
+    def _estop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+        self._halt(by)
+        return self._robot.estop(str(call.payload.get("reason", "")), by.source)
 
     def _ask(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
         name = call.capability
@@ -182,7 +207,14 @@ class Dispatcher:
     def _query(self, call: VerbCall, payload: dict[str, Any], by: _Speaker) -> dict[str, Any] | None:
         key = keys.port(self._robot.plan.robot, call.capability, call.command)
         answers = wire.ask(
-            self._bus, key, payload, source=by.source, timeout_s=2.0, sent_s=by.sent_s, attachment=by.afar
+            self._bus,
+            key,
+            payload,
+            source=by.source,
+            timeout_s=2.0,
+            sent_s=by.sent_s,
+            attachment=by.afar,
+            waited_s=by.waited_s,
         )
         if not answers:
             return None
@@ -199,11 +231,12 @@ class Dispatcher:
 
     def _stop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
         """Stop whatever moves, all of it at once: what one does not answer delays the stop of no other."""
+        self._halt(by)
         robot = self._robot.plan.robot
         movers = {keys.port(robot, name, STOP): name for name in self._robot.plan.stoppable()}
         if not movers:
             return ConsoleResult(code=DONE, text="nothing of this robot moves by commands: there is nothing to stop")
-        payload = wire.encode(StopCommand(reason=str(call.payload.get("reason", ""))))
+        payload = wire.encode(StopCommand(reason=str(call.payload.get("reason", "")), whole=True))
         attachment = by.afar or stamp.make(by.source, 0, sent_s=by.sent_s)
         answers = wire.ask_all(self._bus, movers, payload, source=by.source, timeout_s=2.0, attachment=attachment)
         said = {movers[answer.key]: codec.decode(answer.payload) for answer in answers if answer.key in movers}
@@ -253,6 +286,10 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}")
         text = out.getvalue() + ("" if value is None else repr(value))
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
+
+
+def _not_allowed(needed: Role, by: _Speaker) -> str:
+    return f"this needs the role '{needed}', and you have '{by.role}'" if RANKS[by.role] < RANKS[needed] else ""
 
 
 def _stopped(name: str, answer: object) -> str:

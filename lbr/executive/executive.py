@@ -60,6 +60,8 @@ from lbr.executive.watch import RowWatch
 from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
+LOOK_SHARE = 5.0
+"""Rows that are slow to read are looked at less often: they get a fifth of the main thread's time."""
 STATUS_S = 1.0
 NO_REAPER = "if the executive were killed now, frozen processes would be left; the one that ends them cannot be started"
 
@@ -77,6 +79,7 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
             copies.refuse_if_lost(path)
             store.create(path)
         with store.Database.open(path) as opened:
+            opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)
             return executive.run(console=console)
     finally:
@@ -329,6 +332,7 @@ class Executive:
                 self._rows.look()
                 self._external.prune({row.name for row in self.plan.rows.external_commands})
                 self._troubles.tell(NO_REAPER, self._reaper.step())
+                rows_at = max(rows_at, now + LOOK_SHARE * (time.monotonic() - now))
             if now >= self._status_due:
                 self._status_due = now + STATUS_S
                 trim_all(home.home() / "logs")

@@ -104,7 +104,13 @@ class Run:
                 running.discard(fd)
 
     def _end(self, sessions: Collection[int], numbers: Collection[int] | None) -> list[Process]:
-        """Kill what belongs to these sessions or bears one of these marks (None: any); return what may still be there."""
+        """Kill what belongs to these sessions or bears one of these marks (None: any); return what may still be there.
+
+        What forks and leaves faster than it is looked at is met as a group alone. A guard leads a group of its own.
+        """
+        for session in sessions:
+            with suppress(OSError):
+                os.killpg(session, signal.SIGKILL)
         found = [
             one
             for one in self._processes()

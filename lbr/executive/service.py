@@ -76,7 +76,10 @@ class Service:
             return
         found = stamp.read(request.attachment)
         sent_s, afar = stamp.sent_s(found, request.arrived), request.attachment if found and found.via else b""
-        result = self._dispatcher.execute(line, source=_caller(found), role=role, sent_s=sent_s, afar=afar)
+        waited_s = found.waited_s if found is not None else 0.0
+        result = self._dispatcher.execute(
+            line, source=_caller(found), role=role, sent_s=sent_s, afar=afar, waited_s=waited_s
+        )
         request.reply(result, "executive")
 
     def _answer_reset(self, request: wire.Request) -> None:

@@ -18,8 +18,8 @@ def start(
 
     at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # what a pipe says, somebody else may have written
 
-    def submit(line: str) -> ConsoleResult:
-        return dispatcher.execute(line, source="console", role="admin", local=at_terminal)
+    def submit(line: str, waited_s: float) -> ConsoleResult:
+        return dispatcher.execute(line, source="console", role="admin", local=at_terminal, waited_s=waited_s)
 
     def talk() -> None:
         code, why = 0, "console closed"

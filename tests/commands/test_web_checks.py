@@ -6,6 +6,7 @@ import socket
 import pytest
 
 from lbr import home
+from lbr.apps.http import listening
 from lbr.commands import device_checks, web_checks
 from lbr.database.rows import CapabilityRow, DeviceRow
 
@@ -65,3 +66,11 @@ def test_an_adapter_that_holds_answers_back_is_a_hint_with_what_to_type(tmp_path
     (found,) = device_checks.latency(row)
     assert found.level == "good"
     assert list(device_checks.latency(DeviceRow(name="d", type="roboteq", address=row.address))) == []
+
+
+@pytest.mark.skipif(not listening.is_here("::1"), reason="no IPv6 here")
+def test_a_port_that_is_taken_by_ipv6_alone_is_named(monkeypatch):
+    with socket.create_server(("::1", 0), family=socket.AF_INET6) as other:
+        port = other.getsockname()[1]
+        found = judged(port, monkeypatch)
+    assert (found.level, found.text.partition(" is ")[0]) == ("hint", f"port {port} at ::1")

@@ -24,6 +24,7 @@ class FakeRobot:
         self.bus = session.open_router(session.Router(listen=(endpoint,)))
         self.lines: dict[str, ConsoleResult] = {}
         self.said: list[tuple[str, str, str]] = []
+        self.waited: dict[str, float] = {}
         self.renewed: list[tuple[float, dict]] = []
         self.stopped: list[str] = []
         self.dead: dict[str, str] = {}
@@ -97,6 +98,7 @@ class FakeRobot:
     def _answer(self, request: wire.Request, role: Role) -> None:
         line = request.payload.decode()
         found = stamp.read(request.attachment)
+        self.waited[line] = found.waited_s
         self.said.append((line, found.source, role))
         result = self.lines.get(line, ConsoleResult(code=2, text=f"'{line}' is not a word of this robot"))
         gate = self.blocked.get(line)

@@ -5,7 +5,21 @@ from hypothesis import strategies as st
 
 from lbr.console.keyboard import INTERRUPT, LINES_AT_ONCE, PASTE_BEGINS, PASTE_ENDS, QUIET_S, Heard, Overhearing
 
-KEYS_BEFORE = ["", "\x1b", "\x1b[", "\x1bO", "\x1b5", "\x1b[M", "\x1b[<0;", "\x1b]0;", "\x1bP", "\x1a", "\x12", "\x00"]
+KEYS_BEFORE = [
+    "",
+    "\x1b",
+    "\x1b[",
+    "\x1bO",
+    "\x1b5",
+    "\x1b[M",
+    "\x1b[<0;",
+    "\x1b]0;",
+    "\x1bP",
+    "\x1a",
+    "\x12",
+    "\x00",
+    "\udce2",
+]
 
 
 class Typist:

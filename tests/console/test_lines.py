@@ -1,11 +1,14 @@
 import io
 import os
+import threading
+import time
 
 import pytest
 
-from lbr.console.lines import Lines, say_once
+from lbr.console.lines import Lines, read, say_once
 from lbr.console.local import lines_of
 from lbr.console.operator import BusOperator
+from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import ConsoleResult
 from tests.console.fake_robot import ROBOT, wait_for
 
@@ -96,6 +99,36 @@ def test_a_stop_does_not_wait_for_the_end_of_a_bounded_motion(robot, operator):
     assert out.splitlines() == ["moving under L1", "stopped"]
 
 
+def test_a_stop_that_comes_later_waits_for_no_line_before_it(robot, operator):
+    robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
+    robot.lines["stop"] = ConsoleResult(code=0, text="stopped")
+
+    def lines():
+        yield read("/r/0.2/0/40/forward/5", time.monotonic())
+        wait_for(lambda: len(robot.renewed) > 2)
+        yield read("status", time.monotonic())
+        yield read("stop", time.monotonic())
+
+    code, out, err = run(operator, lines())
+    assert (code, err) == (1, "a stop came, so not said any more: status\n")
+    assert out.splitlines() == ["moving under L1", "stopped"]
+
+
+def test_the_lines_of_a_file_and_what_was_written_at_once_are_said_in_their_order(robot, operator, tmp_path):
+    robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
+    robot.finish("g1")
+    robot.lines |= {"next": ConsoleResult(code=0, text="next"), "stop": ConsoleResult(code=0, text="stopped")}
+    text = "/r/0.2/0/40/forward/5\nnext\nstop\n"
+    (tmp_path / "script").write_text(text)
+    reader, writer = os.pipe()
+    os.write(writer, text.encode())
+    os.close(writer)
+    for fd in (os.open(tmp_path / "script", os.O_RDONLY), reader):
+        code, out, _ = run(operator, lines_of(fd))
+        os.close(fd)
+        assert (code, out.splitlines()[-2:]) == (0, ["next", "stopped"])
+
+
 @pytest.mark.parametrize(("dead", "expected"), [("", (0, "stopped after 0.2 s")), ("an obstacle", (1, "an obstacle"))])
 def test_one_line_is_held_and_then_stopped_unless_it_ends_before(robot, operator, dead, expected):
     robot.moves("/r/0.2/0", "L1")
@@ -114,3 +147,49 @@ def test_lines_come_as_they_are_written_and_the_last_needs_no_end():
     os.close(writer)
     assert list(lines) == ["b\udcffc"]
     os.close(reader)
+
+
+def refuses(robot, line: str) -> None:
+    robot.lines[line] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone")
+
+
+def test_after_a_stop_by_another_the_lines_of_a_script_are_not_said_but_a_stop_is(robot, operator):
+    refuses(robot, "/r/0.2/0")
+    robot.lines["s"] = ConsoleResult(code=0, text="stopped")
+    code, out, err = run(operator, ["/r/0.2/0", "next", "next", "s", "/r/0.3/0"])
+    assert code == 1
+    assert out == "stopped\n"
+    assert err.splitlines() == [
+        f"{STOPPED_SINCE}by phone",
+        "2 lines that came before that stop: not said any more",
+        "1 line that came before that stop: not said any more",
+    ]
+    assert [line for line, _, _ in robot.said] == ["/r/0.2/0", "s"]
+
+
+def test_lines_that_come_after_a_stop_by_another_are_said(robot, operator):
+    refuses(robot, "/r/0.2/0")
+    robot.lines["next"] = ConsoleResult(code=0, text="next")
+    err = io.StringIO()
+
+    def lines():
+        yield "/r/0.2/0"
+        wait_for(lambda: STOPPED_SINCE in err.getvalue())
+        yield "next"
+
+    out = io.StringIO()
+    assert Lines(operator, out, err).run(lines()) == 1
+    assert out.getvalue() == "next\n"
+
+
+def test_a_line_tells_for_how_long_it_waited(robot, operator):
+    gate = robot.blocked["first"] = threading.Event()
+
+    def lines():
+        yield from ["first", "next"]
+        wait_for(lambda: robot.said)
+        threading.Event().wait(0.2)
+        gate.set()
+
+    run(operator, lines())
+    assert robot.waited["first"] < 0.15 < 0.2 <= robot.waited["next"]

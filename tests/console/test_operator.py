@@ -46,6 +46,18 @@ def test_release_stops_what_is_held(robot, operator):
     assert len(robot.stopped) == 1
 
 
+def test_who_says_a_stop_renews_no_more_also_when_the_robot_does_not_take_it(robot, operator):
+    robot.moves("/r/0.2/0", "L1")
+    robot.blocked["s"] = threading.Event()
+    operator.submit("/r/0.2/0")
+    wait_for(lambda: robot.renewed)
+    said = threading.Thread(target=operator.submit, args=("s",))
+    said.start()
+    wait_for(lambda: operator.held() is None)
+    robot.blocked["s"].set()
+    said.join(5)
+
+
 def test_a_motion_accepted_after_a_later_line_is_stopped_not_held(robot, operator):
     robot.moves("/r/0.2/0", "L1")
     robot.lines["s"] = ConsoleResult(code=0, text="stopped")

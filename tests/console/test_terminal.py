@@ -16,6 +16,7 @@ from lbr.console.above import Screen as TerminalScreen
 from lbr.console.keyboard import QUIET_S
 from lbr.console.operator import BusOperator
 from lbr.console.terminal import Terminal, describe
+from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import ConsoleResult, Event
 from tests.console.fake_robot import ROBOT, wait_for
 from tests.console.vt import Vt
@@ -335,6 +336,19 @@ def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
     screen.types("".join(f"{word}\r" for word in words))
     wait_for(lambda: len(said(robot)) == len(words))
     assert said(robot) == words
+
+
+def test_after_a_stop_by_another_what_was_typed_ahead_is_not_said(robot, screen):
+    robot.lines["/r/0.2/0"] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone")
+    gate = robot.blocked["/r/0.2/0"] = threading.Event()
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: said(robot) == ["/r/0.2/0"])
+    screen.types("word1\rword2\r")
+    wait_for(lambda: screen.terminal._lines.qsize() == 2)
+    gate.set()
+    screen.sees("Not said any more: word1, word2")
+    screen.types("end\r")
+    wait_for(lambda: said(robot) == ["/r/0.2/0", "end"])
 
 
 def flood(robot, screen) -> None:

@@ -1,10 +1,15 @@
 """What may follow the name of an external command: what a row lists or fits, and never an option beside."""
 
+import os
+import threading
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.database import arguments
+from tests.robot import until
 
 SIDES = ("left", "right")
 
@@ -33,6 +38,32 @@ SIDES = ("left", "right")
 )
 def test_arguments_are_what_the_row_allows(allowed, given_, why):
     assert arguments.refusal(allowed, given_) == why
+
+
+def test_a_pattern_that_python_would_think_about_for_ever_holds_nobody_up():
+    others = threading.Event()
+    threading.Thread(target=others.set).start()
+    told = arguments.refusal(("(a+)+b",), ("a" * 60,))
+    assert others.is_set()
+    assert told.startswith("takes as its first argument what fits (a+)+b")
+
+
+def test_what_compares_ranks_behind_the_robot():
+    comparing = threading.Thread(target=arguments.refusal, args=(("(a+)+b",), ("a" * 60,)))
+    comparing.start()
+    until(lambda: any(_nice(pid) == 19 for pid in _children()), what="it ranks last")
+    comparing.join()
+
+
+def _children():
+    return [int(pid) for task in Path("/proc/self/task").iterdir() for pid in (task / "children").read_text().split()]
+
+
+def _nice(pid):
+    try:
+        return os.getpriority(os.PRIO_PROCESS, pid)
+    except ProcessLookupError:
+        return None
 
 
 @given(st.text(max_size=30), st.sampled_from([".*", "(?s).*", "-?.*", "(-|x).*", r"\W*\w*"]))

@@ -250,3 +250,17 @@ def test_several_threads_share_one_database(database):
         thread.join()
     assert failed == []
     assert len(database.events(1000)) == 60
+
+
+def test_a_trigger_that_never_ends_holds_nobody_up_for_long(database, client):
+    for_ever = "(WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT count(*) FROM n)"
+    client.execute(
+        f"CREATE TRIGGER odd AFTER INSERT ON event BEGIN UPDATE robot SET owner = owner WHERE {for_ever} < 0; END"
+    )
+    database.bound(0.05)
+    for _ in range(2):
+        with pytest.raises(RowError, match=r"take too long to read or write: .*`lbr db check` names those"):
+            database.append_events([Event(kind="k", subject="s", text="t")])
+    client.execute("DROP TRIGGER odd")
+    database.append_events([Event(kind="k", subject="s", text="t")])
+    assert len(database.events()) == 1

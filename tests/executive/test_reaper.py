@@ -1,6 +1,7 @@
 """What ends processes that the executive has left behind, frozen, hanging or in hiding as they may be."""
 
 import ctypes
+import fcntl
 import os
 import signal
 import subprocess
@@ -104,6 +105,34 @@ def test_nothing_is_left_two_seconds_after_the_executive_is_killed(executive, li
         os.kill(pid, signal.SIGSTOP)
     kill(popen)
     until(lambda: not any(map(lives, [*found, reaper])), limit_s=2.0, what="nothing is left")
+
+
+def test_what_forks_and_leaves_faster_than_it_is_looked_at_is_ended_too(executive, tmp_path):
+    (tmp_path / "fleeing.py").write_text(
+        "import fcntl\n"
+        "from os import _exit, fork, getpid\n"
+        "held = open('held', 'w')\n"
+        "fcntl.flock(held, fcntl.LOCK_EX)\n"
+        "print(getpid(), file=open('pids', 'a'), flush=True)\n"
+        "while True:\n"
+        "    if fork():\n"
+        "        _exit(0)\n"
+    )
+    popen, _, (group,) = executive(f"exec {sys.executable} -I -S fleeing.py", 1)
+    try:
+        kill(popen)
+        with (tmp_path / "held").open() as held:
+            until(lambda: is_free(held.fileno()), limit_s=2.0, what="no process holds it")
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(group, signal.SIGKILL)
+
+
+def is_free(fd: int) -> bool:
+    with suppress(BlockingIOError):
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return True
+    return False
 
 
 def test_a_guard_is_not_killed_but_continued_until_its_time_is_over(executive):

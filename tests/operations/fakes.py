@@ -27,6 +27,7 @@ class FakeCall:
     source: str = "console"
     remote: bool = False
     sender_s: float = nan
+    waited_s: float = 0.0
     answerable: bool = True
     answer: Any = None
 

@@ -115,8 +115,8 @@ def costs(under_test: Bench) -> dict[str, Cost]:
     names[under_test.robot.popen.pid] = "executive"
     found = {}
     for process in processes_of(under_test.robot.home):
-        name = names.get(process.pid) or f"child of {names.get(process.ppid(), '?')}"
-        with suppress(psutil.Error):
+        with suppress(psutil.Error):  # it may end at any moment
+            name = names.get(process.pid) or f"child of {names.get(process.ppid(), '?')}"
             found[name] = Cost(process.pid, process.num_fds(), process.num_threads(), process.memory_info().rss / 2**20)
     return found
 

@@ -1,5 +1,6 @@
 """Sockets that listen, and the robot's certificate."""
 
+import errno
 import socket
 
 from lbr import home
@@ -9,10 +10,44 @@ from lbr.errors import InputError
 
 BUFFER_BYTES = 64 * 1024
 BACKLOG = 256
+BESIDE = {"0.0.0.0": "::1", "127.0.0.1": "::1", "::1": "127.0.0.1"}  # noqa: S104 - compared
+"""This machine's other address, for those that lead to it by one family alone."""
+TRIES = 20
+"""For a port that the kernel chooses: it is free by IPv4, and mostly by IPv6."""
 
 
-def listen(host: str, port: int) -> socket.socket:
-    """Return a listening socket whose connections hold little; InputError says what is wrong with the address."""
+def listen(host: str, port: int) -> list[socket.socket]:
+    """Return listening sockets whose connections hold little; InputError says what is wrong with the address.
+
+    One is at the address. Where that leads to this machine by IPv4 or IPv6 alone, another is at the loopback of the other:
+    browsers take `localhost` for both, and what another user of this machine served there would be of our own origin.
+    """
+    for _ in range(TRIES):
+        found = [_listen(host, port)]
+        address, taken = found[0].getsockname()[:2]
+        beside = BESIDE.get(address, "")
+        if not beside or not is_here(beside):
+            return found
+        try:
+            return [*found, _listen(beside, taken)]
+        except InputError:
+            found[0].close()
+            if port:
+                raise
+    raise InputError(f"no port is free both at {host} and at this machine's other loopback")
+
+
+def is_here(loopback: str) -> bool:
+    """Say whether this machine has a loopback's address, which it lacks without that family of addresses."""
+    try:
+        with socket.socket(socket.AF_INET6 if ":" in loopback else socket.AF_INET, socket.SOCK_STREAM) as probe:
+            probe.bind((loopback, 0))
+    except OSError as err:
+        return err.errno not in {errno.EAFNOSUPPORT, errno.EADDRNOTAVAIL}
+    return True
+
+
+def _listen(host: str, port: int) -> socket.socket:
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except OSError as err:

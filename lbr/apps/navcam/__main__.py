@@ -11,7 +11,7 @@ import os
 import socket
 import ssl
 import sys
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 from lbr import home
@@ -34,8 +34,9 @@ def main() -> int:
 
     arguments = _parser().parse_args()
     confine((str(home.home()),))
-    with program.connected("navcam") as robot, server.listen(arguments.host, arguments.port) as listening:
-        tls, port = not is_loopback(listening), listening.getsockname()[1]
+    with program.connected("navcam") as robot, ExitStack() as stack:
+        listening = [stack.enter_context(one) for one in server.listen(arguments.host, arguments.port)]
+        tls, port = not is_loopback(listening[0]), listening[0].getsockname()[1]
         secret = guard.token()
         hub = Hub(robot.bus, robot.name)
         kept = sessions.Sessions(home.directory("credentials") / sessions.FILE, secret)
@@ -56,12 +57,12 @@ def main() -> int:
     return 0
 
 
-async def _serve(serving: "object", listening: socket.socket) -> None:
+async def _serve(serving: "object", listening: list[socket.socket]) -> None:
     from lbr.apps.navcam.server import Server  # noqa: PLC0415
 
     assert isinstance(serving, Server)
     serving.loop = asyncio.get_running_loop()
-    await serving.serve(sockets=[listening])
+    await serving.serve(sockets=listening)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -23,8 +23,8 @@ class Server(serving.Server):
         self.loop.call_soon_threadsafe(self.hub.close)
 
 
-def listen(host: str, port: int) -> socket.socket:
-    """Return a listening socket whose connections hold little; InputError says what is wrong with the address."""
+def listen(host: str, port: int) -> list[socket.socket]:
+    """Return listening sockets whose connections hold little; InputError says what is wrong with the address."""
     try:
         return listening.listen(host, port)
     except InputError as err:

@@ -60,16 +60,17 @@ class Web(Capability[WebSettings]):
         """Listen and serve."""
         settings = self.ctx.settings
         try:
-            sock = listening.listen(settings.host, settings.port)
+            sockets = listening.listen(settings.host, settings.port)
         except InputError as err:
             row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
             raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
-        self._place = Place(self.ctx.robot, self.ctx.name, settings, sock.getsockname()[1])
+        self._place = Place(self.ctx.robot, self.ctx.name, settings, sockets[0].getsockname()[1])
         self._bridge.open()
         try:
-            self._serving = Serving(self._application(), sock, tls=self._place.tls, beside=self._beside(sock))
+            self._serving = Serving(self._application(), sockets, tls=self._place.tls, beside=self._beside(sockets[0]))
         except InputError as err:
-            sock.close()
+            for one in sockets:
+                one.close()
             raise DeviceError(str(err)) from err
         self._serving.start()
         self.ctx.event("listening", f"HTTP at {', '.join(self._place.urls) or settings.host}")
@@ -182,7 +183,7 @@ class Web(Capability[WebSettings]):
         for face in self._faces:
             face.stopped(why)
         for request in STOPS:
-            self.ctx.ask(request, StopCommand(reason=why[:200]), 1.0)
+            self.ctx.ask(request, StopCommand(reason=why[:200], whole=True), 1.0)
 
     def _failed(self, err: Exception) -> None:
         self._counts.news.append(("web_fault", f"{type(err).__name__}: {err}"))

@@ -114,7 +114,8 @@ class Own:
         if not wired:
             raise Refused(503, "nothing that could be stopped is wired to this server by channel rows")
         answers = await asyncio.gather(
-            *(self._robot.ask(request, StopCommand(reason=why[:200])) for request in wired), return_exceptions=True
+            *(self._robot.ask(request, StopCommand(reason=why[:200], whole=True)) for request in wired),
+            return_exceptions=True,
         )
         if wired[0] == STOPS[0] and getattr(answers[0], "accepted", False):
             return json(Message(message="stopped"))  # the joints stand; who moved them may be starting anew

@@ -13,12 +13,17 @@ JOIN_S = 0.35
 
 
 class Serving:
-    """Serves an app on a listening socket until `stop`; `beside` runs in the same event loop."""
+    """Serves an app on listening sockets until `stop`; `beside` runs in the same event loop."""
 
     def __init__(
-        self, app: ASGIApp, sock: socket.socket, *, tls: bool, beside: Callable[[], Awaitable[None]] | None = None
+        self,
+        app: ASGIApp,
+        sockets: list[socket.socket],
+        *,
+        tls: bool,
+        beside: Callable[[], Awaitable[None]] | None = None,
     ) -> None:
-        self._socket = sock
+        self._sockets = sockets
         self._beside = beside
         self._server = serving.Server(serving.config(app, tls=tls, sockets=True))
         self._thread = threading.Thread(target=self._run, name="http", daemon=True)
@@ -37,7 +42,8 @@ class Serving:
         self._server.should_exit = True
         if self._thread.is_alive():
             self._thread.join(JOIN_S)
-        self._socket.close()
+        for one in self._sockets:
+            one.close()
 
     def _run(self) -> None:
         asyncio.run(self._serve())
@@ -45,7 +51,7 @@ class Serving:
     async def _serve(self) -> None:
         beside = asyncio.ensure_future(self._beside()) if self._beside is not None else None
         try:
-            await self._server.serve(sockets=[self._socket])
+            await self._server.serve(sockets=self._sockets)
         finally:
             if beside is not None:
                 beside.cancel()

@@ -32,6 +32,7 @@ def asks(event: Command, settings: DriveSettings) -> Ask:
         ttl_s=command.ttl_s,
         remote=event.remote,
         sender_s=event.sender_s,
+        waited_s=event.waited_s,
         answerable=event.answerable,
         patience_s=LATE_S + (2 * settings.checks_timeout_s if event.checks else 0.0),
     )

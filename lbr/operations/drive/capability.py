@@ -74,7 +74,8 @@ class Drive(Capability[DriveSettings]):
         """Decide a command or stop now, or once the user's checks have answered."""
         self._listen()
         if call.name == "stop":
-            self._decide(Stop(source=call.source, received=call.arrived, reason=call.message.reason), call)
+            said = call.message
+            self._decide(Stop(source=call.source, received=call.arrived, reason=said.reason, whole=said.whole), call)
         elif call.name in MOTIONS:
             self._command(call)
         else:
@@ -198,6 +199,7 @@ def _event(call: Call, answers: dict[str, Any] | None = None) -> Command:
         received=call.arrived,
         remote=call.remote,
         sender_s=call.sender_s,
+        waited_s=call.waited_s,
         answerable=call.answerable,
         checks=verdicts,
     )

@@ -25,7 +25,7 @@ from lbr.operations.leasing.state import EstopChanged, Happened, Hold, Holding, 
 class Command(Struct, frozen=True, kw_only=True):
     """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
 
-    `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
+    For `waited_s` before that it had waited at its sender. `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
     the reply. `checks`: what the user's own checks said.
     """
 
@@ -36,6 +36,7 @@ class Command(Struct, frozen=True, kw_only=True):
     received: float
     remote: bool = False
     sender_s: float = nan
+    waited_s: float = 0.0
     answerable: bool = True
     checks: Mapping[str, CheckVerdict | None] = {}
 

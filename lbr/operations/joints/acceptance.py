@@ -35,6 +35,7 @@ def asks(state: State, event: Command) -> Ask:
         ttl_s=command.ttl_s,
         remote=event.remote,
         sender_s=event.sender_s,
+        waited_s=event.waited_s,
         answerable=event.answerable,
     )
     known = quoted(state.holding, ask) if empty(command) else None

@@ -220,6 +220,7 @@ def _motion(call: Call, command: JointsCommand) -> Command:
         received=call.arrived,
         remote=call.remote,
         sender_s=call.sender_s,
+        waited_s=call.waited_s,
         answerable=call.answerable,
     )
 
@@ -227,7 +228,8 @@ def _motion(call: Call, command: JointsCommand) -> Command:
 def _stop(call: Call) -> Stop:
     """Return a stop; a name that comes from another machine proves nothing, so that nobody is lost by it."""
     lost = call.message.lost and not call.remote
-    return Stop(source=call.source, received=call.arrived, reason=call.message.reason, lost=lost)
+    said = call.message
+    return Stop(source=call.source, received=call.arrived, reason=said.reason, lost=lost, whole=said.whole)
 
 
 def _torque(call: Call) -> Torque:

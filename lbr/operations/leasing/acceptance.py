@@ -3,7 +3,7 @@
 from math import isfinite
 from typing import Literal
 
-from lbr.messages.leases import DEAD_LEASE
+from lbr.messages.leases import DEAD_LEASE, STOPPED_SINCE
 from lbr.operations.leasing.freshness import TWICE, dated, insists, not_fresh
 from lbr.operations.leasing.state import Ask, Hold, Holding, M, offered, quoted, streams
 
@@ -36,7 +36,7 @@ def holder(holding: Holding[M], ask: Ask, now: float) -> str:
     hold, owner = holding.hold, quoted(holding, ask)
     if ask.lease and not (owner is not None and now < owner.expires):  # this way round, NaN means dead
         return f"{DEAD_LEASE}{why_dead(holding, ask.lease)}"
-    if owner is not None and (why := _not_own(owner, ask)):
+    if why := _not_own(owner, ask) or _waited(holding, ask):
         return why
     if hold is not None and owner is hold:
         return _order(holding, ask, hold)
@@ -65,15 +65,29 @@ def why_dead(holding: Holding[M], lease: str) -> str:
     return dict(holding.dead).get(lease, NOT_KNOWN)
 
 
-def _not_own(owner: Hold[M], ask: Ask) -> str:
+def _not_own(owner: Hold[M] | None, ask: Ask) -> str:
     """A lease dates what its own sender says; another's clock proves nothing, nor does a lease that was overheard."""
-    foreign = ask.remote and ask.source != owner.source and ask.moves
-    return f"this lease is {owner.source}'s: ask for one of your own" if foreign else ""
+    if owner is None or not (ask.remote and ask.source != owner.source and ask.moves):
+        return ""
+    return f"this lease is {owner.source}'s: ask for one of your own"
 
 
 def _held(hold: Hold[M], ask: Ask) -> str:
     own = ", as you do: quote the lease to go on" if hold.source == ask.source else ""
     return f"held by {hold.source}{own}"
+
+
+def _waited(holding: Holding[M], ask: Ask) -> str:
+    """What somebody typed or wrote before another stopped the robot moves it no more, however late it is sent.
+
+    How long it waited is told by its sender's clock alone, so that the clocks of two machines are never compared.
+    """
+    if holding.estop or not ask.moves or ask.waited_s == 0.0:
+        return ""
+    at, by = holding.halts.by_others(ask.source)
+    if dated(holding, ask) - ask.waited_s > at:  # this way round, NaN waited too long
+        return ""
+    return f"{STOPPED_SINCE}{f'by {by}' if by else 'what moves it began anew'}"
 
 
 def _order(holding: Holding[M], ask: Ask, hold: Hold[M]) -> str:

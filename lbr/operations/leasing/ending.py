@@ -2,6 +2,7 @@
 
 from msgspec.structs import replace
 
+from lbr.capability.halts import Halts
 from lbr.operations.leasing.freshness import INSISTING_S
 from lbr.operations.leasing.state import (
     TELLINGS,
@@ -71,7 +72,8 @@ def lose_time(holding: Holding[M], why: str, clock: float, now: float) -> Decisi
     """End everything and forget every date: none of it means anything on a clock that went back from `clock`."""
     recent = {name: found for name, found in holding.insisting.items() if not clock >= found.until}
     insisting = {name: Insisting(until=now + INSISTING_S, how=found.how) for name, found in recent.items()}
-    return end_all(replace(holding, stopped=now, begun=now, insisting=insisting), "fault", why, now)
+    forgotten = replace(holding, stopped=now, begun=now, halts=Halts(at=now), insisting=insisting)
+    return end_all(forgotten, "fault", why, now)
 
 
 def happened(ended: Ended[M], kind: str = "") -> Happened:

@@ -91,6 +91,9 @@ def offer(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
 def stop(holding: Holding[M], event: Stop, now: float) -> Decision[M]:
     """Stand still, whoever says so; what was sent before it begins nothing any more."""
     sent = min(now, event.received)  # this way round, NaN means now
+    own = holding.hold is not None and holding.hold.source == event.source
+    if event.whole or not own:
+        holding = replace(holding, halts=holding.halts.heard(sent, event.source))
     holding = forget_insisting(replace(holding, stopped=max(holding.stopped, sent)), event.source)
     if event.lost and holding.hold is not None and holding.hold.source == event.source:
         return end_all(holding, "lapsed", event.reason or "whoever wanted it is gone", now)
@@ -101,6 +104,8 @@ def stop(holding: Holding[M], event: Stop, now: float) -> Decision[M]:
 def latch(holding: Holding[M], event: EstopChanged, now: float) -> Decision[M]:
     """Latch or release the emergency stop; what was sent before either begins nothing any more."""
     holding = replace(holding, estop=event.engaged, estop_reason=event.reason, stopped=max(holding.stopped, now))
+    by = "the emergency stop" if event.engaged else "the emergency stop's reset"
+    holding = replace(holding, halts=holding.halts.heard(now, by))
     why = f"emergency stop: {event.reason or 'no reason given'}" if event.engaged else "the emergency stop was reset"
     return end_all(holding, "fault", why, now)
 

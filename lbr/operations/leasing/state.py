@@ -6,6 +6,7 @@ from typing import Generic, Literal, TypeVar
 
 from msgspec import Struct
 
+from lbr.capability.halts import Halts
 from lbr.messages.leases import CommandReply
 
 M = TypeVar("M")
@@ -31,7 +32,8 @@ class Ask(Struct, frozen=True, kw_only=True):
 
     `what` it asks for, whoever asks, under whichever lease and for how long; `moves` says that it is not standing still.
     `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
-    the reply. `new_lease` is for what it may begin. It may be `patience_s` old.
+    the reply. `new_lease` is for what it may begin. It may be `patience_s` old. For `waited_s` before it was sent it had
+    waited at its sender, as a line does that somebody typed ahead.
     """
 
     source: str
@@ -46,15 +48,20 @@ class Ask(Struct, frozen=True, kw_only=True):
     sender_s: float = nan
     answerable: bool = True
     patience_s: float = LATE_S
+    waited_s: float = 0.0
 
 
 class Stop(Struct, frozen=True, kw_only=True):
-    """Somebody wants it to stand still; `lost` says that whoever wanted the motion is gone, and counts from its holder."""
+    """Somebody wants it to stand still; `lost` says that whoever wanted the motion is gone, and counts from its holder.
+
+    `whole`: the robot is to stand still, not only what its holder moves.
+    """
 
     source: str
     received: float
     reason: str = ""
     lost: bool = False
+    whole: bool = False
 
 
 class EstopChanged(Struct, frozen=True, kw_only=True):
@@ -102,7 +109,8 @@ class Tally(Struct, frozen=True, kw_only=True):
 class Holding(Struct, Generic[M], frozen=True, kw_only=True):
     """Who has what moves. `offers` are leases that remote senders have yet to quote.
 
-    Whatever was sent at or before `stopped` or `begun` begins nothing any more. `reason` says why nobody moves it.
+    Whatever was sent at or before `stopped` or `begun` begins nothing any more, nor what had waited at its sender since
+    before one of `halts`. `reason` says why nobody moves it.
     A lease lives for `ttl_s` if its ask says nothing, and is over up to `ahead_s` sooner, so that the motion is too.
     """
 
@@ -114,6 +122,7 @@ class Holding(Struct, Generic[M], frozen=True, kw_only=True):
     dead: tuple[tuple[str, str], ...] = ()
     stopped: float = -inf
     begun: float = -inf
+    halts: Halts = Halts()
     estop: bool = False
     estop_reason: str = ""
     insisting: Mapping[str, Insisting] = {}
@@ -148,7 +157,8 @@ class Reply(Struct, frozen=True, kw_only=True):
 
 def first(words: Words, ttl_s: float, ahead_s: float = 0.0, *, began: float = -inf) -> "Holding[M]":
     """Return that nobody has it yet. What was not sent after it `began` may have been stopped since, and begins nothing."""
-    return Holding(words=words, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, reason=words.idle)
+    halts = Halts(at=began)
+    return Holding(words=words, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=words.idle)
 
 
 def offered(holding: Holding[M], lease: str) -> Hold[M] | None:

@@ -58,7 +58,8 @@ class Motions(Capability[MotionsSettings]):
         if isinstance(call.message, PlayCommand):
             self._play(call, call.message)
         elif isinstance(call.message, StopCommand):
-            self._decide(Stop(source=call.source, received=call.arrived, reason=call.message.reason), call)
+            said = call.message
+            self._decide(Stop(source=call.source, received=call.arrived, reason=said.reason, whole=said.whole), call)
         elif isinstance(call.message, CaptureCommand):
             try:
                 call.reply(CommandReply(accepted=True, reason=self._capture(call.message, call.source)))
@@ -212,5 +213,6 @@ def _ask(call: Call, command: PlayCommand) -> Ask:
         ttl_s=command.ttl_s,
         remote=call.remote,
         sender_s=call.sender_s,
+        waited_s=call.waited_s,
         answerable=call.answerable,
     )

@@ -7,6 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from lbr.capability.halts import Halts
+from lbr.messages.leases import STOPPED_SINCE
 from lbr.operations.leasing import acceptance, ending, holding
 from lbr.operations.leasing.state import Ask, Ended, EstopChanged, Happened, Holding, Stop, Words, confirmed, first
 
@@ -43,8 +45,9 @@ class Hand:
             self._take(*go(self.holding, ask, what, self.now))
         return why
 
-    def stop(self, source: str = "phone") -> str:
-        self._take(*holding.stop(self.holding, Stop(source=source, received=self.now), self.now))
+    def stop(self, source: str = "phone", *, whole: bool = False) -> str:
+        event = Stop(source=source, received=self.now, whole=whole)
+        self._take(*holding.stop(self.holding, event, self.now))
         return ""
 
     def latch(self, *, engaged: bool) -> None:
@@ -226,3 +229,96 @@ def test_changes_of_holder_in_a_flood_are_counted_and_not_told(hand):
     hand.wait(1.0)
     hand.ask()
     assert hand.said[-1].text.endswith("(and 5 changes of holder before that)")
+
+
+@pytest.mark.parametrize(("waited_s", "moves"), [(0.0, True), (0.9, True), (1.0, False), (5.0, False), (nan, False)])
+def test_what_waited_since_before_anothers_stop_moves_nothing(hand, waited_s, moves):
+    hand.wait(10.0)
+    hand.stop("phone")
+    hand.wait(1.0)
+    why = hand.ask(waited_s=waited_s)
+    assert why == ("" if moves else f"{STOPPED_SINCE}by phone")
+    assert bool(hand.motion) is moves
+
+
+def test_an_own_stop_says_nothing_of_what_was_written_behind_it(hand):
+    hand.wait(10.0)
+    hand.stop("console")
+    hand.wait(1.0)
+    assert hand.ask(source="console", waited_s=5.0) == ""
+
+
+def test_an_own_stop_hides_no_stop_by_another(hand):
+    hand.wait(10.0)
+    hand.stop("phone")
+    hand.wait(0.1)
+    hand.stop("console")
+    hand.wait(0.1)
+    assert hand.ask(source="console", waited_s=5.0) == f"{STOPPED_SINCE}by phone"
+    assert hand.ask(source="console", waited_s=0.05) == ""
+
+
+def test_the_end_of_a_holders_own_motion_is_no_stop_of_the_robot_unless_it_says_so(hand):
+    for whole in (False, True):
+        hand.wait(10.0)
+        assert hand.ask(source="phone") == ""
+        hand.stop("phone", whole=whole)
+        hand.wait(0.1)
+        assert bool(hand.ask(source="console", waited_s=5.0)) is whole
+
+
+def test_what_waited_through_an_emergency_stop_and_its_reset_moves_nothing(hand):
+    hand.wait(10.0)
+    hand.latch(engaged=True)
+    hand.wait(0.1)
+    hand.latch(engaged=False)
+    hand.wait(1.0)
+    assert hand.ask(waited_s=1.5).startswith(STOPPED_SINCE)
+    assert hand.ask(waited_s=0.5) == ""
+
+
+def test_what_waited_changes_no_motion_that_began_meanwhile(hand):
+    hand.wait(10.0)
+    hand.stop("phone")
+    hand.wait(0.1)
+    assert hand.ask() == ""
+    hand.wait(0.1)
+    assert hand.ask("clap", lease="lease1", waited_s=5.0).startswith(STOPPED_SINCE)
+    assert hand.motion == "wave"
+
+
+def test_what_moves_it_began_anew_since_then(hand):
+    hand.holding = first(WORDS, TTL_S, began=hand.now - 1.0)
+    assert hand.ask(waited_s=2.0) == f"{STOPPED_SINCE}what moves it began anew"
+    assert hand.ask(waited_s=0.5) == ""
+
+
+def test_how_long_it_waited_counts_by_its_senders_clock_alone(hand):
+    hand.wait(10.0)
+    hand.stop("phone")
+    hand.wait(1.0)
+    assert hand.ask(remote=True, sender_s=-1e6, waited_s=2.0).startswith(STOPPED_SINCE)
+    assert hand.ask(remote=True, sender_s=-1e6, waited_s=0.5) == ""
+
+
+@given(st.lists(st.tuples(st.integers(0, 9), st.sampled_from("abc")), max_size=12), st.sampled_from("abcd"))
+def test_the_last_stop_by_another_is_known_whatever_came_before(stops, asker):
+    halts = Halts()
+    latest = -inf
+    for at, source in stops:
+        halts = halts.heard(max(latest, at), source)
+        latest = max(latest, at)
+    others = []
+    latest = -inf
+    for at, source in stops:
+        latest = max(latest, at)
+        others += [latest] if source != asker else []
+    assert halts.by_others(asker)[0] == max(others, default=-inf)
+
+
+@given(st.lists(st.tuples(st.integers(0, 9), st.sampled_from("abc")), max_size=12), st.sampled_from("abcd"))
+def test_stops_in_any_order_are_never_taken_for_later_than_the_last(stops, asker):
+    halts = Halts()
+    for at, source in stops:
+        halts = halts.heard(at, source)
+    assert halts.by_others(asker)[0] <= max((at for at, source in stops if source != asker), default=-inf)

@@ -1,0 +1,113 @@
+"""Two consoles of a real robot: what one has written ahead does not move it once the other has stopped it."""
+
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from benchmarks.clients.terminal import OnTerminal
+from benchmarks.trace import Trace
+from lbr.messages.leases import STOPPED_SINCE
+from tests import programs
+from tests import robot as robots
+from tests.robot import LBR, environment, until
+
+TURN, BOUNDED, ON = "/r/0.4/90", "/r/0.4/90/0/forward/20", "/r/0.3/270"
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory):
+    with robots.running(robots.prepare(tmp_path_factory.mktemp("h"))) as robot:
+        yield robot
+
+
+@pytest.fixture
+def trace(robot):
+    trace = Trace(robot.trace)
+    yield trace
+    robot.line("stop")
+
+
+@contextmanager
+def terminal(home, command="console") -> Iterator[OnTerminal]:
+    on = OnTerminal(home, [*LBR, command])
+    try:
+        on.wait_for(b"Robot>")
+        yield on
+    finally:
+        on.end()
+
+
+@contextmanager
+def script(robot, *lines: str) -> "Iterator[subprocess.Popen[str]]":
+    popen = programs.start(
+        [*LBR, "console"],
+        env=environment(robot.home),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        popen.stdin.write("".join(f"{line}\n" for line in lines))
+        popen.stdin.close()
+        popen.stdin = None
+        yield popen
+    finally:
+        popen.kill()
+        popen.communicate()
+
+
+def moving(trace) -> None:
+    until(lambda: trace.now().least >= 0.25, what="motion")
+
+
+def at_rest(trace) -> None:
+    until(lambda: trace.now().zero, what="rest")
+
+
+@pytest.mark.parametrize("stop", ["s", "estop"])
+def test_a_script_ends_at_a_stop_by_another(robot, trace, stop):
+    with script(robot, BOUNDED, ON, "/report/health", ON) as ours, terminal(robot.home) as theirs:
+        moving(trace)
+        theirs.type(f"{stop}\r".encode())
+        at_rest(trace)
+        if stop == "estop":
+            robot.line("reset")
+        since_ns = time.monotonic_ns()
+        _, err = ours.communicate(timeout=8)
+        assert ours.returncode == 1
+        trace.read()
+        assert all(output.zero for output in trace.outputs(since_ns))
+    if stop == "s":
+        assert STOPPED_SINCE in err
+        assert "2 lines that came before that stop: not said any more" in err
+
+
+def test_a_script_that_stops_the_robot_itself_goes_on(robot, trace):
+    with script(robot, BOUNDED, "s", "/r/0.3/270/0/forward/1") as ours:
+        out, err = ours.communicate(timeout=8)
+        assert (ours.returncode, err) == (0, ""), out
+
+
+def test_lines_typed_ahead_do_not_move_what_another_console_stopped(tmp_path):
+    home = robots.prepare(tmp_path)
+    with terminal(home, "run") as ours, terminal(home) as theirs:
+        trace = Trace(home / "trace.txt")
+        until(lambda: b"| ready |" in theirs.said or b"ready" in theirs.said, limit_s=8, what="a robot that is ready")
+        theirs.type(f"{TURN}\r".encode())
+        moving(trace)
+        for _ in range(5):
+            ours.type(b"!__import__('time').sleep(2)\r")
+        ours.type(f"{ON}\r".encode())
+        ours.type(b"/report/health\r")
+        until(lambda: ours.said.count(b"sleep(2)") >= 2)
+        theirs.type(b"s\r")
+        at_rest(trace)
+        since_ns = time.monotonic_ns()
+        ours.wait_for(STOPPED_SINCE.encode())
+        ours.wait_for(b"Not said any more: /report/health")
+        trace.read()
+        assert all(output.zero for output in trace.outputs(since_ns))
