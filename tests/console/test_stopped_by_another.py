@@ -7,12 +7,12 @@ from contextlib import contextmanager
 
 import pytest
 
-from benchmarks.clients.terminal import OnTerminal
-from benchmarks.trace import Trace
 from lbr.messages.leases import STOPPED_SINCE
-from tests import programs
-from tests import robot as robots
-from tests.robot import LBR, environment, until
+from tests.support import programs
+from tests.support import robot as robots
+from tests.support.clients.terminal import OnTerminal
+from tests.support.robot import LBR, environment, until
+from tests.support.trace import Trace
 
 TURN, BOUNDED, ON = "/r/0.4/90", "/r/0.4/90/0/forward/20", "/r/0.3/270"
 
