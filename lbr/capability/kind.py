@@ -3,7 +3,7 @@
 import contextlib
 import importlib
 import importlib.util
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -34,6 +34,7 @@ class Kind:
     `entry` names the class that runs (`module:Class`), imported only in its own process, or is that class.
     `inputs` are streams it reads and `setpoints` streams sent to its own key, which only the wired source may write.
     `outputs` are streams it publishes, `commands` what it answers, `requests` what it asks of others' commands.
+    `optional` are the inputs that it can do without: nobody is told that nothing feeds them.
     `roles` are the commands that need another role than `operate`; anybody may stop.
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
     `serves` marks a way by which people move and stop the robot: it ranks with what moves.
@@ -56,6 +57,7 @@ class Kind:
     commands: Mapping[str, type[Struct]] = field(default_factory=dict)
     replies: Mapping[str, type[Struct]] = field(default_factory=dict)
     requests: Mapping[str, type[Struct]] = field(default_factory=dict)
+    optional: Collection[str] = ()
     roles: Mapping[str, Role] = field(default_factory=dict)
     moves: bool = False
     serves: bool = False

@@ -22,7 +22,7 @@ def _found(plan: Plan, home: Path) -> Iterator[str]:
             continue
         kind = plan.kinds[row.name]
         for port in (*kind.inputs, *kind.setpoints):
-            if f"{row.name}.{port}" not in fed:
+            if f"{row.name}.{port}" not in fed and port not in kind.optional:
                 do = f"add a channel whose target is '{row.name}.{port}', or enable its source"
                 yield f"nothing feeds '{row.name}.{port}': {do}"
         for doubt in _doubts(kind, row.settings):

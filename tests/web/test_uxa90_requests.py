@@ -56,7 +56,7 @@ def test_the_lease_is_renewed_until_all_have_arrived_and_then_let_be(bench):
 def test_a_lease_that_died_just_then_is_asked_for_anew(bench):
     bench.motor("id=23&pos=100")
     bench.automatic = False
-    promise = bench.work.motor(bench.query("id=24&pos=110"), lambda role: None, measured=False)
+    promise = bench.asked_motor("id=24&pos=110")
     bench.ctx.asked[-1].answer(accepted=False, reason="lease is dead: reached in 0.30 s")
     bench.answered = len(bench.ctx.asked)
     bench.automatic = True
@@ -68,7 +68,7 @@ def test_a_lease_that_died_just_then_is_asked_for_anew(bench):
 def test_what_was_asked_for_before_a_stop_is_not_asked_for_anew_after_it(bench):
     bench.motor("id=23&pos=100")
     bench.automatic = False
-    promise = bench.work.motor(bench.query("id=24&pos=110"), lambda role: None, measured=False)
+    promise = bench.asked_motor("id=24&pos=110")
     bench.ctx.asked[-1].answer(accepted=False, reason="lease is dead: stopped by console")
     bench.answered = len(bench.ctx.asked)
     bench.automatic = True
@@ -83,7 +83,7 @@ def test_what_was_asked_for_before_a_stop_is_not_asked_for_anew_after_it(bench):
 def test_what_was_asked_for_before_a_motion_is_not_asked_for_anew_during_it(bench):
     bench.motor("id=23&pos=100")
     bench.automatic = False
-    promise = bench.work.motor(bench.query("id=24&pos=110"), lambda role: None, measured=False)
+    promise = bench.asked_motor("id=24&pos=110")
     late = bench.ctx.asked[-1]
     bench.answered = len(bench.ctx.asked)
     bench.automatic = True
@@ -182,7 +182,7 @@ def test_any_query_is_answered_and_what_moves_is_legal(query):
     bench = Bench()
     status = 200
     try:
-        promise = bench.work.motor(query, lambda role: None, measured=False)
+        promise = bench.begin(bench.work.motor(query, lambda role: None, measured=False))
         bench.run()
         msgspec.json.encode(promise.result(0))
     except Refused as err:
@@ -289,7 +289,7 @@ def test_if_one_of_several_is_wrong_nothing_moves(bench, items, status):
 @pytest.mark.parametrize("body", [None, [], {}, {"motors": None}, {"motors": {}}, {"motors": "23"}, 7, "x"])
 def test_a_body_that_is_no_list_of_motors_is_told(bench, body):
     with pytest.raises(Refused) as caught:
-        bench.work.several(body, {})
+        bench.begin(bench.work.several(body, {})).result(0)
     assert caught.value.status == 400
 
 
@@ -311,8 +311,9 @@ def test_whoever_may_only_look_moves_nothing(bench):
         raise Refused(403, f"this needs the role '{role}'")
 
     with pytest.raises(Refused, match="operate"):
-        bench.work.motor(bench.query("id=23&pos=1"), refuse, measured=False)
-    assert bench.work.motor(bench.query("id=23"), refuse, measured=False).result(0).data.position == 127
+        bench.begin(bench.work.motor(bench.query("id=23&pos=1"), refuse, measured=False)).result(0)
+    shown = bench.begin(bench.work.motor(bench.query("id=23"), refuse, measured=False))
+    assert shown.result(0).data.position == 127
     assert bench.sent() == []
 
 

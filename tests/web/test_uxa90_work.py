@@ -144,7 +144,7 @@ def test_a_delayed_move_waits_until_the_joints_were_heard_since_the_lease_before
 def test_a_motion_that_waits_for_motors_to_stand_does_not_begin_after_a_stop(bench):
     bench.motor("id=23&pos=1")
     bench.automatic = False
-    promise = bench.work.play("4")
+    promise = bench.begin(bench.work.play("4"))
     bench.run()
     bench.work.stopped("stopped by somebody")
     bench.automatic = True
@@ -156,7 +156,7 @@ def test_a_motion_that_waits_for_motors_to_stand_does_not_begin_after_a_stop(ben
 def test_what_was_to_follow_a_move_is_forgotten_if_a_stop_comes_before_the_move_is_answered(bench):
     bench.automatic = False
     items = [{"id": 23, "pos": 20}, {"id": 24, "pos": 110, "delay": 500}]
-    promise = bench.work.several({"motors": items}, {})
+    promise = bench.begin(bench.work.several({"motors": items}, {}))
     bench.run()
     bench.work.stopped("stopped by somebody")
     bench.automatic = True

@@ -2,7 +2,7 @@ import pytest
 
 from lbr.apps.http.pages import Pages
 from lbr.apps.web.access import Access
-from lbr.apps.web.face import Ask, Client, Refused, refuse_without
+from lbr.apps.web.face import Client, Refused, Request, refuse_without
 from lbr.bus import tokens
 from lbr.capability.config import LanUser
 
@@ -119,7 +119,7 @@ def test_what_a_role_does_not_allow_is_refused_with_a_sentence():
 )
 @pytest.mark.parametrize("method", ["GET", "HEAD"])
 def test_a_get_moves_only_what_no_web_page_can_have_sent(client, proven, moves, method):
-    ask = Ask(method=method, path="/move", client=client, proven=proven)
+    ask = Request(method=method, path="/move", client=client, proven=proven)
     ask.require("view")
     if moves:
         ask.require("operate")
@@ -127,7 +127,7 @@ def test_a_get_moves_only_what_no_web_page_can_have_sent(client, proven, moves, 
     with pytest.raises(Refused, match="no web page sent it") as refused:
         ask.require("operate")
     assert refused.value.status == 403
-    Ask(method="POST", path="/move", client=client).require("operate")
+    Request(method="POST", path="/move", client=client).require("operate")
 
 
 OWN = {"host": "robot:50000"}

@@ -1,4 +1,3 @@
-import asyncio
 import json
 from typing import Any
 
@@ -6,16 +5,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import Struct
+from starlette.responses import Response
+from starlette.routing import Match
 
 from lbr.apps.web import openapi, routing
-from lbr.apps.web.face import Ask, Message, Refused, Reply, Route
-from lbr.apps.web.routing import Table
+from lbr.apps.web.face import Message, Refused, Request, Route
+from lbr.apps.web.routing import Endpoint
 from lbr.apps.web.streams import StreamParams
 from lbr.messages.units import Name
 
 
-async def nothing(_ask: Ask) -> Reply:
-    return Reply()
+async def nothing(_ask: Request) -> Response:
+    return Response()
 
 
 class Body(Struct, forbid_unknown_fields=True):
@@ -30,7 +31,24 @@ def route(method: str, path: str, **more: Any) -> Route:
     return Route(method=method, path=path, handle=nothing, summary="s", replies={200: Message}, **more)
 
 
-TABLE = Table([route("GET", "/"), route("GET", "/motion"), route("GET", "/motion/{key}"), route("POST", "/stop")])
+async def unasked(_route: Route, _scope: Any, _receive: Any) -> Response:
+    return Response()
+
+
+TABLE = [
+    Endpoint(one, unasked)
+    for one in (route("GET", "/"), route("GET", "/motion"), route("GET", "/motion/{key}"), route("POST", "/stop"))
+]
+
+
+def find(method: str, path: str) -> tuple[str, dict[str, str]] | None:
+    """Return the route that a request gets and the keys in its path, as Starlette's router asks for them."""
+    scope = {"type": "http", "method": method, "raw_path": path.encode()}
+    for endpoint in TABLE:
+        match, found = endpoint.matches(scope)
+        if match is Match.FULL:
+            return endpoint.route.path, found["path_params"]
+    return None
 
 
 @pytest.mark.parametrize(
@@ -49,19 +67,18 @@ TABLE = Table([route("GET", "/"), route("GET", "/motion"), route("GET", "/motion
     ],
 )
 def test_a_path_is_found_in_either_case_and_with_a_slash_at_its_end(method, path, found):
-    route = TABLE.find(method, path)
-    assert (route and (route[0].path, route[1])) == found
+    assert find(method, path) == found
 
 
 def test_a_path_knows_its_methods():
-    assert TABLE.methods("/STOP/") == ("POST",)
-    assert TABLE.methods("/motion") == ("GET", "HEAD")
-    assert TABLE.methods("/nope") == ()
+    assert routing.methods(TABLE, "/STOP/") == ("POST",)
+    assert routing.methods(TABLE, "/motion") == ("GET", "HEAD")
+    assert routing.methods(TABLE, "/nope") == ()
 
 
 def test_a_key_that_is_no_text_is_refused():
     with pytest.raises(Refused) as refused:
-        TABLE.find("GET", "/motion/%ff")
+        find("GET", "/motion/%ff")
     assert refused.value.status == 400
 
 
@@ -76,7 +93,7 @@ def refusal_of(work) -> int | None:
 @given(st.binary(max_size=300), st.text(max_size=60))
 def test_whatever_is_asked_is_answered_or_refused(query, path):
     assert refusal_of(lambda: routing.converted(routing.parameters(query), StreamParams)) in {None, 400}
-    assert refusal_of(lambda: TABLE.find("GET", f"/{path}")) in {None, 400}
+    assert refusal_of(lambda: find("GET", f"/{path}")) in {None, 400}
 
 
 @given(st.binary(max_size=300))
@@ -133,21 +150,3 @@ def test_the_document_is_made_of_the_routes():
     assert made_one["x-role"] == "admin"
     assert made_one["requestBody"]["required"]
     assert made["components"]["schemas"]["Body"]["additionalProperties"] is False
-
-
-def test_a_promise_that_nobody_waits_for_hurts_nobody():
-    from lbr.apps.web.bridge import Bridge, Promise
-
-    failed: list[Exception] = []
-    promise: Promise[int] = Promise()
-    bridge = Bridge(lambda: None, failed.append)
-
-    async def asks() -> None:
-        with pytest.raises(Refused) as refused:
-            await bridge.call(lambda: promise, timeout_s=0.01)
-        assert refused.value.status == 503
-
-    asyncio.run(asks())
-    bridge.serve()
-    promise.keep(1)
-    assert not failed

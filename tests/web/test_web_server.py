@@ -11,14 +11,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
+from starlette.responses import Response
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from lbr.apps.web import WebSettings, application, qr
 from lbr.apps.web.addresses import url
 from lbr.apps.web.announce import Announcer
-from lbr.apps.web.application import TOO_OFTEN_S
-from lbr.apps.web.face import Ask, Face, Reply, Route, json, text
+from lbr.apps.web.face import Face, Request, Route, json, text
+from lbr.apps.web.guards import TOO_OFTEN_S
 from lbr.apps.web.place import Place
 from lbr.console.printable import wrapped
 from lbr.errors import DeviceError
@@ -58,16 +59,16 @@ class Plain(Face):
     def state(self) -> dict[str, int]:
         return {"jobs": 0}
 
-    async def _ok(self, _ask: Ask) -> Reply:
+    async def _ok(self, _ask: Request) -> Response:
         return text("OK")
 
-    async def _move(self, _ask: Ask) -> Reply:
+    async def _move(self, _ask: Request) -> Response:
         return text("moved")
 
-    async def _echo(self, ask: Ask) -> Reply:
+    async def _echo(self, ask: Request) -> Response:
         return json({"body": len(ask.body), "query": ask.query})
 
-    async def _broken(self, _ask: Ask) -> Reply:
+    async def _broken(self, _ask: Request) -> Response:
         raise ZeroDivisionError
 
 
@@ -297,7 +298,8 @@ def test_edited_rows_are_the_robots_at_once(served):
     served.stage.answer = lambda _request, _message: EditReply(accepted=True, revision=3)
     robot = served.web._robot
     try:
-        assert asyncio.run(robot.edit(EditCommand(motors=(motor,)))).revision == 3
+        edited = served.web._bridge.call(robot.edit(EditCommand(motors=(motor,))))
+        assert asyncio.run(edited).revision == 3
         assert robot.motors == (motor,)
     finally:
         served.stage.motors = ()

@@ -112,19 +112,25 @@ class Bench:
             found.setdefault(name, []).append(value)
         return found
 
+    def begin(self, work: Any) -> Any:
+        """Have a request's work begin; what becomes of it is the result of what is returned."""
+        return self.robot.start(work)
+
+    def asked_motor(self, text: str, **options: Any) -> Any:
+        work = self.work.motor(self.query(text), lambda role: None, measured=options.get("measured", False))
+        return self.begin(work)
+
     def motor(self, text: str, **options: Any) -> Any:
         """Return what /motor?TEXT is answered with; raises Refused."""
-        promise = self.work.motor(self.query(text), lambda role: None, measured=options.get("measured", False))
-        self.run()
-        return promise.result(0)
+        return self._result(self.asked_motor(text, **options))
 
     def several(self, *items: Any, unit: str = "") -> Any:
-        promise = self.work.several({"motors": list(items)}, {"unit": [unit]} if unit else {})
-        self.run()
-        return promise.result(0)
+        return self._result(self.begin(self.work.several({"motors": list(items)}, {"unit": [unit]} if unit else {})))
 
     def play(self, key: str) -> Any:
-        promise = self.work.play(key)
+        return self._result(self.begin(self.work.play(key)))
+
+    def _result(self, promise: Any) -> Any:
         self.run()
         return promise.result(0)
 

@@ -7,10 +7,12 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
-from lbr.messages.drive import GoalResult
+from lbr.messages.battery import BatteryState
+from lbr.messages.drive import DriveState, GoalResult
 from lbr.messages.faces import EditCommand, EditReply
 from lbr.messages.joints import JointsCommand, JointsState, MotionsState, PlayCommand, TorqueCommand
 from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.sensing import Ranges
 from lbr.messages.system import EstopResetCommand
 from lbr.messages.units import Name
 from lbr.messages.uxa90 import ControllerState, TakeControlCommand
@@ -77,7 +79,11 @@ KIND = Kind(
         "moved": GoalResult,
         "played": GoalResult,
         "controller": ControllerState,
+        "drive": DriveState,
+        "ranges": Ranges,
+        "battery": BatteryState,
     },
+    optional=("joints", "motions", "moved", "played", "controller", "drive", "ranges", "battery"),
     outputs={"state": WebState},
     commands={"address": AddressCommand, "stop": StopCommand},
     requests={

@@ -1,18 +1,20 @@
-"""Between the server's thread and the capability's loop: work goes over there, and its result comes back."""
+"""Between the server's thread and the capability's loop: a coroutine goes over there, and what it returns comes back.
+
+The one promise between a request and its answer is here. In the loop a coroutine is resumed once a round, and looks for
+itself whether what it waits for is there: no callbacks, and nobody else's thread.
+"""
 
 import asyncio
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine, Generator
 from concurrent.futures import Future, InvalidStateError
 from contextlib import suppress
 from typing import Any, Generic, TypeVar
 
-from lbr.apps.web.face import Refused
-from lbr.capability.context import Asked
+from lbr.apps.web.face import ANSWER_S, Refused
 
 T = TypeVar("T")
 MOST_WAITING = 256
-ANSWER_S = 2.0
 
 
 class Promise(Future[T], Generic[T]):
@@ -29,24 +31,43 @@ class Promise(Future[T], Generic[T]):
             self.set_exception(err)
 
 
+class _NextRound:
+    def __await__(self) -> Generator[None, None, None]:
+        yield
+
+
+async def until(ready: Callable[[], bool]) -> None:
+    """Wait, in the loop, for the round in which something is so; it may be this one."""
+    while not ready():
+        await _NextRound()
+
+
+async def kept(promise: Promise[T]) -> T:
+    """Wait, in the loop, for a promise that somebody there has made; raise what it was refused with."""
+    await until(promise.done)
+    return promise.result()
+
+
 class Bridge:
     """`call` is for the server's thread, all else for the loop's."""
 
     def __init__(self, wake: Callable[[], None], failed: Callable[[Exception], None]) -> None:
         self._wake = wake
         self._failed = failed
-        self._inbox: deque[tuple[Callable[[], Any], Promise[Any]]] = deque()
-        self._under_way: list[tuple[Asked, Promise[Any]]] = []
+        self._inbox: deque[tuple[Coroutine[Any, Any, Any], Promise[Any]]] = deque()
+        self._under_way: list[tuple[Coroutine[Any, Any, Any], Promise[Any]]] = []
         self._closed = ""
 
-    async def call(self, work: Callable[[], Any], *, timeout_s: float = ANSWER_S) -> Any:
-        """Have the loop run `work`, and return what it returns; if that is a Promise, what it becomes.
+    async def call(self, work: Coroutine[Any, Any, T], *, timeout_s: float = ANSWER_S) -> T:
+        """Have a coroutine run in the loop, and return what it returns.
 
-        Refused (503) if the loop ends, has too much to do, or nothing came of it in time.
+        Refused (503) if the loop ends, has too much to do, or nothing came of it in time. What has begun goes on also
+        if nobody waits for it any more: what it has asked of the robot may have been done.
         """
         if self._closed or len(self._inbox) >= MOST_WAITING:
+            work.close()
             raise Refused(503, self._closed or "too much is asked at once; try again", {"Retry-After": "1"})
-        promise: Promise[Any] = Promise()
+        promise: Promise[T] = Promise()
         self._inbox.append((work, promise))
         self._wake()
         try:
@@ -54,23 +75,23 @@ class Bridge:
         except TimeoutError:
             raise Refused(503, f"the robot did not answer within {timeout_s:g} s", {"Retry-After": "1"}) from None
 
-    def follow(self, asked: Asked) -> "Promise[dict[str, Any]]":
-        """Return the promise of a question's answers, by who gave them."""
-        promise: Promise[dict[str, Any]] = Promise()
-        self._under_way.append((asked, promise))
+    def start(self, work: Coroutine[Any, Any, T]) -> Promise[T]:
+        """Run a coroutine, from within the loop; the promise says what became of it."""
+        promise: Promise[T] = Promise()
+        self._go_on(work, promise)
         return promise
 
     def serve(self) -> None:
-        """Do what waits, and deliver the answers that have come."""
-        while self._inbox:
-            self._run(*self._inbox.popleft())
+        """Go on with all that is under way, and begin what waits."""
         under_way, self._under_way = self._under_way, []
-        for asked, promise in under_way:
-            answers = asked.answers()
-            if answers is None:
-                self._under_way.append((asked, promise))
+        for work, promise in under_way:
+            self._go_on(work, promise)
+        while self._inbox:
+            work, promise = self._inbox.popleft()
+            if promise.cancelled():
+                work.close()  # whoever asked is gone
             else:
-                promise.keep(dict(answers))
+                self._go_on(work, promise)
 
     def open(self) -> None:
         """Take what comes again."""
@@ -79,32 +100,21 @@ class Bridge:
     def close(self, why: str) -> None:
         """Refuse what waits, and all that comes."""
         self._closed = why
-        while self._inbox:
-            self._inbox.popleft()[1].refuse(Refused(503, why))
-        while self._under_way:
-            self._under_way.pop()[1].refuse(Refused(503, why))
+        for waiting in (self._inbox, self._under_way):
+            while waiting:
+                work, promise = waiting.pop()
+                work.close()
+                promise.refuse(Refused(503, why))
 
-    def _run(self, work: Callable[[], Any], promise: Promise[Any]) -> None:
-        if promise.cancelled():
-            return  # whoever asked is gone
+    def _go_on(self, work: Coroutine[Any, Any, Any], promise: Promise[Any]) -> None:
         try:
-            found = work()
+            work.send(None)
+        except StopIteration as done:
+            promise.keep(done.value)
         except Refused as err:
             promise.refuse(err)
         except Exception as err:  # noqa: BLE001 - a fault in one answer must not silence the others
             self._failed(err)
             promise.refuse(err)
         else:
-            if isinstance(found, Future):
-                found.add_done_callback(lambda done: _pass_on(done, promise))
-            else:
-                promise.keep(found)
-
-
-def _pass_on(done: "Future[Any]", promise: Promise[Any]) -> None:
-    if done.cancelled():
-        promise.refuse(Refused(503, "it was given up"))
-    elif (err := done.exception()) is not None:
-        promise.refuse(err)
-    else:
-        promise.keep(done.result())
+            self._under_way.append((work, promise))

@@ -7,23 +7,24 @@ from collections.abc import Awaitable, Callable, Mapping
 from importlib.metadata import version
 from typing import Any
 
+from starlette.types import ASGIApp
+
 from lbr.apps.http import listening, names
 from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
 from lbr.apps.web import WebSettings
 from lbr.apps.web.access import Access
 from lbr.apps.web.announce import Announcer
-from lbr.apps.web.application import Application, Counts
+from lbr.apps.web.application import Gate, application
 from lbr.apps.web.bridge import Bridge
+from lbr.apps.web.builtin import STOPS, BuiltinRoutes
 from lbr.apps.web.face import Face
-from lbr.apps.web.own import STOPS, Own
+from lbr.apps.web.guards import Counts
 from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot, Snapshot
-from lbr.apps.web.routing import Table
 from lbr.apps.web.serving import Serving
-from lbr.apps.web.states import States
+from lbr.apps.web.states import HEARD, States
 from lbr.apps.web.streams import Streams
-from lbr.bus import certificates
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import DeviceError, InputError
@@ -87,7 +88,8 @@ class Web(Capability[WebSettings]):
         for face in self._faces:
             face.step(now)
         while self._counts.news:
-            self.ctx.event(*self._counts.news.popleft(), level="error")
+            kind, text, level = self._counts.news.popleft()
+            self.ctx.event(kind, text, level=level)
         if now >= self._tell_at:
             self._tell_at = now + TELL_S
             self._tell()
@@ -117,22 +119,25 @@ class Web(Capability[WebSettings]):
         if self._serving is not None:
             self._serving.stop()
             self._serving = None
+            self._bridge.close(ENDS)  # for what came meanwhile
 
-    def _application(self) -> Application:
-        settings = self.ctx.settings
-        guarded: dict[str, Any] = {
-            "access": Access(settings.trusted, self.ctx.users, legacy=self._legacy),
-            "pages": Pages(settings.cors),
-            "rates": Rates(settings.requests_per_s),
-            "names": frozenset(name.lower() for name in settings.names)
-            | ({certificates.NAME} if self._place.tls else set()),
-        }
-        states = States(self.ctx.robot)
-        self._streams = Streams(self._robot, states, self._counts, **guarded)
-        own = Own(self._robot, states, self._place, self._faces)
-        table = Table([*own.routes(), *(route for face in self._faces for route in face.routes())])
-        own.describe(table.routes, version("lbr"))
-        return Application(table, sockets=self._streams, counts=self._counts, **guarded)
+    def _application(self) -> ASGIApp:
+        settings, pages, states = self.ctx.settings, Pages(self.ctx.settings.cors), States(self.ctx.robot)
+        gate = Gate(Access(settings.trusted, self.ctx.users, legacy=self._legacy), pages)
+        self._streams = Streams(self._robot, states, gate)
+        builtin = BuiltinRoutes(self._robot, states, self._place, self._faces)
+        routes = [*builtin.routes(), *(route for face in self._faces for route in face.routes())]
+        builtin.describe(routes, version("lbr"))
+        return application(
+            routes,
+            self._streams,
+            gate=gate,
+            pages=pages,
+            rates=Rates(settings.requests_per_s),
+            own_names=frozenset(name.lower() for name in (*settings.names, *self._place.names)),
+            counts=self._counts,
+            in_loop=self._bridge.call,
+        )
 
     @property
     def _legacy(self) -> bool:
@@ -154,9 +159,7 @@ class Web(Capability[WebSettings]):
         """Note the newest states, for whoever asks on the other thread."""
         self._robot.snapshot = Snapshot(
             at=now,
-            joints=self.ctx.latest("joints"),
-            motions=self.ctx.latest("motions"),
-            controller=self.ctx.latest("controller"),
+            **{name: self.ctx.latest(name) for name in HEARD},
             faces={face.name: dict(face.state()) for face in self._faces},
         )
         if self._place.open and now >= self._look_at:
@@ -186,7 +189,7 @@ class Web(Capability[WebSettings]):
             self.ctx.ask(request, StopCommand(reason=why[:200], whole=True), 1.0)
 
     def _failed(self, err: Exception) -> None:
-        self._counts.news.append(("web_fault", f"{type(err).__name__}: {err}"))
+        self._counts.tell("web_fault", f"{type(err).__name__}: {err}", "error")
 
     def _warn_of_openness(self) -> None:
         settings = self.ctx.settings

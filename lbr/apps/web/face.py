@@ -1,20 +1,22 @@
 """What a face is: declared routes, from which both the answers and the OpenAPI document come, and a share of the loop.
 
-Two threads meet in a face. Handlers are coroutines on the server's; `step`, `stopped` and whatever `Robot.call` runs are
-on the capability's, which alone may touch `Robot.ctx`.
+A face lives in the capability's loop, on one thread: there run `step`, `stopped` and each handler that is a coroutine. A
+handler that is a plain function is answered on the server's thread at once; it may read only what nobody changes.
 """
 
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import msgspec
 from msgspec import Struct
+from starlette.responses import Response
 
 from lbr.messages.system import RANKS, Role
 
 Method = Literal["GET", "POST", "PUT", "PATCH", "DELETE"]
 JSON, HTML, TEXT, SVG = "application/json", "text/html", "text/plain", "image/svg+xml"
+ANSWER_S = 2.0
 _encode = msgspec.json.Encoder().encode
 
 
@@ -55,7 +57,7 @@ class Client:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ask:
+class Request:
     """A request: `keys` out of the path, `query` as it came, `params` and `data` as the route declares them.
 
     Of a route that is `lenient`, `params` and `data` are None: it reads `query` and `body` itself. `proven`: no foreign
@@ -111,27 +113,22 @@ def refuse_without(client: Client, role: Role | None) -> None:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reply:
-    """An answer as bytes; `json`, `text` and `html` make the usual ones."""
-
-    status: int = 200
-    body: bytes = b""
-    media: str = JSON
-    headers: Mapping[str, str] = field(default_factory=dict)
-
-
-def json(data: Any, status: int = 200, **headers: str) -> Reply:
+def json(data: Any, status: int = 200, **headers: str) -> Response:
     """Return an answer in JSON, keys in the order that they have; a header's `_` stands for `-`."""
-    return Reply(status=status, body=_encode(data), headers=_named(headers))
+    return encoded(_encode(data), status, **headers)
 
 
-def text(content: str, status: int = 200, media: str = TEXT, **headers: str) -> Reply:
+def encoded(content: bytes, status: int = 200, **headers: str) -> Response:
+    """Return an answer in JSON that is bytes already."""
+    return Response(content, status, _named(headers), f"{JSON}; charset=utf-8")
+
+
+def text(content: str, status: int = 200, media: str = TEXT, **headers: str) -> Response:
     """Return an answer that is plain text, or other text by its media type."""
-    return Reply(status=status, body=content.encode(), media=media, headers=_named(headers))
+    return Response(content, status, _named(headers), media)
 
 
-def html(content: str, status: int = 200, **headers: str) -> Reply:
+def html(content: str, status: int = 200, **headers: str) -> Response:
     """Return a page; whatever came from outside must have been escaped."""
     return text(content, status, HTML, **headers)
 
@@ -147,6 +144,8 @@ class Route:
     `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
     and reads them itself: then they only say in the document what is meant, and a body is passed on unread.
     One that is `regardless` is done whatever its body is: of one that is late, too large or wrong, `data` is None.
+    `handle` returns an answer: a coroutine does so in the capability's loop, within `within_s` (else 503), a plain
+    function at once.
     `replies` maps each status to what is then returned: a Struct, or a media type; refusals need not be named.
     `role` is the least that is needed, None for nobody's leave. A `page` may be opened by a link from any other page,
     so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
@@ -154,7 +153,7 @@ class Route:
 
     method: Method
     path: str
-    handle: Callable[[Ask], Awaitable[Reply]]
+    handle: Callable[[Request], Response | Coroutine[Any, Any, Response]]
     summary: str
     replies: Mapping[int, Any]
     description: str = ""
@@ -166,6 +165,7 @@ class Route:
     role: Role | None = "view"
     page: bool = False
     hidden: bool = False
+    within_s: float = ANSWER_S
     refuses: Mapping[int, str] = field(default_factory=dict)
     """Statuses that this route refuses with besides the server's own, each with when."""
 

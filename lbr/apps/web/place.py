@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from lbr.apps.http import names
 from lbr.apps.web import addresses, qr
+from lbr.bus import certificates
 from lbr.home import default_database
 
 if TYPE_CHECKING:
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Place:
-    """Where a server listens at `port`; `look` again for what the network has changed. From any thread."""
+    """Where a server listens at `port`, and which names its certificate adds; `look` again for what the network has changed. From any thread."""
 
     def __init__(
         self,
@@ -26,6 +27,7 @@ class Place:
         self.port = port
         self.open = not names.is_local(settings.host)
         self.tls = settings.tls or (self.open and not settings.clear_text)
+        self.names = (certificates.NAME,) if self.tls else ()
         self.urls: tuple[str, ...] = ()
         self.addresses: tuple[str, ...] = ()
         self._robot = robot

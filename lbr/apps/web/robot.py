@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from msgspec import Struct
 
-from lbr.apps.web.bridge import ANSWER_S, Bridge, Promise
+from lbr.apps.web.bridge import Bridge, Promise, until
 from lbr.apps.web.face import Refused
 from lbr.capability.context import Context, Received
 from lbr.messages.drive import GoalResult
@@ -13,7 +13,7 @@ from lbr.messages.joints import JointsState, Motion, MotionsState
 from lbr.messages.uxa90 import ControllerState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Coroutine
 
     from lbr.apps.web import WebSettings
 
@@ -28,7 +28,16 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     joints: Received | None = None
     motions: Received | None = None
     controller: Received | None = None
+    drive: Received | None = None
+    ranges: Received | None = None
+    battery: Received | None = None
     faces: dict[str, Any] = {}
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether the emergency stop is latched in all that moves, as far as it was heard."""
+        states = [last.message for last in (self.joints, self.drive) if last is not None]
+        return bool(states) and all(state.estop for state in states)
 
     @property
     def joints_state(self) -> JointsState | None:
@@ -47,7 +56,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
 
 
 class Robot:
-    """`ctx`, `moved`, `played` and `follow` are for the capability's loop; the rest is for both threads.
+    """All but `name`, `settings` and `snapshot` is for the capability's loop.
 
     `moved` and `played` are the goals of joints and motions that ended, new in this round.
     """
@@ -81,28 +90,29 @@ class Robot:
         """Monotonic seconds."""
         return self.ctx.clock()
 
-    async def call(self, work: "Callable[[], T]", *, timeout_s: float = ANSWER_S) -> T:
-        """Have the capability's loop run `work`, and return what it returns."""
-        return cast("T", await self._bridge.call(work, timeout_s=timeout_s))
-
-    async def promised(self, work: "Callable[[], Promise[T]]", *, timeout_s: float = ANSWER_S) -> T:
-        """Have the capability's loop run `work`, and return what the promise that it returns becomes."""
-        return cast("T", await self._bridge.call(work, timeout_s=timeout_s))
-
     async def ask(self, request: str, message: Struct, *, timeout_s: float = 1.0) -> Any:
         """Ask by a request port that is wired to one capability, and return its answer; Refused (503) without one."""
-        answers = await self.promised(lambda: self.follow(request, message, timeout_s), timeout_s=timeout_s + ANSWER_S)
-        return answer_of(request, answers)
+        return answer_of(request, await self.ask_all(request, message, timeout_s=timeout_s))
+
+    async def ask_all(self, request: str, message: Struct, *, timeout_s: float = 1.0) -> dict[str, Any]:
+        """Ask all that a request port is wired to; return their answers, None for one that gave none."""
+        asked = self.ctx.ask(request, message, timeout_s)
+        await until(lambda: asked.answers() is not None)
+        return dict(asked.answers() or {})
 
     def follow(self, request: str, message: Struct, timeout_s: float = 1.0) -> "Promise[dict[str, Any]]":
-        """Ask from within the loop; the promise's result is for `answer_of`."""
-        return self._bridge.follow(self.ctx.ask(request, message, timeout_s))
+        """Ask without waiting; the promise's result is for `answer_of`."""
+        return self._bridge.start(self.ask_all(request, message, timeout_s=timeout_s))
+
+    def start(self, work: "Coroutine[Any, Any, T]") -> "Promise[T]":
+        """Have work go on that no request waits for."""
+        return self._bridge.start(work)
 
     async def edit(self, command: EditCommand) -> EditReply:
         """Have rows written; once they are, this robot has them."""
         reply = cast("EditReply", await self.ask("edit", command, timeout_s=EDIT_S))
         if reply.accepted:
-            await self.call(lambda: self.ctx.adopt(command))
+            self.ctx.adopt(command)
         return reply
 
 

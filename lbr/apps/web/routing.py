@@ -1,45 +1,81 @@
 """Which route answers a request, and what it takes out of it. Pure.
 
-Paths are found as widespread servers do: letters in either case, and with or without a slash at the end.
+Paths are found as widespread servers do: letters in either case, and with or without a slash at the end. They are
+compared as they were written: what is hidden behind percent signs is another path.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Awaitable, Callable, Iterable
 from typing import Any
 from urllib.parse import parse_qsl, unquote_to_bytes
 
 import msgspec
 from msgspec import Struct
+from starlette.responses import Response
+from starlette.routing import BaseRoute, Match
+from starlette.types import Receive, Scope, Send
 
 from lbr.apps.web.face import Refused, Route
 from lbr.messages.units import NAME_PATTERN
 
 MOST_PARAMETERS = 64
-LONGEST_URL = 4096
 _KEY = re.compile(r"\{([a-z_]+)\}")
 _NO_NAME = "names are small letters, digits and _, a letter first"
 _PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`$")
 
 
-class Table:
-    """Routes, of which the first that fits answers."""
+class Path:
+    """A path with keys in it, such as `/motion/{key}`, as it came: percent signs and all."""
 
-    def __init__(self, routes: Iterable[Route]) -> None:
-        self.routes = tuple(routes)
-        self._patterns = [(_pattern(route.path), route) for route in self.routes]
+    def __init__(self, path: str) -> None:
+        parts = _KEY.split(path.rstrip("/"))
+        joined = "".join(re.escape(part) if at % 2 == 0 else f"(?P<{part}>[^/]+)" for at, part in enumerate(parts))
+        self._pattern = re.compile(f"{joined}/?", re.IGNORECASE)
 
-    def find(self, method: str, path: str) -> tuple[Route, dict[str, str]] | None:
-        """Return the route of a path as it came, percent signs and all, and the keys in it; HEAD is answered as GET."""
-        wanted = "GET" if method == "HEAD" else method
-        for pattern, route in self._patterns:
-            if route.method == wanted and (found := pattern.fullmatch(path)) is not None:
-                return route, {name: _decoded(value) for name, value in found.groupdict().items()}
-        return None
+    def fits(self, path: str) -> bool:
+        """Say whether an asked path is this one."""
+        return self._pattern.fullmatch(path) is not None
 
-    def methods(self, path: str) -> tuple[str, ...]:
-        """Return the methods that a path has."""
-        there = {route.method for pattern, route in self._patterns if pattern.fullmatch(path) is not None}
-        return tuple(sorted(there | ({"HEAD"} if "GET" in there else set())))
+    def keys(self, path: str) -> dict[str, str]:
+        """Return the keys in an asked path; Refused (400) for what is no text."""
+        found = self._pattern.fullmatch(path)
+        return {} if found is None else {name: _decoded(value) for name, value in found.groupdict().items()}
+
+
+class Endpoint(BaseRoute):
+    """A declared route among Starlette's: `answer` is asked whatever fits it. HEAD is answered as GET."""
+
+    def __init__(self, route: Route, answer: "Answer") -> None:
+        self.route = route
+        self.path = Path(route.path)
+        self._methods = {"GET", "HEAD"} if route.method == "GET" else {route.method}
+        self._answer = answer
+
+    def matches(self, scope: Scope) -> tuple[Match, Scope]:
+        """Say whether a request is for this route, and which keys its path has."""
+        if scope["type"] != "http" or scope["method"] not in self._methods or not self.path.fits(asked_path(scope)):
+            return Match.NONE, {}
+        return Match.FULL, {"path_params": self.path.keys(asked_path(scope))}
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request."""
+        response = await self._answer(self.route, scope, receive)
+        await response(scope, receive, send)
+
+
+Answer = Callable[[Route, Scope, Receive], Awaitable[Response]]
+
+
+def asked_path(scope: Scope) -> str:
+    """Return a request's path as it came."""
+    raw: bytes = scope.get("raw_path") or b"/"
+    return raw.decode("ascii", "replace")
+
+
+def methods(endpoints: Iterable[Endpoint], path: str) -> tuple[str, ...]:
+    """Return the methods that a path has."""
+    there = {endpoint.route.method for endpoint in endpoints if endpoint.path.fits(path)}
+    return tuple(sorted(there | ({"HEAD"} if "GET" in there else set())))
 
 
 def parameters(query_string: bytes) -> tuple[tuple[str, str], ...]:
@@ -83,12 +119,6 @@ def plain(err: Exception) -> str:
         return text
     said = text[: found.start()].replace("`", "'")
     return f"{found[1]}: {said}" if found[1] else said
-
-
-def _pattern(path: str) -> re.Pattern[str]:
-    parts = _KEY.split(path.rstrip("/"))
-    joined = "".join(re.escape(part) if at % 2 == 0 else f"(?P<{part}>[^/]+)" for at, part in enumerate(parts))
-    return re.compile(f"{joined}/?", re.IGNORECASE)
 
 
 def _decoded(text: str) -> str:

@@ -6,13 +6,18 @@ import msgspec
 from msgspec import Struct
 
 from lbr.apps.web.robot import Snapshot
-from lbr.capability.context import Received
+from lbr.messages.battery import BatteryState
+from lbr.messages.drive import DriveState
 from lbr.messages.joints import JointsState, MotionsState
+from lbr.messages.sensing import Ranges
 from lbr.messages.uxa90 import ControllerState
+
+HEARD = ("joints", "motions", "controller", "drive", "ranges", "battery")
+"""The inputs of states; `/state` has each under its name."""
 
 
 class State(Struct, frozen=True, kw_only=True):
-    """What moves the robot as it was said last, null where nothing was said yet; `age_s` is how old that is now.
+    """What was said last of the robot, null where nothing was or is wired; `age_s` is how old that is now.
 
     `faces` is what each face adds, such as its jobs.
     """
@@ -21,6 +26,9 @@ class State(Struct, frozen=True, kw_only=True):
     joints: JointsState | None = None
     motions: MotionsState | None = None
     controller: ControllerState | None = None
+    drive: DriveState | None = None
+    ranges: Ranges | None = None
+    battery: BatteryState | None = None
     age_s: dict[str, float] = {}
     faces: dict[str, Any] = {}
 
@@ -42,16 +50,10 @@ class States:
 
     def state(self, snapshot: Snapshot) -> State:
         """Return a snapshot as a message."""
-        heard: dict[str, Received | None] = {
-            "joints": snapshot.joints,
-            "motions": snapshot.motions,
-            "controller": snapshot.controller,
-        }
+        heard = {name: last for name in HEARD if (last := getattr(snapshot, name)) is not None}
         return State(
             robot=self._robot,
-            joints=snapshot.joints_state,
-            motions=snapshot.motions_state,
-            controller=snapshot.controller_state,
-            age_s={name: round(last.age_s(snapshot.at), 3) for name, last in heard.items() if last is not None},
+            age_s={name: round(last.age_s(snapshot.at), 3) for name, last in heard.items()},
             faces=snapshot.faces,
+            **{name: last.message for name, last in heard.items()},
         )

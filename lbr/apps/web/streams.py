@@ -5,22 +5,21 @@ from contextlib import suppress
 from typing import Annotated
 
 from msgspec import Meta, Struct
-from starlette.responses import Response
+from starlette.routing import BaseRoute, Match
 from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from lbr.apps.http import names
-from lbr.apps.http.pages import Pages
-from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
 from lbr.apps.web import routing
-from lbr.apps.web.access import Access
-from lbr.apps.web.application import Counts, headers_of, refusal, refuse_other_hosts
+from lbr.apps.web.application import Gate
 from lbr.apps.web.face import Client, Refused, refuse_without
+from lbr.apps.web.guards import headers_of
 from lbr.apps.web.robot import Robot
+from lbr.apps.web.routing import Path
 from lbr.apps.web.states import States
 
-PATH = "/ws"
+PATH = Path("/ws")
 PROTOCOL = "lbr.state"
 TOKEN_PROTOCOL = "bearer."  # noqa: S105 - browsers' scripts cannot set headers of a WebSocket
 MOST_VIEWERS, MOST_OF_ONE = 16, 8
@@ -35,27 +34,13 @@ class StreamParams(Struct, frozen=True, kw_only=True):
     rate_hz: Annotated[float, Meta(ge=0.1, le=50.0)] = 20.0
 
 
-class Streams:
+class Streams(BaseRoute):
     """The open WebSockets. All but `close` is for the server's thread."""
 
-    def __init__(
-        self,
-        robot: Robot,
-        states: States,
-        counts: Counts,
-        *,
-        access: Access,
-        pages: Pages,
-        rates: Rates,
-        names: frozenset[str],
-    ) -> None:
+    def __init__(self, robot: Robot, states: States, gate: Gate) -> None:
         self._robot = robot
         self._states = states
-        self._access = access
-        self._pages = pages
-        self._rates = rates
-        self._names = names
-        self._counts = counts
+        self._gate = gate
         self._viewers = Turns(MOST_OF_ONE, MOST_VIEWERS)
         self._over = ""
 
@@ -63,22 +48,15 @@ class Streams:
         """End all of them, and begin none; takes effect at each one's next state."""
         self._over = why
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one WebSocket, or refuse it with a status and a sentence."""
-        if scope["type"] != "websocket":
-            return
+    def matches(self, scope: Scope) -> tuple[Match, Scope]:
+        """Say whether a WebSocket is asked for here."""
+        fits = scope["type"] == "websocket" and PATH.fits(routing.asked_path(scope))
+        return (Match.FULL if fits else Match.NONE), {}
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one WebSocket; raise Refused."""
+        client, rate_hz = self._entry(scope)
         socket = WebSocket(scope, receive, send)
-        self._counts.requests += 1
-        try:
-            client, rate_hz = self._entry(scope)
-        except Refused as err:
-            self._counts.refused += 1
-            reply = refusal(err)
-            with suppress(WebSocketDisconnect):
-                await socket.send_denial_response(
-                    Response(reply.body, reply.status, dict(reply.headers), media_type=reply.media)
-                )
-            return
         with self._viewers.taken(_who(client)), suppress(WebSocketDisconnect, OSError):
             offered = scope.get("subprotocols", ())
             await socket.accept(PROTOCOL if PROTOCOL in offered else None)
@@ -87,18 +65,9 @@ class Streams:
     def _entry(self, scope: Scope) -> tuple[Client, float]:
         """Return who looks and how often; raise Refused."""
         headers = headers_of(scope)
-        address, port = scope.get("client") or ("", 0), (scope.get("server") or ("", 0))[1] or 0
-        if not self._rates.take(names.who(address[0]), asyncio.get_running_loop().time()):
-            raise Refused(429, "too many requests a second from this address", {"Retry-After": "1"})
-        refuse_other_hosts(headers, address[0], self._names)
-        if scope["path"].lower().rstrip("/") != PATH:
-            raise Refused(404, f"there is no WebSocket at {scope['path'][:80]}, but at {PATH}")
-        stranger = self._pages.stranger(headers, "https" if scope["scheme"] == "wss" else "http")
-        if stranger:
-            raise Refused(403, f"{stranger} may not ask; origins that may are the setting 'cors' of the row")
+        self._gate.refuse_strangers(scope, headers)
         tokens = [one for one in scope.get("subprotocols", ()) if one.startswith(TOKEN_PROTOCOL)]
-        shown = tokens[0].removeprefix(TOKEN_PROTOCOL) if tokens else ""
-        client = self._access.client(address[0], headers, shown, port=port)
+        client = self._gate.client(scope, headers, tokens[0].removeprefix(TOKEN_PROTOCOL) if tokens else "")
         refuse_without(client, "view")
         params = routing.converted(routing.parameters(scope["query_string"]), StreamParams)
         if self._over:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import NoReturn
 
-from lbr.apps.web.face import Ask, Refused
+from lbr.apps.web.face import Refused, Request
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.uxa90.bodies import (
     Frame,
@@ -48,29 +48,29 @@ class Editor:
         """Return a motion's row; 404 if there is none."""
         return self._motion_answer(self._button(key), await self._revision())
 
-    async def add_motor(self, ask: Ask, body: NewMotorBody) -> MotorRowAnswer:
+    async def add_motor(self, request: Request, body: NewMotorBody) -> MotorRowAnswer:
         """Make a motor of the layer that is shown."""
         if body.id in self._motors.motors:
             raise Refused(409, f"Motor '{body.id}' exists already; PUT /motors/{body.id} changes it")
-        return await self._write_motor(ask, body, body.id, create=True)
+        return await self._write_motor(request, body, body.id, create=True)
 
-    async def change_motor(self, ask: Ask, key: str, body: MotorBody) -> MotorRowAnswer:
+    async def change_motor(self, request: Request, key: str, body: MotorBody) -> MotorRowAnswer:
         """Change a motor that is not built in."""
         motor = self._motor(key)
         if motor.builtin:
             raise Refused(403, f"Motor '{motor.id}' {BUILT_IN}: give the web server a layer of your own instead")
-        return await self._write_motor(ask, body, motor.id, create=False)
+        return await self._write_motor(request, body, motor.id, create=False)
 
-    async def add_motion(self, ask: Ask, body: MotionBody) -> MotionRowAnswer:
+    async def add_motion(self, request: Request, body: MotionBody) -> MotionRowAnswer:
         """Make a motion of key frames, and the number that it is called by."""
         number = self._free() if body.id is None else body.id
         if number in self._buttons.buttons:
             raise Refused(409, f"Motion '{number}' exists already; PUT /motions/{number} changes it")
         if any(motion.name == body.name for motion in self._robot.motions):
             raise Refused(409, f"A motion '{body.name}' exists already")
-        return await self._write_motion(ask, body, number, create=True)
+        return await self._write_motion(request, body, number, create=True)
 
-    async def change_motion(self, ask: Ask, key: str, body: MotionBody) -> MotionRowAnswer:
+    async def change_motion(self, request: Request, key: str, body: MotionBody) -> MotionRowAnswer:
         """Change a motion that is not built in; its name stays."""
         button = self._button(key)
         if button.builtin:
@@ -79,9 +79,9 @@ class Editor:
             raise Refused(400, f"the body's id {body.id} is not that of the path, {button.id}")
         if body.name != button.motion:
             raise Refused(400, f"a motion keeps its name, '{button.motion}'; make another one (POST /motions)")
-        return await self._write_motion(ask, body, button.id, create=False)
+        return await self._write_motion(request, body, button.id, create=False)
 
-    async def _write_motor(self, ask: Ask, body: MotorBody, number: int, *, create: bool) -> MotorRowAnswer:
+    async def _write_motor(self, request: Request, body: MotorBody, number: int, *, create: bool) -> MotorRowAnswer:
         if not body.lowest <= body.rest <= body.highest or body.lowest >= body.highest:
             raise Refused(400, "min must be less than max, and default between them")
         if number not in self._motors.joints:
@@ -97,21 +97,23 @@ class Editor:
             rest=body.rest,
             inverted=body.inverted,
         )
-        reply = await self._write(ask, EditCommand(motors=(motor,), create=create), body.version)
-        await self._robot.call(lambda: self._motors.put(motor))
+        reply = await self._write(request, EditCommand(motors=(motor,), create=create), body.version)
+        self._motors.put(motor)
         return self._motor_answer(motor, reply.revision)
 
-    async def _write_motion(self, ask: Ask, body: MotionBody, number: int, *, create: bool) -> MotionRowAnswer:
+    async def _write_motion(self, request: Request, body: MotionBody, number: int, *, create: bool) -> MotionRowAnswer:
         joints = {joint.name: joint for joint in self._robot.joints}
         frames = tuple(_frame(frame, at, joints, self._motors.joints) for at, frame in enumerate(body.frames))
         motion = Motion(name=body.name, frames=frames, help=body.help)
         button = Button(id=number, name=body.name, button=body.button, motion=body.name)
-        reply = await self._write(ask, EditCommand(motions=(motion,), buttons=(button,), create=create), body.version)
-        await self._robot.call(lambda: self._buttons.put(button))
+        reply = await self._write(
+            request, EditCommand(motions=(motion,), buttons=(button,), create=create), body.version
+        )
+        self._buttons.put(button)
         return self._motion_answer(button, reply.revision)
 
-    async def _write(self, ask: Ask, edit: EditCommand, version: int | None) -> EditReply:
-        quoted = _if_match(ask.headers)
+    async def _write(self, request: Request, edit: EditCommand, version: int | None) -> EditReply:
+        quoted = _if_match(request.headers)
         revision = version if quoted is None else quoted
         command = EditCommand(
             motors=edit.motors,
@@ -119,7 +121,7 @@ class Editor:
             buttons=edit.buttons,
             create=edit.create,
             revision=revision,
-            by=str(ask.client)[:80],
+            by=str(request.client)[:80],
         )
         reply = await self._robot.edit(command)
         self._heard = max(self._heard, reply.revision)

@@ -12,7 +12,7 @@ from lbr.apps.web.uxa90.work import Work
 
 
 class Uxa90Face(web.Face):
-    """Handlers are on the server's thread, and have the capability's loop do what there is to do (`Work`)."""
+    """The API of motors and motions (`Work`), and a page to try it."""
 
     name = "uxa90"
 

@@ -1,10 +1,12 @@
 """A page with a slider for the head and a button for each motion."""
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from importlib import resources
 
+from starlette.responses import Response
+
 from lbr.apps.web import face as web
-from lbr.apps.web.face import Ask, Reply, Route
+from lbr.apps.web.face import Request, Route
 
 PARTS = {
     "/demo": ("demo.html", web.HTML),
@@ -30,11 +32,6 @@ def routes() -> tuple[Route, ...]:
     )
 
 
-def _page(name: str, media: str) -> Callable[[Ask], Awaitable[Reply]]:
+def _page(name: str, media: str) -> Callable[[Request], Response]:
     content = (resources.files("lbr.apps.web.uxa90") / "pages" / name).read_text()
-
-    async def handle(ask: Ask) -> Reply:
-        del ask
-        return web.text(content, media=media)
-
-    return handle
+    return lambda _request: web.text(content, media=media)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from lbr.apps.web.bridge import Promise
+from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot
 from lbr.capability.loan import Lender, Loan
@@ -21,28 +21,28 @@ class Player:
         self._lost = lost
         self._command = PlayCommand(motion="none")
         self._loan: Loan | None = None
-        self._promise: Promise[None] | None = None
-        self._until = 0.0
+        self._until: float | None = None
+        self._why = ""
 
     def busy(self, now: float) -> str:
         """Return what is being played, by whomever, and for how long; empty if nothing is."""
         if self._loan is not None:
-            left = f" for another {max(0.0, self._until - now):.1f} s" if self._loan.holds else ""
+            left = "" if self._until is None else f" for another {max(0.0, self._until - now):.1f} s"
             return f"busy: '{self._command.motion}' plays{left}"
         heard, state = self._robot.snapshot.motions, self._robot.snapshot.motions_state
         if heard is None or state is None or not state.playing or heard.age_s(now) > OLDEST_S:
             return ""
         return f"busy: '{state.motion}' is played by {state.holder or 'somebody'}"
 
-    def play(self, motion: str) -> Promise[None]:
-        """Play a motion; the promise is kept once it was accepted, else Refused with the reason."""
+    async def play(self, motion: str) -> None:
+        """Play a motion; return once it was accepted, else raise Refused with the reason."""
         if why := self.busy(self._robot.now()):
             raise Refused(409, why)
-        self._command = PlayCommand(motion=motion)
-        self._promise = Promise()
-        self._until = 0.0
-        self._loan = Loan(self._robot.ctx, LENDER, self._command)
-        return self._promise
+        self._command, self._until = PlayCommand(motion=motion), None
+        loan = self._loan = Loan(self._robot.ctx, LENDER, self._command)
+        await until(lambda: loan.granted is not None or self._loan is not loan)
+        if loan.granted is None:
+            raise Refused(409, self._why or "it has ended")
 
     def step(self, now: float) -> None:
         """Read the answers, renew, and see the end."""
@@ -50,10 +50,8 @@ class Player:
         if loan is None:
             return
         loan.step()
-        if self._promise is not None and loan.holds:
+        if loan.holds and self._until is None:
             self._until = now + self._takes_s()
-            self._promise.keep(None)
-            self._promise = None
         goal = loan.granted.goal if loan.granted is not None else None
         ended = next((result for result in self._robot.played if result.goal == goal), None)
         if ended is not None:
@@ -70,11 +68,8 @@ class Player:
             self._end(why)
 
     def _end(self, why: str) -> None:
-        self._loan = None
-        promise, self._promise = self._promise, None
-        if promise is not None:
-            promise.refuse(Refused(409, why or "it has ended"))
-        elif why:
+        loan, self._loan, self._why = self._loan, None, why
+        if why and loan is not None and loan.granted is not None:
             self._lost(why)
 
     def _takes_s(self) -> float:

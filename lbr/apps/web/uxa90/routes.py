@@ -20,6 +20,9 @@ from lbr.apps.web.uxa90.handlers import Handlers, ok
 from lbr.apps.web.uxa90.jobs import JobReply, JobsReply
 
 REFUSED = {400: "It makes no sense.", 409: "It is not there, is busy, held by somebody else, or not allowed."}
+MOVE_S = 4.0
+"""A motion's answer may need three others': the joints given back, motions, joints again."""
+EDIT_S = 7.0
 EDIT = {400: "The body makes no sense.", 403: "It is built in.", 404: "It is not there.", 409: "It cannot be so."}
 CHANGED = {412: "It was changed since the version that was quoted."}
 
@@ -36,6 +39,7 @@ def _motor_routes(handlers: Handlers) -> Sequence[Route]:
         "summary": "List motors, read one, or move one",
         "description": "Without `id`: all. With `id`: that one. With `pos` as well: it moves (role operate).",
         "params": MotorParams,
+        "within_s": MOVE_S,
         "replies": {200: MotorAnswer},
         "refuses": REFUSED,
         "lenient": True,
@@ -45,6 +49,7 @@ def _motor_routes(handlers: Handlers) -> Sequence[Route]:
         "summary": "Move several motors at once, or each after its delay",
         "description": "All of the list is looked at first: if anything is wrong with it, nothing moves.",
         "params": MultiParams,
+        "within_s": MOVE_S,
         "body": MultiBody,
         "replies": {200: MultiAnswer},
         "refuses": REFUSED,
@@ -74,6 +79,7 @@ def _motion_routes(handlers: Handlers) -> Sequence[Route]:
         "description": "It plays by itself after the answer; one at a time. 99, pc_control, only takes the main "
         "board over.",
         "replies": {200: PlayedAnswer},
+        "within_s": MOVE_S,
         "refuses": REFUSED,
         "role": "operate",
     }
@@ -115,8 +121,8 @@ def _job_routes(handlers: Handlers) -> Sequence[Route]:
 
 
 def _row_routes(handlers: Handlers) -> Sequence[Route]:
-    motor: dict[str, Any] = {"replies": {200: MotorRowAnswer}, "refuses": {**EDIT, **CHANGED}, "role": "admin"}
-    motion: dict[str, Any] = {"replies": {200: MotionRowAnswer}, "refuses": {**EDIT, **CHANGED}, "role": "admin"}
+    edit: dict[str, Any] = {"refuses": {**EDIT, **CHANGED}, "role": "admin", "within_s": EDIT_S}
+    motor, motion = edit | {"replies": {200: MotorRowAnswer}}, edit | {"replies": {200: MotionRowAnswer}}
     missing = {404: "it is not there"}
     return (
         Route(
@@ -126,6 +132,7 @@ def _row_routes(handlers: Handlers) -> Sequence[Route]:
             summary="Read a motor's row",
             replies={200: MotorRowAnswer},
             refuses=missing,
+            within_s=EDIT_S,
         ),
         Route(
             method="POST",
@@ -150,6 +157,7 @@ def _row_routes(handlers: Handlers) -> Sequence[Route]:
             summary="Read a motion's row and its key frames; plays nothing",
             replies={200: MotionRowAnswer},
             refuses=missing,
+            within_s=EDIT_S,
         ),
         Route(
             method="POST",

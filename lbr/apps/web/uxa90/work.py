@@ -1,27 +1,26 @@
 """What the API does in the capability's loop: motors move by one lease, motions play one at a time, jobs begin when due."""
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
 from math import inf
 from typing import Any
 
 from msgspec import UNSET
 from msgspec.structs import replace
 
-from lbr.apps.web.bridge import Promise
+from lbr.apps.web.bridge import kept, until
 from lbr.apps.web.face import Refused
-from lbr.apps.web.robot import Robot, answer_of
+from lbr.apps.web.robot import Robot
 from lbr.apps.web.uxa90 import deciding
 from lbr.apps.web.uxa90.answers import Measured, MotorAnswer, MotorData, MultiAnswer, MultiPositions, PlayedAnswer
 from lbr.apps.web.uxa90.buttons import ButtonTable, played
 from lbr.apps.web.uxa90.counts import count_of
-from lbr.apps.web.uxa90.deciding import Info, Listing, Move, Several, Turn
+from lbr.apps.web.uxa90.deciding import Info, Listing, Move, Turn
 from lbr.apps.web.uxa90.jobs import Jobs
 from lbr.apps.web.uxa90.moving import Mover
 from lbr.apps.web.uxa90.number import nearest
 from lbr.apps.web.uxa90.playing import Player
 from lbr.apps.web.uxa90.table import MotorTable
-from lbr.messages.faces import Button, Motor
+from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint
 from lbr.messages.system import Role
 from lbr.messages.uxa90 import TakeControlCommand
@@ -56,7 +55,7 @@ class Work:
             self._drop(f"the server stood still for {now - self._stepped:.1f} s")
         self._stepped = now
         for name, turns in self.jobs.due(now):
-            self._begin(name, turns)
+            self._robot.start(self._begin(name, turns))
 
     def stopped(self, reason: str) -> None:
         """Give everything up, also what was to begin once others have answered."""
@@ -74,117 +73,85 @@ class Work:
             "jobs": self.jobs.waiting,
         }
 
-    def motor(self, query: deciding.Query, require: Callable[[Role], None], *, measured: bool) -> Promise[MotorAnswer]:
+    async def motor(self, query: deciding.Query, require: Callable[[Role], None], *, measured: bool) -> MotorAnswer:
         """Answer /motor."""
         wanted = deciding.of_motor(self.motors, query)
         if isinstance(wanted, Move):
             require("operate")
-            return self._move(wanted, deciding.unit_of(query), measured=measured)
+            return await self._move(wanted, deciding.unit_of(query), measured=measured)
         unit = deciding.unit_of(query)
         match wanted:
             case Listing():
                 every = self.motors.motors.values()
                 data = [self._shown(self.motors.data(motor, unit=unit), measured=measured) for motor in every]
-                return _kept(MotorAnswer(data, "getAllMotors"))
+                return MotorAnswer(data, "getAllMotors")
             case Info(motor=motor):
-                return _kept(
-                    MotorAnswer(self._shown(self.motors.data(motor, unit=unit), measured=measured), "getMotorInfo")
-                )
+                return MotorAnswer(self._shown(self.motors.data(motor, unit=unit), measured=measured), "getMotorInfo")
 
-    def several(self, body: Any, query: deciding.Query) -> Promise[MultiAnswer]:
+    async def several(self, body: Any, query: deciding.Query) -> MultiAnswer:
         """Answer /multimotor."""
         wanted = deciding.of_motors(self.motors, body, query)
-        answer = MultiAnswer("setMultiMotorsPos", MultiPositions(wanted.echoed))
-        return self._turn(wanted, lambda job: answer if job is None else replace(answer, job=job))
+        job = await self._turn(wanted.turns)
+        return MultiAnswer("setMultiMotorsPos", MultiPositions(wanted.echoed), UNSET if job is None else job)
 
-    def play(self, key: str) -> Promise[PlayedAnswer]:
+    async def play(self, key: str) -> PlayedAnswer:
         """Answer /motion/KEY: what motors do ends first."""
         button, by_id = self.buttons.find(key)
-        answer = played(button, by_id=by_id)
-        if not button.motion:
-            return _then(self._take_control(), lambda _: answer)
-        if why := self._player.busy(self._robot.now()):
-            raise Refused(409, why)
-        return _then(self._play(button), lambda _: answer)
+        if button.motion:
+            self._refuse_busy()
+            await self._play(button.motion)
+        else:
+            await self._take_control()
+        return played(button, by_id=by_id)
 
-    def _move(self, move: Move, unit: str, *, measured: bool) -> Promise[MotorAnswer]:
+    async def _move(self, move: Move, unit: str, *, measured: bool) -> MotorAnswer:
         motor, position = move.turn.motor, move.turn.position
         old = self.motors.told[motor.id]
+        job = await self._turn((move.turn,))
+        data = self._shown(self.motors.data(motor, position, unit), measured=measured)
+        return MotorAnswer(data, "setMotorPos", old, position, move.torq, UNSET if job is None else job)
 
-        def answer(job: str | None) -> MotorAnswer:
-            data = self._shown(self.motors.data(motor, position, unit), measured=measured)
-            return MotorAnswer(data, "setMotorPos", old, position, move.torq, UNSET if job is None else job)
-
-        return self._turn(Several((move.turn,), []), answer)
-
-    def _turn(self, wanted: Several, answer: Callable[[str | None], Any]) -> Promise[Any]:
-        """Have what is not delayed begin, and the rest wait as a job, if what begins was accepted."""
-        now = tuple(turn for turn in wanted.turns if not turn.delay_s > 0.0)
-        later = len(now) < len(wanted.turns)
+    async def _turn(self, turns: tuple[Turn, ...]) -> str | None:
+        """Have what is not delayed begin; return the job that the rest waits as, if what begins was accepted."""
+        now = tuple(turn for turn in turns if not turn.delay_s > 0.0)
+        later = len(now) < len(turns)
         if later:
             self._refuse_stopped()
             self.jobs.refuse_more()
-        elif now:
+        if now:
             self._refuse_busy()
-        if not now:
-            return _kept(answer(self.jobs.add(wanted.turns, self._robot.now()) if later else None))
-        self._refuse_busy()
         asked, before = self._robot.now(), self._given_up
-
-        def begun(_: None) -> Any:
+        if now:
+            await kept(self._mover.turn(now, self._joint))
             self._refuse_given_up(before)
             self._tell(now)
-            return answer(self.jobs.add(wanted.turns, asked) if later else None)
+        return self.jobs.add(turns, asked) if later else None
 
-        return _then(self._mover.turn(now, self._joint), begun)
-
-    def _begin(self, name: str, turns: tuple[Turn, ...]) -> None:
+    async def _begin(self, name: str, turns: tuple[Turn, ...]) -> None:
         """Have the due steps of a job begin; whatever refuses them ends it."""
-        if why := self._player.busy(self._robot.now()):
-            self._failed(name, turns, why)
-            return
+        try:
+            self._refuse_busy()
+            await kept(self._mover.turn(turns, self._joint, timed=True))
+        except Refused as err:
+            self.jobs.fail(name, turns, err.message)
+            self._robot.ctx.event("job_dropped", f"job {name} was dropped: {err.message}", level="warning")
+        else:
+            self._tell(turns)
 
-        def done(moved: "Future[None]") -> None:
-            err = moved.exception()
-            if err is None:
-                self._tell(turns)
-            else:
-                self._failed(name, turns, err.message if isinstance(err, Refused) else str(err))
+    async def _play(self, motion: str) -> None:
+        why, before = f"the motion '{motion}' was asked for", self._given_up
+        self.jobs.drop(why)
+        released = self._mover.release(why)
+        if released is not None:
+            await until(released.done)
+            self._refuse_given_up(before)
+        await self._player.play(motion)
 
-        self._mover.turn(turns, self._joint, timed=True).add_done_callback(done)
-
-    def _failed(self, name: str, turns: tuple[Turn, ...], why: str) -> None:
-        self.jobs.fail(name, turns, why)
-        self._robot.ctx.event("job_dropped", f"job {name} was dropped: {why}", level="warning")
-
-    def _play(self, button: Button) -> Promise[None]:
-        motion = button.motion or ""
-        self.jobs.drop(f"the motion '{motion}' was asked for")
-        released = self._mover.release(f"the motion '{motion}' was asked for")
-        if released is None:
-            return self._player.play(motion)
-        promise: Promise[None] = Promise()
-        before = self._given_up
-
-        def halted(_: object) -> None:
-            try:
-                self._refuse_given_up(before)
-                _pass(self._player.play(motion), promise)
-            except Refused as err:
-                promise.refuse(err)
-
-        released.add_done_callback(halted)
-        return promise
-
-    def _take_control(self) -> Promise[None]:
+    async def _take_control(self) -> None:
         """Have the main board taken over; what motors do goes on."""
-
-        def read(answers: dict[str, Any]) -> None:
-            reply = answer_of("take_control", answers)
-            if not reply.accepted:
-                raise Refused(409, reply.reason or NO_REASON)
-
-        return _then(self._robot.follow("take_control", TakeControlCommand(), TAKE_CONTROL_S), read)
+        reply = await self._robot.ask("take_control", TakeControlCommand(), timeout_s=TAKE_CONTROL_S)
+        if not reply.accepted:
+            raise Refused(409, reply.reason or NO_REASON)
 
     def _joint(self, turn: Turn) -> Joint:
         return self.motors.joint(turn.motor)
@@ -239,34 +206,3 @@ class Work:
         at = None if state.position_rad is None else nearest(count_of(joint, state.position_rad))
         age_s = None if state.age_s is None else round(state.age_s + received.age_s(self._robot.now()), 3)
         return Measured(at, state.load, age_s, state.trusted is not False and at is not None)
-
-
-def _kept(result: Any) -> Promise[Any]:
-    promise: Promise[Any] = Promise()
-    promise.keep(result)
-    return promise
-
-
-def _then(first: "Future[Any]", then: Callable[[Any], Any]) -> Promise[Any]:
-    """Return the promise of what is made of another one's result; its refusal is passed on."""
-    promise: Promise[Any] = Promise()
-
-    def done(found: "Future[Any]") -> None:
-        try:
-            promise.keep(then(found.result()))
-        except Exception as err:  # noqa: BLE001 - whatever it is, somebody waits for it
-            promise.refuse(err)
-
-    first.add_done_callback(done)
-    return promise
-
-
-def _pass(first: "Future[Any]", to: Promise[Any]) -> None:
-    def done(found: "Future[Any]") -> None:
-        err = found.exception()
-        if err is not None:
-            to.refuse(err)
-        else:
-            to.keep(found.result())
-
-    first.add_done_callback(done)

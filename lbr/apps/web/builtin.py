@@ -1,15 +1,29 @@
 """What the server answers whatever its faces are: states, stopping, where it is, and what there is to ask."""
 
-import asyncio
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from importlib import resources
 from typing import Annotated, Any
 
+import msgspec
 from msgspec import Meta, Struct
+from starlette.responses import Response
 
 from lbr.apps.web import openapi, qr
-from lbr.apps.web.face import HTML, SVG, Ask, Face, Message, Refused, Reply, Route, html, json, text
+from lbr.apps.web.bridge import until
+from lbr.apps.web.face import (
+    HTML,
+    SVG,
+    Face,
+    Message,
+    Refused,
+    Request,
+    Route,
+    encoded,
+    html,
+    json,
+    text,
+)
 from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.states import State, States
@@ -17,9 +31,9 @@ from lbr.messages.leases import StopCommand
 from lbr.messages.system import EstopResetCommand
 
 STOPS = ("halt", "stop_motion")
+"""The request ports that stop, first those to whatever moves by itself: once it stands, the robot does."""
 NOTICED_S = 0.5
-LOOK_S = 0.01
-RESET_S = 3.0
+RESET_S, STOP_S = 3.0, 1.0
 PAGE = "text/css", "text/javascript"
 
 
@@ -30,14 +44,14 @@ class EstopBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class EstopAnswer(Struct, frozen=True, kw_only=True):
-    """`noticed`: the joints have said that they heard of it."""
+    """`noticed`: whatever moves, joints and wheels, has said that it heard of it."""
 
     message: str
     engaged: bool
     noticed: bool
 
 
-class Own:
+class BuiltinRoutes:
     """The server's own routes."""
 
     def __init__(self, robot: Robot, states: States, place: Place, faces: Sequence[Face]) -> None:
@@ -57,7 +71,7 @@ class Own:
                 description="The WebSocket `/ws?rate_hz=20` sends the same whenever it changes.", replies={200: State},
             ),
             Route(
-                method="POST", path="/stop", handle=self._stop, summary="Stop, and hold where the joints are",
+                method="POST", path="/stop", handle=self._stop, summary="Stop: wheels stand, joints hold where they are",
                 regardless=True, refuses={409: "The robot does not stop so."}, **moves,
             ),
             Route(
@@ -95,85 +109,79 @@ class Own:
 
     def describe(self, routes: Sequence[Route], version: str) -> None:
         """Make the document of all routes there are."""
-        self._document = json(
+        self._document = msgspec.json.encode(
             openapi.document(
                 routes,
                 title=f"The robot {self._robot.name}",
                 description='What this robot answers over HTTP. A refusal is {"message": "the reason"}.',
                 version=version,
             )
-        ).body
-
-    async def _state(self, _ask: Ask) -> Reply:
-        return Reply(body=self._states.encoded(self._robot.snapshot))
-
-    async def _stop(self, ask: Ask) -> Reply:
-        why = f"stopped by {ask.client}"
-        await self._robot.call(lambda: self._forget(why))
-        wired = [request for request in STOPS if self._robot.ctx.targets(request)]
-        if not wired:
-            raise Refused(503, "nothing that could be stopped is wired to this server by channel rows")
-        answers = await asyncio.gather(
-            *(self._robot.ask(request, StopCommand(reason=why[:200], whole=True)) for request in wired),
-            return_exceptions=True,
         )
-        if wired[0] == STOPS[0] and getattr(answers[0], "accepted", False):
-            return json(Message(message="stopped"))  # the joints stand; who moved them may be starting anew
-        for answer in answers:
-            if isinstance(answer, BaseException):
-                raise answer
-            if not answer.accepted:
-                raise Refused(409, answer.reason or "it was refused without a reason")
+
+    def _state(self, _request: Request) -> Response:
+        return encoded(self._states.encoded(self._robot.snapshot))
+
+    async def _stop(self, request: Request) -> Response:
+        """Stop whatever is wired, and say so; what moves by itself stands once it says so, whoever moved it."""
+        why = f"stopped by {request.client}"
+        for face in self._faces:
+            face.stopped(why)
+        stop = StopCommand(reason=why[:200], whole=True)
+        asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
+        if not asked:
+            raise Refused(503, "nothing that could be stopped is wired to this server by channel rows")
+        for one in asked.values():
+            await until(lambda one=one: one.answers() is not None)  # type: ignore[misc]
+            refusals = [_refusal(name, answer) for name, answer in (one.answers() or {}).items()]
+            if one is asked.get(STOPS[0]) and not any(refusals):
+                break  # all that moves stands; who moved it may be starting anew
+            for refused in filter(None, refusals):
+                raise refused
         return json(Message(message="stopped"))
 
-    async def _estop(self, ask: Ask) -> Reply:
-        given = ask.data.reason if ask.data is not None else ""
-        why = f"{given} ({ask.client})" if given else f"by {ask.client}"
-        await self._robot.call(lambda: self._engage(why))
-        loop = asyncio.get_running_loop()
-        end = loop.time() + NOTICED_S
-        while not (noticed := self._is_latched()) and loop.time() < end:  # noqa: ASYNC110 - states come by themselves
-            await asyncio.sleep(LOOK_S)
+    def _wired(self) -> list[str]:
+        return [request for request in STOPS if self._robot.ctx.targets(request)]
+
+    async def _estop(self, request: Request) -> Response:
+        given = request.data.reason if request.data is not None else ""
+        why = f"{given} ({request.client})" if given else f"by {request.client}"
+        self._robot.ctx.engage_estop(why)
+        for face in self._faces:
+            face.stopped(f"emergency stop: {why}")
+        end = self._robot.now() + NOTICED_S
+        await until(lambda: self._robot.snapshot.is_latched or self._robot.now() >= end)
+        noticed = self._robot.snapshot.is_latched
         return json(EstopAnswer(message="the emergency stop is engaged", engaged=True, noticed=noticed))
 
-    async def _reset(self, _ask: Ask) -> Reply:
+    async def _reset(self, _request: Request) -> Response:
         reply = await self._robot.ask("estop_reset", EstopResetCommand(), timeout_s=RESET_S)
         if not reply.accepted:
             raise Refused(409, reply.reason or "it was refused without a reason")
         return json(Message(message=reply.reason or "released"))
 
-    async def _openapi(self, _ask: Ask) -> Reply:
-        return Reply(body=self._document)
+    def _openapi(self, _request: Request) -> Response:
+        return encoded(self._document)
 
-    async def _qr_svg(self, _ask: Ask) -> Reply:
+    def _qr_svg(self, _request: Request) -> Response:
         if not self._place.open or not self._place.url:
             raise Refused(404, self._place.words())
-        return Reply(body=qr.drawing(self._place.url), media=SVG)
+        return Response(qr.drawing(self._place.url), media_type=SVG)
 
-    async def _qr(self, _ask: Ask) -> Reply:
+    def _qr(self, _request: Request) -> Response:
         lines = "".join(f"<p>{escape(line)}</p>" for line in self._place.words().splitlines())
         picture = '<img src="/qr.svg" alt="the address as a QR code">' if self._place.open and self._place.url else ""
         head = '<meta name="viewport" content="width=device-width"><link rel="stylesheet" href="/docs.css">'
         title = f"<title>{escape(self._robot.name)}</title>"
         return html(f'<!DOCTYPE html><html lang="en">{head}{title}<body class="qr">{picture}{lines}</body></html>')
 
-    def _is_latched(self) -> bool:
-        joints = self._robot.snapshot.joints_state
-        return joints is not None and joints.estop
 
-    def _forget(self, why: str) -> None:
-        for face in self._faces:
-            face.stopped(why)
-
-    def _engage(self, why: str) -> None:
-        self._robot.ctx.engage_estop(why)
-        self._forget(f"emergency stop: {why}")
+def _refusal(name: str, answer: Any) -> Refused | None:
+    """Return why something does not stop; None if it does."""
+    if answer is None:
+        return Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
+    return None if answer.accepted else Refused(409, answer.reason or "it was refused without a reason")
 
 
-def _static(name: str, media: str) -> Callable[[Ask], Awaitable[Reply]]:
+def _static(name: str, media: str) -> Callable[[Request], Response]:
     content = (resources.files("lbr.apps.web") / "pages" / name).read_text(encoding="utf-8")
-
-    async def answer(_ask: Ask) -> Reply:
-        return text(content, media=media)
-
-    return answer
+    return lambda _request: text(content, media=media)

@@ -1,0 +1,173 @@
+"""What every request passes before its route, outermost first, as middleware: always answered, not too much, by our name."""
+
+import asyncio
+import sys
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable
+
+from starlette.requests import ClientDisconnect
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from lbr.apps.http import names, serving
+from lbr.apps.http.pages import ANY, Pages
+from lbr.apps.http.rates import Rates
+from lbr.apps.http.turns import Turns
+from lbr.apps.web.face import Refused, json
+
+LONGEST_URL = 4096
+TOO_OFTEN_S = 0.25
+"""So long whoever asks too often waits to hear that, so that a flood leaves time for those who stop the robot."""
+SECURITY = {
+    "content-security-policy": "default-src 'none'; img-src 'self' data:; script-src 'self'; style-src 'self'; "
+    "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
+    "referrer-policy": "same-origin",
+    "x-content-type-options": "nosniff",
+    "cross-origin-resource-policy": "same-origin",
+    "cache-control": "no-store",
+}
+
+
+class Counts:
+    """What the server counts, and what it has to tell; written by its thread, read by the loop's."""
+
+    def __init__(self) -> None:
+        self.requests = 0
+        self.refused = 0
+        self.news: deque[tuple[str, str, str]] = deque(maxlen=64)
+
+    def tell(self, kind: str, text: str, level: str = "info") -> None:
+        """Have an event published."""
+        self.news.append((kind, text, level))
+
+
+class Answering:
+    """Answers what was refused or broke on the way, counts, and gives each answer the headers that browsers heed."""
+
+    def __init__(self, app: ASGIApp, *, pages: Pages, counts: Counts) -> None:
+        self._app = app
+        self._pages = pages
+        self._counts = counts
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request, whatever it is."""
+        if scope["type"] not in {"http", "websocket"}:
+            return
+        self._counts.requests += 1
+        begun = False
+
+        async def sealed(message: Message) -> None:
+            nonlocal begun
+            if message["type"] in {"http.response.start", "websocket.http.response.start"}:
+                self._counts.refused += message["status"] >= 400
+                self._seal(scope, message)
+            begun = True
+            await send(message)
+
+        try:
+            await self._app(scope, receive, sealed)
+        except (ClientDisconnect, WebSocketDisconnect):
+            return
+        except Refused as err:
+            await _answer(refusal(err), scope, receive, sealed, begun=begun)
+        except Exception as err:  # noqa: BLE001 - a fault in one answer must not silence the others
+            traceback.print_exception(err)
+            sys.stderr.flush()
+            asked = f"{scope.get('method', 'WebSocket')} {scope['path'][:80]}"
+            self._counts.tell("web_fault", f"{asked}: {type(err).__name__}: {err}", "error")
+            broken = json({"message": "this answer is broken; the robot's log says how"}, 500)
+            await _answer(broken, scope, receive, sealed, begun=begun)
+
+    def _seal(self, scope: Scope, message: Message) -> None:
+        found = dict(SECURITY)
+        origin = headers_of(scope).get("origin", "")
+        if origin and self._pages.allows(origin):
+            found["access-control-allow-origin"] = ANY if self._pages.allows(ANY) else origin
+            found["access-control-expose-headers"] = "ETag, Retry-After, WWW-Authenticate"
+        if not self._pages.allows(ANY):
+            found["vary"] = "Origin"
+        given = message.get("headers", ())
+        said = {name for name, _ in given}
+        more = [(name.encode(), value.encode()) for name, value in found.items() if name.encode() not in said]
+        message["headers"] = [*given, *more]
+
+
+class Limits:
+    """Refuses what one asker asks too often, or too much at once. A stop is neither; `is_stop` knows it."""
+
+    def __init__(self, app: ASGIApp, *, rates: Rates, is_stop: Callable[[Scope], bool]) -> None:
+        self._app = app
+        self._rates = rates
+        self._is_stop = is_stop
+        self._turns = Turns()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it (429, 503)."""
+        if self._is_stop(scope):
+            if (connection := serving.connection_of(scope)) is not None:
+                connection.mark("stopping")
+            await self._app(scope, receive, send)
+            return
+        who = names.who(address_of(scope))
+        if not self._rates.take(who, time.monotonic()):
+            await asyncio.sleep(TOO_OFTEN_S)
+            raise Refused(429, "too many requests a second from this address", {"Retry-After": "1"})
+        if scope["type"] == "websocket":
+            await self._app(scope, receive, send)  # bounded where it is looked at
+            return
+        if busy := self._turns.why_not(who):
+            raise Refused(503, f"{busy} are being answered already", {"Retry-After": "1", "Connection": "close"})
+        with self._turns.taken(who):
+            await self._app(scope, receive, send)
+
+
+class Hosts:
+    """Refuses (421) what asks for another host, or by a name that is not certain to mean this machine."""
+
+    def __init__(self, app: ASGIApp, *, own: frozenset[str], where: str) -> None:
+        self._app = app
+        self._own = own
+        self._where = where
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it."""
+        here = names.is_loopback(address_of(scope))
+        if not names.is_ours(headers_of(scope).get("host", ""), self._own, loopback=here):
+            how = "localhost or 127.0.0.1" if here else "its address or its name"
+            raise Refused(421, f"ask for this robot by {how}, or name this host {self._where}")
+        if len(scope.get("raw_path") or b"/") + len(scope["query_string"]) > LONGEST_URL:
+            raise Refused(414, f"an address may have {LONGEST_URL} characters")
+        await self._app(scope, receive, send)
+
+
+def headers_of(scope: Scope) -> dict[str, str]:
+    """Return a request's headers by small letters; of one that came several times, all of its values."""
+    found: dict[str, str] = {}
+    for name, value in scope["headers"]:
+        key, said = name.decode("latin-1").lower(), value.decode("latin-1")
+        found[key] = f"{found[key]}, {said}" if key in found else said
+    return found
+
+
+def address_of(scope: Scope) -> str:
+    """Return the address that a request comes from."""
+    client = scope.get("client")
+    return str(client[0]) if client else ""
+
+
+def refusal(err: Refused) -> Response:
+    """Return a refusal as an answer."""
+    return json({"message": err.message}, err.status, **err.headers)
+
+
+async def _answer(response: Response, scope: Scope, receive: Receive, send: Send, *, begun: bool) -> None:
+    """Answer, unless an answer has begun: that is cut off, and its reader sees so."""
+    if begun:
+        return
+    if scope["type"] == "websocket":
+        await WebSocket(scope, receive, send).send_denial_response(response)
+    else:
+        await response(scope, receive, send)
