@@ -3,7 +3,7 @@
 
 BIN := .venv/bin
 T ?= tests
-N ?= 2
+N ?= auto
 
 .PHONY: help setup check lint format types docs test gate smoke all
 
@@ -31,8 +31,8 @@ types: ## mypy
 docs: ## are the generated pages true? (`python docs/generate.py` writes them)
 	$(BIN)/python docs/generate.py --check
 
-test: ## the tests, or those under T=path, N=2 at a time
-	$(BIN)/pytest -n $(N) $(T)
+test: ## the tests, or those under T=path, N at a time
+	$(BIN)/pytest -n $(N) --dist worksteal $(T)
 
 gate: ## the safety gate: a small amount of each measurement
 	$(BIN)/python -m benchmarks safety --gate

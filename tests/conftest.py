@@ -31,7 +31,16 @@ CACHES = {".cache", ".config"}
 settings.register_profile("lbr", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("lbr")  # how long an example takes is the machine's affair; in CI, too, examples are random
 
+WAITERS = 2
+"""Tests wait more than they compute, for lines, clocks and robots: so many more at a time than there are cores."""
+
 left_over = pytest.StashKey[list[str]]()
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """Return what `-n auto` means here."""
+    return len(os.sched_getaffinity(0)) + WAITERS
 
 
 def pytest_configure(config: pytest.Config) -> None:

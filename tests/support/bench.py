@@ -213,7 +213,7 @@ class Bench:
     def state(self) -> str:
         """Say how the robot is, for a person who wonders."""
         try:
-            units = self.robot.status()["capabilities"]
+            units = self.robot.ask("@status")["capabilities"]
         except (BusError, TypeError):
             return "the robot does not answer"
         phases = ", ".join(f"{unit['name']} {unit['phase']} {unit['reason']}".strip() for unit in units)

@@ -107,7 +107,8 @@ class Robot:
         return json.loads(next(iter(query)).ok.payload.to_bytes())
 
     def status(self) -> dict[str, Any]:
-        return self.ask("@status")
+        """Return its status; on a busy machine an answer may come only when it is asked for again."""
+        return dict(until(lambda: self.ask("@status"), what="the robot's status"))
 
     def capability(self, name: str) -> dict[str, Any]:
         absent = {"name": name, "phase": "absent", "pid": None, "reason": "", "restarts": 0}
