@@ -24,7 +24,7 @@ from lbr.capability.context import Device, Received
 from lbr.drivers.uxa90 import KIND
 from lbr.drivers.uxa90.capability import Uxa90
 from lbr.drivers.uxa90.packets import position_rad
-from lbr.drivers.uxa90.trust import TOLERANCE
+from lbr.drivers.uxa90.plausibility import TOLERANCE
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
 from tests.fuzzing.uxa90_answers import Fuzzer, wrong

@@ -5,8 +5,9 @@ import pytest
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import open_bus
-from lbr.drivers.dynamixel.setup import SETTING_UP, Setup, find_servos
-from lbr.drivers.owner import READ, STOP, WRITE, Owner
+from lbr.drivers.dynamixel.setup import Setup, find_servos
+from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
+from lbr.drivers.servos.contract import SETTING_UP
 from lbr.errors import DeviceError
 from tests.drivers.peers import until
 from tests.drivers.servo_peers import Chain, status
@@ -146,7 +147,7 @@ def test_a_line_is_for_one_process_alone_and_says_where_it_went(chain, bus):
 
 def test_a_stop_goes_before_writes_and_writes_before_reads(bus):
     order, gate = [], threading.Event()
-    owner = Owner(bus)
+    owner = BusThread(bus)
     owner.start()
     blocked = owner.submit(lambda _bus: gate.wait(5.0), READ)
     until(blocked.running)
@@ -163,7 +164,7 @@ def test_a_stop_goes_before_writes_and_writes_before_reads(bus):
 
 def test_a_newer_job_takes_the_place_of_one_that_waits_under_its_key(bus):
     gate, done = threading.Event(), []
-    owner = Owner(bus)
+    owner = BusThread(bus)
     owner.start()
     blocked = owner.submit(lambda _bus: gate.wait(5.0), READ)
     until(blocked.running)
@@ -184,7 +185,7 @@ def test_a_stop_is_on_the_wire_within_a_transaction_whatever_the_traffic(chain):
         return 0.0
 
     with open_bus(str(chain.path), margin_s=0.02) as bus:
-        owner = Owner(bus, background)
+        owner = BusThread(bus, background)
         owner.start()
         until(lambda: len(chain.log) > 10)
         owner.submit(lambda bus: bus.write_all(30, {1: b"\0\2"}), STOP).result(5.0)
@@ -193,7 +194,7 @@ def test_a_stop_is_on_the_wire_within_a_transaction_whatever_the_traffic(chain):
 
 
 def test_a_job_that_fails_hurts_nobody_but_a_lost_line_ends_the_owner(chain, bus):
-    owner = Owner(bus)
+    owner = BusThread(bus)
     owner.start()
     with pytest.raises(ZeroDivisionError):
         owner.submit(lambda _bus: 1 // 0, READ).result(5.0)

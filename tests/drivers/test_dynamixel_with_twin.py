@@ -13,7 +13,7 @@ from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.drivers.dynamixel.line import ServoLine
 from lbr.drivers.dynamixel.recovery import recovery
 from lbr.drivers.dynamixel.setup import Setup
-from lbr.drivers.dynamixel.sweep import Sweeper
+from lbr.drivers.servos.poller import Poller
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 from lbr.simulation.dynamixel import AxServo, DynamixelBus, Usb2Ax
@@ -66,7 +66,7 @@ class Rig:
         self.told = []
         self.bus = Bus(self.line, clock=self.clock)
         self.setup = Setup(WANTED, self.tell)
-        self.sweeper = Sweeper(IDS, self.clock, 0.01, self.setup.prepare, self.tell)
+        self.poller = Poller(IDS, self.clock, 0.01, self.setup.prepare, self.tell)
         if dongle:
             assert self.bus.find_adapter() == dongle
         emulated.faults = msgspec.convert(faults, DynamixelFaults)
@@ -80,13 +80,13 @@ class Rig:
     def sweep(self, seconds):
         until_s = self.line.now + seconds
         states = []
-        last = self.sweeper.snapshot.sweep
+        last = self.poller.snapshot.sweep
         while self.line.now < until_s:
-            wait_s = self.sweeper.turn(self.bus)
+            wait_s = self.poller.turn(self.bus)
             self.line.now += wait_s
-            if self.sweeper.snapshot.sweep != last:
-                last = self.sweeper.snapshot.sweep
-                states.append(self.sweeper.snapshot)
+            if self.poller.snapshot.sweep != last:
+                last = self.poller.snapshot.sweep
+                states.append(self.poller.snapshot)
         return states
 
     def raw(self, number):
@@ -101,7 +101,7 @@ def test_servos_as_they_come_from_the_factory_are_set_up_and_swept(dongle):
     assert not any(seen.reason or seen.slow.enabled for seen in snapshot.servos.values())
     assert {servo.return_delay_s for servo in rig.servos} == {0.0}
     assert rig.bus.counts.corrupt == rig.bus.counts.strays == 0
-    assert rig.sweeper.snapshot.sweeps_hz > 60.0
+    assert rig.poller.snapshot.sweeps_hz > 60.0
     assert sorted(rig.setup.done) == [(number, "return delay time") for number in IDS]
 
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import msgspec
 import pytest
 
-from lbr.drivers.owner import READ
+from lbr.drivers.servos.bus_thread import READ
 from lbr.drivers.uxa90 import KIND
 from lbr.drivers.uxa90.capability import Uxa90
 from lbr.drivers.uxa90.packets import position_rad
@@ -431,7 +431,7 @@ def test_a_stop_while_the_main_board_plays_takes_control_and_holds_everything_wh
 def test_a_stored_motion_that_still_waits_for_the_line_when_a_stop_comes_is_not_begun(rig, board, end):
     rig.known()
     line_is_taken, line_is_free = threading.Event(), threading.Event()
-    rig.driver._session.owner.submit(lambda _bus: line_is_taken.set() or line_is_free.wait(5.0), READ)
+    rig.driver._session.thread.submit(lambda _bus: line_is_taken.set() or line_is_free.wait(5.0), READ)
     line_is_taken.wait(5.0)
     rig.idle(lease="a", stored=play(5))
     rig.until(lambda: rig.state.stored is not None and rig.state.stored.phase == "playing")

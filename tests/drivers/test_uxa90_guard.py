@@ -9,7 +9,8 @@ from tty import setraw
 
 import pytest
 
-from lbr.drivers.uxa90.let_go import LastWord
+from lbr.drivers.servos.guard_release import GuardRelease
+from lbr.drivers.uxa90.guard_release import BoardRelease
 from lbr.errors import DeviceError
 from tests.drivers.peers import until
 from tests.drivers.uxa90_peers import Board
@@ -115,6 +116,6 @@ def test_the_guard_is_done_when_the_line_is_gone():
         waited.append(_seconds)
         assert len(waited) < 5, "it goes on without a line"
 
-    LastWord(line, (0, 1), 0.0, sleep=pull, clock=time.monotonic).act(60.0, 1.0)
+    GuardRelease(BoardRelease(line, (0, 1), 0.0), line, sleep=pull, clock=time.monotonic).act(60.0, 1.0)
     assert waited
     os.close(line)

@@ -8,9 +8,9 @@ import pytest
 from lbr.drivers.uxa90 import packets
 from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.frames import TAKE_CONTROL, Frame
+from lbr.drivers.uxa90.plausibility import TOLERANCE
+from lbr.drivers.uxa90.poller import Poller
 from lbr.drivers.uxa90.requests import inquiry
-from lbr.drivers.uxa90.sweep import Sweeper
-from lbr.drivers.uxa90.trust import TOLERANCE
 from lbr.drivers.wire import Wire
 from lbr.messages.uxa90 import InquireCommand
 from tests.fuzzing.uxa90_answers import KINDS, Fuzzer, wrong
@@ -58,21 +58,21 @@ class Rig:
         self.line = FuzzLine(self.fuzzer)
         self.bus = Bus(self.line, 0.03, clock=lambda: self.line.now)
         self.told = []
-        self.sweeper = Sweeper(
+        self.poller = Poller(
             self.fuzzer.servos, lambda: self.line.now, 0.05, policy, together,
             moving=lambda _servo: moving, told=lambda *event: self.told.append(event),
         )  # fmt: skip
-        self.sweeper.reading = True
+        self.poller.reading = True
         self.wrong = []
 
     def run(self, seconds):
         until = self.line.now + seconds
         while self.line.now < until:
-            self.line.now += self.sweeper.turn(self.bus)
+            self.line.now += self.poller.turn(self.bus)
             self.wrong += wrong(self.believed(), self.fuzzer.truth, TOLERANCE)
 
     def believed(self):
-        return {servo: seen.position for servo, seen in self.sweeper.seen.items() if seen.trusted}
+        return {servo: seen.position for servo, seen in self.poller.seen.items() if seen.trusted}
 
 
 @pytest.mark.parametrize("together", [1, 5, 25])
@@ -81,7 +81,7 @@ def test_on_a_good_line_everything_is_read_and_believed(together):
     rig.run(0.6)
     assert rig.believed() == rig.fuzzer.truth
     rig.run(1.5)
-    assert rig.sweeper.sweeps_hz > (19.0 if together > 1 else 15.0)
+    assert rig.poller.sweeps_hz > (19.0 if together > 1 else 15.0)
     counts = rig.bus.counts
     assert (counts.missing, counts.strays, counts.doubted) == (0, 0, 0)
 
@@ -128,10 +128,10 @@ def test_a_silent_servo_is_named_and_slows_nobody_for_long():
     place = dict(rig.fuzzer.truth)
     rig.fuzzer.truth = {servo: at for servo, at in place.items() if servo != 7}
     rig.run(8.0)
-    assert rig.sweeper.seen[7].reason == "does not answer"
+    assert rig.poller.seen[7].reason == "does not answer"
     assert rig.believed() == rig.fuzzer.truth
     rig.run(4.0)
-    assert rig.sweeper.sweeps_hz > 15.0
+    assert rig.poller.sweeps_hz > 15.0
     rig.fuzzer.truth = place
     rig.run(10.0)
     assert rig.believed() == place

@@ -3,11 +3,11 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.drivers.uxa90 import mode, plays
-from lbr.drivers.uxa90.mode import Mode
+from lbr.drivers.uxa90 import pc_control, stored_motions
 from lbr.drivers.uxa90.packets import Answer
-from lbr.drivers.uxa90.plays import Plays
-from lbr.drivers.uxa90.trust import GAINS, LOSES, MOVING_CPS, TOLERANCE, Seen, judged
+from lbr.drivers.uxa90.pc_control import Mode
+from lbr.drivers.uxa90.plausibility import GAINS, LOSES, MOVING_CPS, TOLERANCE, Seen, judged
+from lbr.drivers.uxa90.stored_motions import Plays
 from lbr.messages.servos import StoredPlay
 
 PERIOD_S = 0.05
@@ -78,14 +78,14 @@ def test_a_row_may_believe_nothing_or_all_that_is_possible(counts, policy):
 
 
 def test_control_is_there_soon_after_the_answer_or_when_it_has_settled():
-    taking = mode.taking(10.0, 1.0)
-    assert not mode.tick(taking, 10.9).pc
-    assert mode.tick(taking, 11.0).pc
-    answered = mode.heard(taking, 10.1)
-    assert not mode.tick(answered, 10.14).pc
-    assert mode.tick(answered, 10.16).pc
-    assert mode.heard(Mode(), 1.0) == Mode()
-    assert not mode.tick(mode.left(12.0), 99.0).pc
+    taking = pc_control.taking(10.0, 1.0)
+    assert not pc_control.tick(taking, 10.9).pc
+    assert pc_control.tick(taking, 11.0).pc
+    answered = pc_control.heard(taking, 10.1)
+    assert not pc_control.tick(answered, 10.14).pc
+    assert pc_control.tick(answered, 10.16).pc
+    assert pc_control.heard(Mode(), 1.0) == Mode()
+    assert not pc_control.tick(pc_control.left(12.0), 99.0).pc
 
 
 asked = st.one_of(
@@ -101,15 +101,15 @@ def test_whatever_comes_each_count_is_started_once_only_from_the_row_and_in_orde
     for what, play in events:
         now += 0.2
         if what == "stop":
-            state = plays.interrupted(state, "stopped")
+            state = stored_motions.interrupted(state, "stopped")
         elif what == "reopen":
-            state = plays.reopened(state, "opened")
+            state = stored_motions.reopened(state, "opened")
         elif what in {"setpoint", "dead"}:
-            state = plays.seen(state, play, SLOTS, follows=what == "setpoint")
+            state = stored_motions.seen(state, play, SLOTS, follows=what == "setpoint")
         if state.wanted:
             started.append(state.asked)
-            state = plays.started(state, now)
-        state = plays.regained(plays.ended(state, now))
+            state = stored_motions.started(state, now)
+        state = stored_motions.regained(stored_motions.ended(state, now))
     counts = [play.count for play in started]
     assert counts == sorted(set(counts))
     assert all(play.slot in SLOTS for play in started)

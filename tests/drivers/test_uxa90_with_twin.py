@@ -6,9 +6,9 @@ import pytest
 from lbr.drivers.uxa90 import frames, packets
 from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.packets import REGISTERS
+from lbr.drivers.uxa90.plausibility import TOLERANCE
+from lbr.drivers.uxa90.poller import Poller
 from lbr.drivers.uxa90.requests import configuration, inquiry
-from lbr.drivers.uxa90.sweep import Sweeper
-from lbr.drivers.uxa90.trust import TOLERANCE
 from lbr.drivers.wire import Wire
 from lbr.messages.uxa90 import COUNT_RAD, ConfigureCommand, InquireCommand
 from lbr.simulation.faults import Uxa90Faults
@@ -53,8 +53,8 @@ class Rig:
         self.board = MainBoard(msgspec.convert(row, Uxa90Row), seed=4)
         self.line = TwinLine(self.board)
         self.bus = Bus(self.line, 0.03, clock=lambda: self.line.now)
-        self.sweeper = Sweeper(IDS, lambda: self.line.now, 0.05, "plausible", 5, moving=lambda _servo: False)
-        self.sweeper.reading = True
+        self.poller = Poller(IDS, lambda: self.line.now, 0.05, "plausible", 5, moving=lambda _servo: False)
+        self.poller.reading = True
         if pc:
             self.bus.say(frames.TAKE_CONTROL)
             self.wait(0.3)
@@ -71,14 +71,14 @@ class Rig:
     def sweep(self, seconds, each=lambda: None):
         until_s = self.line.now + seconds
         while self.line.now < until_s:
-            self.line.now += self.sweeper.turn(self.bus)
+            self.line.now += self.poller.turn(self.bus)
             each()
 
     def places(self):
         return {servo.number: round(127 + servo.felt.position_rad / COUNT_RAD) for servo in self.board.servos}
 
     def believed(self):
-        return {servo: seen.position for servo, seen in self.sweeper.seen.items() if seen.trusted}
+        return {servo: seen.position for servo, seen in self.poller.seen.items() if seen.trusted}
 
     def off(self):
         places = self.places()
@@ -89,7 +89,7 @@ def test_all_servos_are_read_twenty_times_a_second():
     rig = Rig()
     rig.sweep(2.5)
     assert rig.believed() == rig.places()
-    assert rig.sweeper.sweeps_hz > 19.0
+    assert rig.poller.sweeps_hz > 19.0
     assert (rig.bus.counts.missing, rig.bus.counts.strays) == (0, 0)
 
 

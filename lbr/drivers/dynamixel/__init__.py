@@ -13,40 +13,23 @@ The bus is of use without a robot, too:
         bus.put(1, table.LED, 1)
         bus.write_all(table.GOAL_POSITION.address, {servo: (512).to_bytes(2, "little") for servo in servos})
 
-`packet` is the codec alone, `table` the control table, `owner` a thread that lets many share a bus. See docs/servo_bus.md.
+`packet` is the codec alone, `table` the control table, `lbr.drivers.servos.bus_thread` a thread that lets many share a bus. See docs/servo_bus.md.
 """
 
 from typing import Annotated, Literal
 
-from msgspec import Meta, Struct
+from msgspec import Meta
 
-from lbr.capability.kind import Kind
-from lbr.messages.leases import CommandReply
-from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
-from lbr.messages.units import Name
+from lbr.drivers.servos import RegisterServosSettings, servos_kind
 
 AlarmName = Literal["voltage", "angle_limit", "overheat", "range", "checksum", "overload", "instruction"]
 SupplyV = Annotated[float, Meta(ge=5.0, le=16.0, description="volts")]
 
 
-class DynamixelSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class DynamixelSettings(RegisterServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `dynamixel` may set."""
 
-    device: Name
     baud: Annotated[int, Meta(ge=7843, le=1_000_000)] = 1_000_000
-    sweep_hz: Annotated[float, Meta(ge=1.0, le=250.0, description="sweeps per second at most")] = 100.0
-    setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
-    hold_s: Annotated[float, Meta(ge=0.0, le=3600.0, description="how long servos hold whose mover is lost")] = 30.0
-    release_s: Annotated[
-        float, Meta(ge=0.1, le=60.0, description="how long letting go takes then; their torque fades")
-    ] = 5.0
-    on_estop: Annotated[
-        Literal["hold", "release"], Meta(description="what the emergency stop does: hold still, or let go at once")
-    ] = "hold"
-    on_close: Annotated[
-        Literal["hold", "release"],
-        Meta(description="when the driver ends in order: hold, then let go slowly; or at once"),
-    ] = "hold"
     reply_margin_s: Annotated[
         float, Meta(ge=0.001, le=0.1, description="an answer so much later than wire and servo explain is lost")
     ] = 0.004
@@ -61,10 +44,6 @@ class DynamixelSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields
         "overload",
         "overheat",
     )
-    guard: bool = True
-    guard_silence_ms: Annotated[
-        int, Meta(ge=60, le=2000, description="while a servo has torque, a driver silent for longer is killed")
-    ] = 500
 
     def __post_init__(self) -> None:
         """Refuse what would take a servo its protection."""
@@ -74,17 +53,9 @@ class DynamixelSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields
             raise ValueError(f"lowest_v {self.lowest_v:g} is not below highest_v {self.highest_v:g}")
 
 
-KIND = Kind(
-    name="dynamixel",
-    summary="a bus of Dynamixel AX-12A servos, protocol 1.0, plain or by a USB2AX",
-    family="driver",
-    entry="lbr.drivers.dynamixel.capability:Dynamixel",
-    settings=DynamixelSettings,
-    setpoints={"setpoint": ServoSetpoint},
-    outputs={"state": ServosState},
-    commands={"recover": RecoverServos},
-    replies={"recover": CommandReply},
-    moves=True,
-    device="dynamixel",
-    rows=("joint",),
+KIND = servos_kind(
+    "dynamixel",
+    "a bus of Dynamixel AX-12A servos, protocol 1.0, plain or by a USB2AX",
+    "lbr.drivers.dynamixel.capability:Dynamixel",
+    DynamixelSettings,
 )

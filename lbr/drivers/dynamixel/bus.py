@@ -10,19 +10,19 @@ with open_bus("/dev/ttyACM0") as bus:
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from math import inf
 from struct import Struct
 from types import TracebackType
 from typing import Self
 
 from lbr.capability.context import Device
-from lbr.drivers.dynamixel import packet
+from lbr.drivers.dynamixel import packet, table
 from lbr.drivers.dynamixel.line import ServoLine, open_servo_line
 from lbr.drivers.dynamixel.packet import Status, StatusParser
 from lbr.drivers.dynamixel.question import GOOD_SUM, Question, packet_in
 from lbr.drivers.dynamixel.table import MODEL_NUMBER, MOTION_ADDRESS, MOTION_BYTES, POSITION_STEPS, Motion, Register
+from lbr.drivers.servos.contract import Counts, SlowState
 
 MARGIN_S = 0.01
 QUIET_S = 0.002
@@ -41,17 +41,18 @@ _REFUSALS = packet.error_mask("angle_limit", "range", "instruction", "checksum")
 _MOTION = Struct("<4xB3Hx")
 _MOTION_DATA = Struct("<3H")
 _PADDING = b"\xff" * MOTION_BYTES
-
-
-@dataclass(slots=True)
-class Counts:
-    """What went wrong on the line since it was opened. `babble` counts bytes that belong to no packet."""
-
-    timeouts: int = 0
-    corrupt: int = 0
-    retries: int = 0
-    strays: int = 0
-    babble: int = 0
+STATE_ADDRESS, STATE_BYTES = table.TORQUE_ENABLE.address, 20
+_STATE_REGISTERS = (
+    table.TORQUE_ENABLE,
+    table.GOAL_POSITION,
+    table.MOVING_SPEED,
+    table.TORQUE_LIMIT,
+    table.PRESENT_POSITION,
+    table.PRESENT_SPEED,
+    table.PRESENT_LOAD,
+    table.PRESENT_VOLTAGE,
+    table.PRESENT_TEMPERATURE,
+)
 
 
 class Bus:
@@ -160,6 +161,72 @@ class Bus:
         blocks = (answer[first : first + MOTION_BYTES] for first in range(5, len(answer) - 1, MOTION_BYTES))
         return [_motion_of(block) for block in blocks]
 
+    together_errors = False
+    """The adapter's sync read gives motions without error bits."""
+
+    @property
+    def together(self) -> bool:
+        """Whether an adapter reads several servos by one request."""
+        return self.adapter is not None
+
+    def read_singly(self) -> None:
+        """Do without the adapter's sync read."""
+        self.adapter = None
+
+    def read_state(self, servo: int, patience_s: float) -> tuple[Motion | None, SlowState] | None:
+        """Return motion, torque, goal, limit and supply of one servo, asked once; None: see `trouble`."""
+        status = self.read(servo, STATE_ADDRESS, STATE_BYTES, tries=1, patience_s=patience_s)
+        if status is None:
+            return None
+        value = {register: register.decode(status.params, STATE_ADDRESS) for register in _STATE_REGISTERS}
+        slow = SlowState(
+            at=self._clock(),
+            enabled=bool(value[table.TORQUE_ENABLE]),
+            goal=value[table.GOAL_POSITION],
+            speed=value[table.MOVING_SPEED],
+            limit=value[table.TORQUE_LIMIT],
+            voltage_v=value[table.PRESENT_VOLTAGE] / 10.0,
+            temperature_c=float(value[table.PRESENT_TEMPERATURE]),
+        )
+        present = (value[register] for register in (table.PRESENT_POSITION, table.PRESENT_SPEED, table.PRESENT_LOAD))
+        motion = Motion(status.error, *present)
+        return motion if motion.position <= POSITION_STEPS else None, slow
+
+    def write_positions(self, goals: Mapping[int, int]) -> None:
+        """Give each servo a goal at the same time."""
+        self._write_all(table.GOAL_POSITION, goals)
+
+    def write_goals(self, goals: Mapping[int, tuple[int, int]]) -> None:
+        """Give each servo goal and speed at the same time."""
+        encode, speed_of = table.GOAL_POSITION.encode, table.MOVING_SPEED.encode
+        blocks = {servo: encode(goal) + speed_of(speed) for servo, (goal, speed) in goals.items()}
+        self.write_all(table.GOAL_POSITION.address, blocks)
+
+    def write_limits(self, limits: Mapping[int, int]) -> None:
+        """Give each servo its torque limit at the same time."""
+        self._write_all(table.TORQUE_LIMIT, limits)
+
+    def torque_off(self, servos: Collection[int]) -> None:
+        """Take the torque off all of them at the same time."""
+        self._write_all(table.TORQUE_ENABLE, dict.fromkeys(servos, 0))
+
+    def torque_on(self, servo: int, speed: int, limit: int) -> int | str:
+        """Give a servo torque where it is, and return that position, or why not."""
+        motion = self.read_motion(servo)
+        if motion is None:
+            return self.trouble
+        goal = table.GOAL_POSITION.encode(motion.position)
+        block = goal + table.MOVING_SPEED.encode(speed) + table.TORQUE_LIMIT.encode(limit)
+        if not self.write(servo, table.GOAL_POSITION.address, block):
+            return "does not take the position where it is for its goal; look at its own angle limits"
+        if not self.put(servo, table.TORQUE_ENABLE, 1):
+            return "does not acknowledge its torque"
+        return motion.position
+
+    def drain(self) -> None:
+        """Throw away what came unasked, and notice a line that is gone."""
+        self.leftover()
+
     def find_adapter(self) -> int | None:
         """Ask whether the adapter is a USB2AX, and return its firmware's version; its own sync read is used then."""
         answer = self.read(packet.ADAPTER, 0, 4)
@@ -214,6 +281,9 @@ class Bus:
         self, kind: type[BaseException] | None, err: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _write_all(self, register: Register, values: Mapping[int, int]) -> None:
+        self.write_all(register.address, {servo: register.encode(value) for servo, value in values.items()})
 
     def _question(self, servo: int, request: bytes, count: int) -> Question:
         size = packet.OVERHEAD_BYTES + count

@@ -3,10 +3,9 @@
 from collections.abc import Callable
 
 from lbr.drivers.dynamixel import table
-from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.dynamixel.bus import STATE_ADDRESS, STATE_BYTES, Bus
 from lbr.drivers.dynamixel.packet import error_names
 from lbr.drivers.dynamixel.setup import Kept
-from lbr.drivers.dynamixel.sweep import SLOW_ADDRESS, SLOW_BYTES
 
 COOLER_C = 5
 """So far below its limit a servo must be before it is believed to have cooled down."""
@@ -16,7 +15,7 @@ def recovery(servo: int, kept: Kept) -> Callable[[Bus], str]:
     """Return the job that recovers a servo, and returns why it did not; nothing if it did."""
 
     def job(bus: Bus) -> str:
-        status = bus.read(servo, SLOW_ADDRESS, SLOW_BYTES)
+        status = bus.read(servo, STATE_ADDRESS, STATE_BYTES)
         if status is None:
             return bus.trouble
         if wrong := _cause(status.error, status.params, kept):
@@ -33,8 +32,8 @@ def recovery(servo: int, kept: Kept) -> Callable[[Bus], str]:
 def _cause(error: int, block: bytes, kept: Kept) -> str:
     """Return what is still wrong. An overload shows only under torque; its bit stays until the torque limit is set."""
     names = set(error_names(error & kept.shutdown))
-    temperature = table.PRESENT_TEMPERATURE.decode(block, SLOW_ADDRESS)
-    tenths = table.PRESENT_VOLTAGE.decode(block, SLOW_ADDRESS)
+    temperature = table.PRESENT_TEMPERATURE.decode(block, STATE_ADDRESS)
+    tenths = table.PRESENT_VOLTAGE.decode(block, STATE_ADDRESS)
     if "overheat" in names or temperature > kept.temperature_limit - COOLER_C:
         limit = kept.temperature_limit - COOLER_C
         return f"is still too hot: {temperature} degrees C, and {limit} are allowed; let it cool down"

@@ -2,16 +2,18 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from math import inf
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import Bus, open_bus
 from lbr.drivers.dynamixel.table import Register
+from lbr.drivers.servos.contract import SETTING_UP
 from lbr.errors import DeviceError
 
 EEPROM_BYTES = table.RAM
 TRIES = 2
 GARBLED = 3
-SETTING_UP = "is being set up"
+QUIET_S = 0.5
 BAUDS = (1_000_000, 500_000, 400_000, 250_000, 200_000, 115_200, 57_600, 19_200, 9_600)
 
 
@@ -118,6 +120,29 @@ class Setup:
         if self._warned.get(servo) != wrong:
             self._warned[servo] = wrong
             self._told("servo_wrong", f"servo {servo} {wrong}", "warning")
+
+
+class SetupNews:
+    """Tells what servos were given to keep, in one sentence for each set of values once there are no more of them."""
+
+    def __init__(self, setup: Setup, clock: Callable[[], float], tell: Callable[[str, str, str], None]) -> None:
+        self._setup = setup
+        self._clock = clock
+        self._tell = tell
+        self._done = self._told_of = 0
+        self._done_at = -inf
+
+    def step(self) -> None:
+        """Look whether there is something to tell; in the loop's thread."""
+        done, now = self._setup.done, self._clock()
+        if len(done) > self._done:
+            self._done, self._done_at = len(done), now
+        elif len(done) > self._told_of and now - self._done_at >= QUIET_S:
+            for what in dict.fromkeys(names for _, names in done[self._told_of :]):
+                servos = sorted(servo for servo, names in done[self._told_of :] if names == what)
+                whom = f"servo {servos[0]}" if len(servos) == 1 else f"servos {', '.join(map(str, servos))}"
+                self._tell("servo_set_up", f"{whom}: set {what}", "info")
+            self._told_of = len(done)
 
 
 def find_servos(

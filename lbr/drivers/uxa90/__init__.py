@@ -2,31 +2,24 @@
 
 from typing import Annotated, Literal
 
-from msgspec import Meta, Struct
+from msgspec import Meta, field
 
-from lbr.capability.kind import Kind
+from lbr.drivers.servos import ServosSettings, servos_kind
 from lbr.messages.leases import CommandReply
-from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
-from lbr.messages.units import Name
 from lbr.messages.uxa90 import ConfigureCommand, ControllerState, InquireCommand, InquireReply, TakeControlCommand
 
 Slot = Annotated[int, Meta(ge=1, le=42)]
 
 
-class Uxa90Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `uxa90` may set."""
 
-    device: Name
     baud: Annotated[int, Meta(ge=4800, le=921_600)] = 115_200
     sweep_hz: Annotated[float, Meta(ge=0.0, le=50.0, description="position sweeps per second; 0 reads none")] = 20.0
-    setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
-    hold_s: Annotated[float, Meta(ge=0.0, le=3600.0, description="how long servos hold whose mover is lost")] = 30.0
-    release_s: Annotated[float, Meta(ge=0.1, le=60.0, description="how long letting go takes then")] = 5.0
     on_estop: Annotated[
         Literal["hold", "break", "release"],
         Meta(description="the emergency stop: hold still, short the motors (dynamic brake), or let go at once"),
     ] = "break"
-    on_close: Literal["hold", "release"] = "hold"
     reply_s: Annotated[float, Meta(ge=0.002, le=0.25, description="how long a servo's answer is waited for")] = 0.03
     together: Annotated[int, Meta(ge=1, le=25, description="so many servos are asked in one write")] = 5
     settle_s: Annotated[float, Meta(ge=0.0, le=5.0, description="from taking control to the first servo packet")] = 1.0
@@ -43,34 +36,17 @@ class Uxa90Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     ] = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 21)
     offsets: Annotated[
         dict[int, Annotated[int, Meta(ge=-60, le=60)]], Meta(description="counts added to each position of a servo")
-    ] = {}
+    ] = field(default_factory=dict)
     maintenance: Annotated[bool, Meta(description="whether servos' registers may be written")] = False
-    guard: bool = True
-    guard_silence_ms: Annotated[int, Meta(ge=60, le=2000)] = 500
 
 
-KIND = Kind(
-    name="uxa90",
-    summary="the serial line of a UXA-90: its main board and the SAM servos behind it",
-    family="driver",
-    entry="lbr.drivers.uxa90.capability:Uxa90",
-    settings=Uxa90Settings,
-    setpoints={"setpoint": ServoSetpoint},
-    outputs={"state": ServosState, "controller": ControllerState},
-    commands={
-        "recover": RecoverServos,
-        "take_control": TakeControlCommand,
-        "inquire": InquireCommand,
-        "configure": ConfigureCommand,
-    },
-    replies={
-        "recover": CommandReply,
-        "take_control": CommandReply,
-        "inquire": InquireReply,
-        "configure": InquireReply,
-    },
+KIND = servos_kind(
+    "uxa90",
+    "the serial line of a UXA-90: its main board and the SAM servos behind it",
+    "lbr.drivers.uxa90.capability:Uxa90",
+    Uxa90Settings,
+    outputs={"controller": ControllerState},
+    commands={"take_control": TakeControlCommand, "inquire": InquireCommand, "configure": ConfigureCommand},
+    replies={"take_control": CommandReply, "inquire": InquireReply, "configure": InquireReply},
     roles={"configure": "admin", "inquire": "view"},
-    moves=True,
-    device="uxa90",
-    rows=("joint",),
 )

@@ -1,61 +1,65 @@
 """What lives as long as the line of a UXA-90 is open: the bus, its owner, the sweep, what was told, the guard."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from concurrent.futures import Future
 
-from lbr.capability.context import Context
-from lbr.drivers.owner import READ, STOP, WRITE, Owner
+from lbr.capability.context import Context, Device
+from lbr.drivers.guard import Guard
 from lbr.drivers.serial_line import open_line
+from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
+from lbr.drivers.servos.contract import Tell
+from lbr.drivers.servos.guard import Guard as ServosGuard
+from lbr.drivers.servos.session import CLOSING_S, JUDGED_S, NOTABLE_BYTES, GuardPost
 from lbr.drivers.uxa90 import Uxa90Settings, frames
 from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.controller import Controller
 from lbr.drivers.uxa90.frames import TAKE_CONTROL
-from lbr.drivers.uxa90.guard import Guard
-from lbr.drivers.uxa90.outputs import Outputs
-from lbr.drivers.uxa90.plays import Plays
-from lbr.drivers.uxa90.sweep import Sweeper
+from lbr.drivers.uxa90.poller import Poller
+from lbr.drivers.uxa90.stored_motions import Plays
+from lbr.drivers.uxa90.targets import ServoTargets
 from lbr.drivers.wire import Wire
-from lbr.errors import DeviceError
 
-CLOSING_S = 0.3
-JUDGED_S = 5.0
 SILENT_S = 1.5
-NOTABLE_BYTES = 200
 IDENTITY = ("firmware", "serial")
-Tell = Callable[[str, str, str], None]
+RELEASE = "lbr.drivers.uxa90.guard_release"
 
 
 class Session:
     """All that lives as long as the line is open. `identity` is what the main board said of itself, once it was asked."""
 
     def __init__(
-        self, ctx: Context[Uxa90Settings], servos: list[int], tell: Tell, known: Plays, blocked: str = ""
+        self,
+        ctx: Context[Uxa90Settings],
+        device: Device,
+        servos: list[int],
+        tell: Tell,
+        known: Plays,
+        blocked: str = "",
     ) -> None:
-        assert ctx.device is not None
         settings = ctx.settings
-        line = open_line(ctx.device, settings.baud)
+        line = open_line(device, settings.baud)
         line.low_latency()
-        self._line = Wire(line.fileno(), f"'{ctx.device.name}' at {line.path}", settings.baud, line=line)
+        self._line = Wire(line.fileno(), f"'{device.name}' at {line.path}", settings.baud, line=line)
         self._ctx, self._servos, self._tell = ctx, servos, tell
-        self.guard: Guard | None = None
+        self.post = GuardPost(ctx, self._start_guard)
         self.bus = Bus(
             self._line, settings.reply_s, clock=ctx.clock, stop_waits=self._stop_waits, write_waits=self._write_waits
         )
         period_s = 1.0 / settings.sweep_hz if settings.sweep_hz else 0.0
-        self.sweeper = Sweeper(
+        self.poller = Poller(
             servos, ctx.clock, period_s, settings.trust, settings.together, moving=self._moving, told=tell
         )
-        self.owner = Owner(self.bus, self._turn)
-        seen = self.sweeper.seen
-        self.outputs = Outputs(servos, seen, ctx.clock, self._line.wire_s, settings.offsets, blocked)
-        self.controller = Controller(self.owner, self.outputs, settings, ctx.clock, known)
+        self.thread = BusThread(self.bus, self._turn)
+        seen = self.poller.seen
+        self.targets = ServoTargets(servos, seen, ctx.clock, self._line.wire_s, settings.offsets, blocked)
+        self.controller = Controller(self.thread, self.targets, settings, ctx.clock, known)
         self.opened = self._judged = ctx.clock()
         self._strays = 0
         self.identity: Mapping[str, str] = {}
         if known.busy:  # the main board does not notice that its cable was out: it may play still
-            self.owner.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
-        self._identified: Future[dict[str, str]] = self.owner.submit(_identify, READ)
-        self.owner.start()
+            self.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
+        self._identified: Future[dict[str, str]] = self.thread.submit(_identify, READ)
+        self.thread.start()
 
     def step(self) -> None:
         """Take in what the main board said; take control once it was asked who it is."""
@@ -69,34 +73,39 @@ class Session:
     def tell(self, *, urgent: bool) -> None:
         """Have the servos told what is due, and read while nothing forbids it."""
         passes = self.controller.passes
-        if passes and not self.sweeper.reading:
-            self.owner.submit(lambda _bus: self.sweeper.afresh(), WRITE)
-        self.outputs.open = self.sweeper.reading = passes
-        if self.outputs.due and urgent:
-            self.owner.submit(self.outputs.flush_now, STOP, "flush")
-        elif self.outputs.due:
-            self.owner.submit(self.outputs.flush, WRITE, "flush")
+        if passes and not self.poller.reading:
+            self.thread.submit(lambda _bus: self.poller.afresh(), WRITE)
+        self.targets.open = self.poller.reading = passes
+        if self.targets.due and urgent:
+            self.thread.submit(self.targets.flush_now, STOP, "flush")
+        elif self.targets.due:
+            self.thread.submit(self.targets.flush, WRITE, "flush")
 
     def brake(self) -> None:
         """Short all motors, now and, if the main board has to be asked to pass that on first, once it does."""
         if not self.controller.mode.pc:
-            self.owner.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
-        self.outputs.braked()
-        self.owner.submit(self.outputs.brake, STOP, "brake")
+            self.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
+        self.targets.braked()
+        self.thread.submit(self.targets.brake, STOP, "brake")
+
+    @property
+    def guard(self) -> Guard | None:
+        """The guard, once there is one."""
+        return self.post.guard
+
+    @property
+    def turning(self) -> bool:
+        """Whether any servo has torque by this driver, or the main board moves them."""
+        return self.targets.turning or self.controller.plays.busy
+
+    @property
+    def failure(self) -> Exception | None:
+        """What ended the line's thread."""
+        return self.thread.failure
 
     def beat(self) -> None:
         """Feed the guard, which is there as soon as a servo has torque."""
-        turning = self.outputs.turning or self.controller.plays.busy
-        if self.guard is None and self._ctx.settings.guard and turning:
-            try:
-                self.guard = Guard(self._line, self._ctx.settings, self._servos, self._ctx.clock)
-            except OSError as err:
-                device = self._ctx.settings.device
-                raise DeviceError(
-                    f"device '{device}': its guard process does not start: {err}; free some memory"
-                ) from err
-        if self.guard is not None:
-            self.guard.beat(turning=turning)
+        self.post.beat(needed=self.turning, turning=self.turning)
 
     def judge(self) -> None:
         """Tell of a line that babbles, now and then."""
@@ -113,39 +122,49 @@ class Session:
     def mute(self) -> bool:
         """Whether every servo was asked in vain, or some were for so long that all of them may be."""
         long = bool(self._ctx.settings.sweep_hz) and self.bus.unheard_s >= SILENT_S
-        return long or self.sweeper.all_silent
+        return long or self.poller.all_silent
 
     def close(self, *, release: bool) -> None:
         """Say the last word, and let go; what still has torque then is the guard's."""
-        turning, alive = self.outputs.turning or self.controller.plays.busy, self.owner.failure is None
+        turning, alive = self.turning, self.thread.failure is None
         if alive:
             self.controller.interrupt("the driver ended", {})
-            self.sweeper.reading = False
+            self.poller.reading = False
         if alive and release and turning:
-            self.outputs.release("the driver ended")
-            self.outputs.open = True
-            self.owner.submit(self.outputs.flush_now, STOP)
-        self.owner.join(CLOSING_S)
-        if self.guard is not None and turning and alive and not release:
-            self.guard.leave()
-        elif self.guard is not None:
-            self.guard.dismiss()
+            self.targets.release("the driver ended")
+            self.targets.open = True
+            self.thread.submit(self.targets.flush_now, STOP)
+        self.thread.join(CLOSING_S)
+        self.post.close(to_act=turning and alive and not release)
         self.bus.close()
+
+    def _start_guard(self) -> Guard:
+        settings = self._ctx.settings
+        settle_s = settings.settle_s
+        return ServosGuard(
+            RELEASE,
+            self._line.fileno(),
+            settings,
+            self._servos,
+            self._ctx.clock,
+            words=(settle_s,),
+            settling_s=2.0 * settle_s,
+        )
 
     def _turn(self, bus: Bus) -> float:
         """Read on, unless the main board was given something to do just now."""
-        if not self.outputs.open:
-            self.sweeper.reading = False
-        return self.sweeper.turn(bus)
+        if not self.targets.open:
+            self.poller.reading = False
+        return self.poller.turn(bus)
 
     def _stop_waits(self) -> bool:
-        return self.owner.urgent()
+        return self.thread.urgent()
 
     def _write_waits(self) -> bool:
-        return self.owner.waiting(WRITE)
+        return self.thread.waiting(WRITE)
 
     def _moving(self, servo: int) -> bool:
-        return self.outputs.moving(servo)
+        return self.targets.moving(servo)
 
 
 def _identify(bus: Bus) -> dict[str, str]:

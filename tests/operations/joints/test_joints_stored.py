@@ -2,8 +2,8 @@
 
 import pytest
 
-from lbr.drivers.mover import first, receive, tick
-from lbr.drivers.uxa90 import plays
+from lbr.drivers.servos.gate import first, receive, tick
+from lbr.drivers.uxa90 import stored_motions
 from lbr.messages.joints import StoredMotion
 from lbr.operations.joints.view import joints_state
 from tests.operations.joints.joints_bench import NAMES, Bench
@@ -132,19 +132,19 @@ class Line:
     """What the driver makes of setpoints: whether it follows, and what its controller plays."""
 
     def __init__(self, now):
-        self.mover, self.plays, self.started = first(now), plays.Plays(begun=True), []
+        self.mover, self.plays, self.started = first(now), stored_motions.Plays(begun=True), []
 
     def hear(self, setpoint, now):
         self.mover = receive(self.mover, setpoint, now, now, 0.1)
-        self.plays = plays.seen(self.plays, setpoint.stored, (4, 21), follows=self.mover.follows)
+        self.plays = stored_motions.seen(self.plays, setpoint.stored, (4, 21), follows=self.mover.follows)
         if self.plays.wanted:
             self.started.append(setpoint.stored.count)
-            self.plays = plays.started(self.plays, now)
+            self.plays = stored_motions.started(self.plays, now)
 
     def silence(self, now):
         self.mover = tick(self.mover, now, 0.1)
         if not self.mover.follows:
-            self.plays = plays.interrupted(self.plays, self.mover.reason)
+            self.plays = stored_motions.interrupted(self.plays, self.mover.reason)
 
 
 def test_for_the_driver_a_killed_process_is_silence_and_the_next_one_starts_nothing_by_itself(bench):

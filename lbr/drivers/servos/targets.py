@@ -1,22 +1,17 @@
-"""What every servo is told: torque on and off, torque limits and goals, and whether it did as told, read back from it.
+"""What every servo is to do: torque on and off, torque limits and goals, and whether it did as told, read back from it.
 
-Lives in the loop's thread; what it wants on the wire it submits as jobs to the bus's owner.
+Lives in the loop's thread; what it wants on the wire it submits as jobs to the bus's thread.
 """
 
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import Future
+from dataclasses import dataclass
 from math import inf
-from typing import Protocol, TypeVar
+from typing import Generic
 
-from lbr.drivers.dynamixel import table
-from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.dynamixel.output import Output, confirms, switching
-from lbr.drivers.dynamixel.packet import error_names
-from lbr.drivers.dynamixel.setup import Kept
-from lbr.drivers.dynamixel.sweep import Seen, Snapshot
-from lbr.drivers.dynamixel.table import Motion
-from lbr.drivers.mover import Mover
-from lbr.drivers.owner import STOP, WRITE
+from lbr.drivers.servos.bus_thread import STOP, WRITE, BusThread
+from lbr.drivers.servos.contract import B, Motion, Seen, ServoBus, ServoModel, Snapshot, Tell
+from lbr.drivers.servos.gate import ServoGate
 from lbr.messages.servos import ServoGoal
 
 MEASURED_S = 0.25
@@ -27,34 +22,53 @@ FOUND_S = 0.5
 """So long a servo that was found with torque keeps it until who moves them knows of it."""
 REPEAT_S = 0.1
 AGAIN_S = 0.2
-FADE_STEP = 10
-"""Of 1023: a smaller change of the torque limit is not worth a packet."""
+FADE_STEP = 0.0097
+"""A smaller share of the full torque is not worth a packet."""
 LET_GO = "was let go; switch its torque off, then on"
-T = TypeVar("T")
 
 
-class Submits(Protocol):
-    """The bus's owner, as far as it is needed here."""
+@dataclass(slots=True)
+class TargetState:
+    """What one servo is to do, and was told. `settled`: when its torque was on the wire; inf while that waits; `aimed`: its goal.
 
-    def submit(self, job: Callable[[Bus], T], priority: int, key: object = None) -> "Future[T]":
-        """Have a job done."""
+    `blocked` says why it gets no torque before a setpoint had it without. `stays`: its goal is where it was measured;
+    `adrift`: it is to be held where it is as soon as that is measured; `found`: when it was first heard, with torque.
+    """
+
+    id: int
+    known: bool = False
+    on: bool = False
+    goal: int | None = None
+    speed: int = 0
+    limit: int = 0
+    full: int = 0
+    settled: float = -inf
+    aimed: float = -inf
+    blocked: str = ""
+    trouble: str = ""
+    latched: tuple[str, ...] = ()
+    stays: bool = False
+    adrift: bool = False
+    found: float = -inf
+    switching: "Future[int | str] | None" = None
+    again: float = -inf
 
 
-class Outputs:
-    """All servos of a bus. Whatever it does is told to the servos on the next occasion, stops first."""
+class ServoTargets(Generic[B]):
+    """All servos of a bus. What it wants is told to the servos on the next occasion, stops first."""
 
     def __init__(
         self,
         servos: Collection[int],
-        owner: Submits,
+        thread: BusThread[B],
         clock: Callable[[], float],
-        kept: Callable[[int], Kept | None],
-        told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
+        model: ServoModel,
+        told: Tell = lambda _kind, _text, _level: None,
     ) -> None:
-        self.servos = {servo: Output(servo) for servo in servos}
-        self._owner = owner
+        self.servos = {servo: TargetState(servo, full=model.full_torque) for servo in servos}
+        self._thread = thread
         self._clock = clock
-        self._kept = kept
+        self._model = model
         self._told = told
         self._halts = 0
         self._followed = False
@@ -62,19 +76,19 @@ class Outputs:
         self._sent_at = -inf
         self._faded_at = -inf
 
-    def apply(self, mover: Mover, strength: float, snapshot: Snapshot) -> None:
-        """Do what follows from the mover's state and from what the servos said last."""
-        found = [out for out in self._all() if self._read_back(out, snapshot.servos[out.id], mover)]
+    def apply(self, gate: ServoGate, strength: float, snapshot: Snapshot) -> None:
+        """Do what follows from the gate's state and from what the servos said last."""
+        found = [out for out in self._all() if self._read_back(out, snapshot.servos[out.id], gate)]
         found += [out for out in self._all() if out.adrift and self._motion(out, snapshot, FRESH_S)]
-        self._unblock(mover)
-        self._let_go(mover, strength)
-        halted = mover.halts != self._halts or (self._followed and not mover.follows)
-        self._halts, self._followed = mover.halts, mover.follows
+        self._unblock(gate)
+        self._let_go(gate, strength)
+        halted = gate.halts != self._halts or (self._followed and not gate.follows)
+        self._halts, self._followed = gate.halts, gate.follows
         self._freeze([out for out in self._all() if out.on] if halted else found, snapshot)
-        self._limit(mover, strength)
-        if mover.follows:
-            self._switch_on(mover, snapshot)
-            self._follow(mover, snapshot)
+        self._limit(gate, strength)
+        if gate.follows:
+            self._switch_on(gate, snapshot)
+            self._follow(gate, snapshot)
 
     def release(self, why: str) -> None:
         """Take the torque off every servo that may have it, at once."""
@@ -92,7 +106,7 @@ class Outputs:
     def unconfirmed(self, snapshot: Snapshot, *, released: bool) -> list[int]:
         """Return the servos that have not yet been read to hold their goal, or to be without torque if `released`."""
         asked = [out for out in self._all() if out.known and (released or out.on)]
-        return [out.id for out in asked if not confirms(out, snapshot.servos[out.id], released=released)]
+        return [out.id for out in asked if not _confirms(out, snapshot.servos[out.id], released=released)]
 
     def recovered(self, servo: int) -> None:
         """Note that a latched servo was taken out of its fault; it has no torque before somebody switches it on anew."""
@@ -100,10 +114,10 @@ class Outputs:
         out.latched, out.settled = (), self._clock()
         out.blocked = "was recovered; switch its torque off, then on"
 
-    def _all(self) -> Iterable[Output]:
+    def _all(self) -> Iterable[TargetState]:
         return self.servos.values()
 
-    def _read_back(self, out: Output, seen: Seen, mover: Mover) -> bool:
+    def _read_back(self, out: TargetState, seen: Seen, gate: ServoGate) -> bool:
         """Compare with what the servo says; True if it was found with torque that nobody here gave it."""
         self._switched(out)
         slow = seen.slow
@@ -113,14 +127,15 @@ class Outputs:
             out.known, out.on, out.goal, out.speed = True, slow.enabled, slow.goal, slow.speed
             out.limit = out.full = slow.limit
             out.found = self._clock()
-            if slow.limit == 0:
-                self._latch(out, seen)
-            motion = seen.motion if self._clock() - seen.at < FRESH_S else None
-            out.stays = motion is not None and table.holding_goal(motion.position, motion.speed, slow.goal) == slow.goal
-            return out.on and not out.stays
-        if slow.limit == 0 and not out.latched:
             self._latch(out, seen)
-        elif slow.enabled and not out.on:
+            motion = seen.motion if self._clock() - seen.at < FRESH_S else None
+            out.stays = (
+                motion is not None and self._model.holding_goal(motion.position, motion.speed, slow.goal) == slow.goal
+            )
+            return out.on and not out.stays
+        if not out.latched and self._latch(out, seen):
+            return False
+        if slow.enabled and not out.on:
             self._off([out], "")
         elif out.on and not slow.enabled:
             out.on, out.adrift, out.blocked = (
@@ -129,32 +144,35 @@ class Outputs:
                 "lost its torque: was it without power? Switch it off, then on",
             )
             self._told("torque_lost", f"servo {out.id} {out.blocked}", "error")
-        elif out.on and not mover.follows and slow.at > out.aimed and out.goal not in {None, slow.goal}:
-            self._write(table.GOAL_POSITION.address, {out.id: table.GOAL_POSITION.encode(out.goal)}, STOP)
+        elif out.on and not gate.follows and slow.at > out.aimed and out.goal not in {None, slow.goal}:
+            self._place({out.id: out.goal})
         return False
 
-    def _latch(self, out: Output, seen: Seen) -> None:
-        kept = self._kept(out.id)
-        out.latched = error_names(seen.error & (kept.shutdown if kept else 0x7F)) or ("shutdown",)
+    def _latch(self, out: TargetState, seen: Seen) -> bool:
+        """Take the torque off a servo that has latched a fault; say whether it has."""
+        out.latched = self._model.latched(out.id, seen)
+        if not out.latched:
+            return False
         out.blocked = f"has latched {', '.join(out.latched)}; remove the cause, then recover it"
         self._told("servo_latched", f"servo {out.id} {out.blocked}", "error")
         self._off([out], out.blocked)
+        return True
 
-    def _unblock(self, mover: Mover) -> None:
-        if mover.seen:
+    def _unblock(self, gate: ServoGate) -> None:
+        if gate.seen:
             for out in self._all():
-                if out.id not in mover.wanted and not out.latched:
+                if out.id not in gate.wanted and not out.latched:
                     out.blocked = ""
 
-    def _let_go(self, mover: Mover, strength: float) -> None:
+    def _let_go(self, gate: ServoGate, strength: float) -> None:
         if not strength > 0.0:
             self._off([out for out in self._all() if out.on or out.switching], LET_GO)
-        elif mover.seen:
+        elif gate.seen:
             turning = [out for out in self._all() if out.on or out.switching]
             late = self._clock() - FOUND_S
-            self._off([out for out in turning if out.id not in mover.wanted and out.found < late], "")
+            self._off([out for out in turning if out.id not in gate.wanted and out.found < late], "")
 
-    def _off(self, outs: list[Output], why: str) -> None:
+    def _off(self, outs: list[TargetState], why: str) -> None:
         for out in outs:
             if out.switching is not None:
                 out.switching.cancel()
@@ -163,7 +181,8 @@ class Outputs:
             out.blocked = out.blocked or why
         if outs:
             self._forget_goals()
-            self._write(table.TORQUE_ENABLE.address, {out.id: b"\0" for out in outs}, STOP)
+            servos = tuple(out.id for out in outs)
+            self._submit(servos, lambda bus: bus.torque_off(servos), STOP)
 
     def _forget_goals(self) -> None:
         """What still waits to be sent must not come after a stop."""
@@ -172,7 +191,7 @@ class Outputs:
                 out.aimed = min(out.aimed, self._clock())
         self._sending, self._sent_at = None, -inf
 
-    def _freeze(self, outs: list[Output], snapshot: Snapshot) -> None:
+    def _freeze(self, outs: list[TargetState], snapshot: Snapshot) -> None:
         """Have servos hold where they are; one that was not measured just now keeps the goal it has heard until it is."""
         if outs:
             self._forget_goals()
@@ -182,51 +201,50 @@ class Outputs:
             out.stays, out.adrift, out.goal = False, True, None
             if motion is not None:
                 out.stays, out.adrift, out.goal = True, False, motion.position
-                goals[out.id] = table.GOAL_POSITION.encode(motion.position)
-        self._write(table.GOAL_POSITION.address, goals, STOP)
+                goals[out.id] = motion.position
+        self._place(goals)
 
-    def _motion(self, out: Output, snapshot: Snapshot, within_s: float) -> Motion | None:
+    def _motion(self, out: TargetState, snapshot: Snapshot, within_s: float) -> Motion | None:
         """Return what was measured of a servo, if that is not too old."""
         seen = snapshot.servos[out.id]
         return seen.motion if self._clock() - seen.at < within_s else None
 
-    def _limit(self, mover: Mover, strength: float) -> None:
+    def _limit(self, gate: ServoGate, strength: float) -> None:
         now = self._clock()
         limits = {}
         for out in self._all():
             if not out.on:
                 continue
-            if mover.follows and (goal := mover.goals.get(out.id)) is not None:
+            if gate.follows and (goal := gate.goals.get(out.id)) is not None:
                 out.full = self._full(out, goal)
             faded = max(1, round(out.full * strength))
-            if (mover.follows and faded != out.limit) or (strength < 1.0 and out.limit - faded >= FADE_STEP):
+            if (gate.follows and faded != out.limit) or (
+                strength < 1.0 and out.limit - faded >= self._model.full_torque * FADE_STEP
+            ):
                 limits[out.id] = faded
-        if limits and (mover.follows or now - self._faded_at >= REPEAT_S / 2.0):
+        if limits and (gate.follows or now - self._faded_at >= REPEAT_S / 2.0):
             self._faded_at = now
             for servo, limit in limits.items():
                 self.servos[servo].limit = limit
-            blocks = {servo: table.TORQUE_LIMIT.encode(limit) for servo, limit in limits.items()}
-            self._write(table.TORQUE_LIMIT.address, blocks, WRITE)
+            self._submit(limits, lambda bus: bus.write_limits(limits), WRITE)
 
-    def _full(self, out: Output, goal: ServoGoal) -> int:
-        kept = self._kept(out.id)
-        return min(table.torque_raw(goal.torque), kept.max_torque if kept else table.FULL_TORQUE) or 1
+    def _full(self, out: TargetState, goal: ServoGoal) -> int:
+        return min(self._model.torque_raw(goal.torque), self._model.most_torque(out.id)) or 1
 
-    def _switch_on(self, mover: Mover, snapshot: Snapshot) -> None:
+    def _switch_on(self, gate: ServoGate, snapshot: Snapshot) -> None:
         now = self._clock()
         for out in self._all():
-            if out.on or out.switching is not None or out.id not in mover.wanted or out.again > now:
+            if out.on or out.switching is not None or out.id not in gate.wanted or out.again > now:
                 continue
             seen = snapshot.servos[out.id]
             if out.known and not out.blocked and not out.latched and seen.motion is not None and not seen.reason:
-                goal = mover.goals[out.id]
+                goal = gate.goals[out.id]
                 out.full = out.limit = self._full(out, goal)
-                out.speed = table.speed_raw(goal.speed_rps)
+                out.speed = self._model.speed_raw(goal.speed_rps)
                 out.settled = inf
-                job = switching(out.id, out.speed, out.limit)
-                out.switching = self._owner.submit(job, WRITE)
+                out.switching = self._thread.submit(_switching(out.id, out.speed, out.limit), WRITE)
 
-    def _switched(self, out: Output) -> None:
+    def _switched(self, out: TargetState) -> None:
         """See what became of switching a servo on."""
         future = out.switching
         if future is None or not future.done():
@@ -244,16 +262,16 @@ class Outputs:
             self._told("torque_refused", f"servo {out.id} gets no torque: it {result}", "warning")
         out.trouble, out.again = result, self._clock() + AGAIN_S
 
-    def _follow(self, mover: Mover, snapshot: Snapshot) -> None:
+    def _follow(self, gate: ServoGate, snapshot: Snapshot) -> None:
         changed = False
         for out in self._all():
-            goal = mover.goals.get(out.id)
+            goal = gate.goals.get(out.id)
             if not out.on or goal is None:
                 continue
             before = (out.goal, out.speed)
-            out.speed = table.speed_raw(goal.speed_rps)
+            out.speed = self._model.speed_raw(goal.speed_rps)
             if goal.position_rad is not None:
-                out.goal, out.stays, out.adrift = table.position_raw(goal.position_rad), False, False
+                out.goal, out.stays, out.adrift = self._model.position_raw(goal.position_rad), False, False
             elif not (out.stays or out.adrift):
                 self._freeze([out], snapshot)
             changed = changed or before != (out.goal, out.speed)
@@ -261,19 +279,28 @@ class Outputs:
         if changed or now - self._sent_at >= REPEAT_S:
             self._sent_at = now
             goals = {
-                out.id: table.GOAL_POSITION.encode(out.goal) + table.MOVING_SPEED.encode(out.speed)
+                out.id: (out.goal, out.speed)
                 for out in self._all()
                 if out.on and out.goal is not None and self._motion(out, snapshot, MEASURED_S)
             }
-            self._sending = self._write(table.GOAL_POSITION.address, goals, WRITE, key="goals")
+            self._sending = self._submit(goals, lambda bus: bus.write_goals(goals), WRITE, goals=True, key="goals")
 
-    def _write(
-        self, address: int, blocks: dict[int, bytes], priority: int, key: object = None
+    def _place(self, goals: dict[int, int]) -> None:
+        self._submit(goals, lambda bus: bus.write_positions(goals), STOP, goals=True)
+
+    def _submit(
+        self,
+        servos: Collection[int],
+        write: Callable[[B], None],
+        priority: int,
+        *,
+        goals: bool = False,
+        key: object = None,
     ) -> "Future[None] | None":
-        if not blocks:
+        """Have servos told their goals, or else their torque, and note when that was on the wire."""
+        if not servos:
             return None
-        outs = [self.servos[servo] for servo in blocks]
-        goals = address == table.GOAL_POSITION.address
+        outs = [self.servos[servo] for servo in servos]
 
         def note(when: float) -> None:
             for out in outs:
@@ -282,9 +309,21 @@ class Outputs:
                 else:
                     out.settled = when
 
-        def job(bus: Bus) -> None:
-            bus.write_all(address, blocks)
+        def job(bus: B) -> None:
+            write(bus)
             note(self._clock())
 
         note(inf)
-        return self._owner.submit(job, priority, key)
+        return self._thread.submit(job, priority, key)
+
+
+def _switching(servo: int, speed: int, limit: int) -> "Callable[[ServoBus], int | str]":
+    return lambda bus: bus.torque_on(servo, speed, limit)
+
+
+def _confirms(out: TargetState, seen: Seen, *, released: bool) -> bool:
+    """Say whether a servo was read, since it was told, to hold its goal; or to be without torque if `released`."""
+    slow = seen.slow
+    if slow is None or slow.at <= max(out.settled, out.aimed) or seen.reason or out.switching is not None:
+        return False
+    return not slow.enabled if released else out.goal == slow.goal

@@ -4,16 +4,13 @@ A servo that is silent is left out and looked for again, now and then, so that i
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf
+from typing import Generic
 
-from lbr.drivers.dynamixel import table
-from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.dynamixel.setup import SETTING_UP
-from lbr.drivers.dynamixel.table import Motion
+from lbr.drivers.servos.contract import SETTING_UP, UNSEEN, B, Motion, Seen, SlowState, Snapshot
 
-SLOW_ADDRESS, SLOW_BYTES = table.TORQUE_ENABLE.address, 20
 MISSES = 4
 """So many sweeps in a row without an answer make a servo silent."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
@@ -25,49 +22,7 @@ HASTY_LOSSES = 4
 """An answer of the slow rotation that would hold up the sweep is not waited for, unless so many in a row are that late."""
 WRITING_S = 0.02
 """A servo is deaf for so long after it was given two bytes to keep without power (datasheet: 9 ms each at worst)."""
-UNSEEN = "was not looked for yet"
 STATISTICS_S = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class Slow:
-    """What a servo says of itself apart from its motion, raw; `at` is when."""
-
-    at: float
-    enabled: bool
-    goal: int
-    speed: int
-    limit: int
-    voltage: int
-    temperature: int
-
-
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """One servo as it was seen last; `at` is when its motion was, and `reason` why it is not seen now."""
-
-    motion: Motion | None = None
-    at: float = -inf
-    slow: Slow | None = None
-    error: int = 0
-    reason: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Snapshot:
-    """All servos after a sweep; `sweep` counts from 1."""
-
-    sweep: int
-    ended: float
-    servos: Mapping[int, Seen]
-    sweeps_hz: float = 0.0
-    states_hz: float = 0.0
-    sweep_s: float = 0.0
-
-    @property
-    def searched(self) -> bool:
-        """Whether every servo was looked for; before, nothing can be said of what has torque."""
-        return all(seen.reason not in {UNSEEN, SETTING_UP} for seen in self.servos.values())
 
 
 @dataclass(slots=True)
@@ -83,7 +38,7 @@ class _Servo:
         return self.misses >= MISSES
 
 
-class Sweeper:
+class Poller(Generic[B]):
     """One transaction at a `turn`; after the last of a sweep there is a new `snapshot`.
 
     `prepare` sees each servo before it is swept, also one that comes back, and says what is wrong with it, or nothing.
@@ -94,7 +49,7 @@ class Sweeper:
         servos: Sequence[int],
         clock: Callable[[], float],
         period_s: float = 0.0,
-        prepare: Callable[[Bus, int], str] = lambda _bus, _servo: "",
+        prepare: Callable[[B, int], str] = lambda _bus, _servo: "",
         told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
     ) -> None:
         self.snapshot = Snapshot(0, -inf, {servo: Seen(reason=UNSEEN) for servo in servos})
@@ -122,7 +77,7 @@ class Sweeper:
         """Read all of these servos next, before the sweep goes on; call it in the bus's thread."""
         self._looks += [servo for servo in servos if servo not in self._looks]
 
-    def turn(self, bus: Bus) -> float:
+    def turn(self, bus: B) -> float:
         """Do one transaction; return the seconds until the next sweep is due, 0 while there is more to do."""
         if self._looks:
             self._read_slow(bus, self._servos[self._looks.popleft()])
@@ -140,17 +95,17 @@ class Sweeper:
         next(self._turns, None)
         return 0.0
 
-    def _sweep(self, bus: Bus) -> Iterator[None]:
+    def _sweep(self, bus: B) -> Iterator[None]:
         """One transaction between two `yield`s."""
         present = [servo for servo in self._servos.values() if not servo.silent]
         slow = self._next_slow(present)
-        if bus.adapter is not None:
+        if bus.together:
             self._read_together(bus, present)
             yield
         for servo in present:
             if servo is slow:
                 self._read_slow(bus, servo)
-            elif bus.adapter is None:
+            elif not bus.together:
                 self._read_motion(bus, servo)
             else:
                 continue
@@ -162,58 +117,41 @@ class Sweeper:
             self._written, self._due = bus.written_all, self._due + self._period_s * WAITING_SHARE
         self._finish()
 
-    def _read_together(self, bus: Bus, present: list[_Servo]) -> None:
+    def _read_together(self, bus: B, present: list[_Servo]) -> None:
         motions = bus.read_together(tuple(servo.id for servo in present)) if present else []
         if bus.cut_short:
             return
         if motions is not None:
             self._sync_failures = 0
             for servo, motion in zip(present, motions, strict=True):
-                kept = motion and Motion(servo.seen.error, motion.position, motion.speed, motion.load)
-                self._note(servo, kept, "does not answer")
+                error = None if bus.together_errors else servo.seen.error
+                self._note(servo, motion, "does not answer", error=error)
             return
         self._sync_failures += 1
         if self._sync_failures >= SYNC_READ_FAILURES:
-            bus.adapter = None
-            self._told(
-                "sync_read", "the adapter's sync read gets no answers; the servos are read one by one", "warning"
-            )
+            bus.read_singly()
+            self._told("sync_read", "reading all servos at once gets no answers; they are read one by one", "warning")
 
-    def _read_motion(self, bus: Bus, servo: _Servo) -> None:
+    def _read_motion(self, bus: B, servo: _Servo) -> None:
         motion = bus.read_motion(servo.id)
         if not bus.cut_short:
             self._note(servo, motion, bus.trouble)
 
-    def _read_slow(self, bus: Bus, servo: _Servo) -> None:
+    def _read_slow(self, bus: B, servo: _Servo) -> None:
         hasty = self._hasty_losses < HASTY_LOSSES
-        status = bus.read(servo.id, SLOW_ADDRESS, SLOW_BYTES, tries=1, patience_s=HASTY_S if hasty else inf)
+        state = bus.read_state(servo.id, HASTY_S if hasty else inf)
         if bus.cut_short:
             return
-        if status is None:
+        if state is None:
             self._hasty_losses += hasty
             self._note(servo, None, bus.trouble)
             return
         if hasty:
             self._hasty_losses = 0
-        value = {register: register.decode(status.params, SLOW_ADDRESS) for register in _SLOW_REGISTERS}
-        slow = Slow(
-            at=self._clock(),
-            enabled=bool(value[table.TORQUE_ENABLE]),
-            goal=value[table.GOAL_POSITION],
-            speed=value[table.MOVING_SPEED],
-            limit=value[table.TORQUE_LIMIT],
-            voltage=value[table.PRESENT_VOLTAGE],
-            temperature=value[table.PRESENT_TEMPERATURE],
-        )
-        motion = Motion(
-            status.error,
-            value[table.PRESENT_POSITION],
-            value[table.PRESENT_SPEED],
-            value[table.PRESENT_LOAD],
-        )
-        self._note(servo, motion if motion.position <= table.POSITION_STEPS else None, "says nonsense", slow)
+        motion, slow = state
+        self._note(servo, motion, "says nonsense", slow)
 
-    def _seek(self, bus: Bus, servo: _Servo) -> None:
+    def _seek(self, bus: B, servo: _Servo) -> None:
         """Look for a silent servo: the longer it has been away, the more rarely."""
         wrong = self._prepare(bus, servo.id)
         if bus.cut_short:
@@ -227,7 +165,15 @@ class Sweeper:
         if not wrong:
             self._read_slow(bus, servo)
 
-    def _note(self, servo: _Servo, motion: Motion | None, trouble: str, slow: Slow | None = None) -> None:
+    def _note(
+        self,
+        servo: _Servo,
+        motion: Motion | None,
+        trouble: str,
+        slow: SlowState | None = None,
+        error: int | None = None,
+    ) -> None:
+        """Take in what a servo said, or that it said nothing; `error` where its motion came without error bits."""
         now = self._clock()
         if motion is None:
             servo.misses += 1
@@ -242,9 +188,10 @@ class Sweeper:
         servo.misses, servo.pause_s = 0, AGAIN_FIRST_S
         self.heard = now
         self._states += 1
-        if slow is None and motion.error != servo.seen.error:
+        error = motion.error if error is None else error
+        if slow is None and error != servo.seen.error:
             self.look((servo.id,))
-        servo.seen = Seen(motion, now, slow or servo.seen.slow, motion.error)
+        servo.seen = Seen(motion, now, slow or servo.seen.slow, error)
 
     def _see(self, servo: _Servo, reason: str) -> None:
         seen = servo.seen
@@ -280,16 +227,3 @@ class Sweeper:
             old = self.snapshot
             servos = {servo.id: servo.seen for servo in self._servos.values()}
             self.snapshot = Snapshot(old.sweep, old.ended, servos, old.sweeps_hz, old.states_hz, old.sweep_s)
-
-
-_SLOW_REGISTERS = (
-    table.TORQUE_ENABLE,
-    table.GOAL_POSITION,
-    table.MOVING_SPEED,
-    table.TORQUE_LIMIT,
-    table.PRESENT_POSITION,
-    table.PRESENT_SPEED,
-    table.PRESENT_LOAD,
-    table.PRESENT_VOLTAGE,
-    table.PRESENT_TEMPERATURE,
-)

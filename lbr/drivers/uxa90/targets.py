@@ -6,12 +6,12 @@ Only `flush` and `brake` run in the line's thread: they write what is wanted at 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from math import inf
 
-from lbr.drivers.mover import Mover
+from lbr.drivers.servos.gate import ServoGate
 from lbr.drivers.uxa90 import packets
 from lbr.drivers.uxa90.bus import Bus
-from lbr.drivers.uxa90.output import BRAKED, LET_GO, LIMP, Out
 from lbr.drivers.uxa90.packets import PACKET_BYTES, WEAKEST
-from lbr.drivers.uxa90.trust import Seen
+from lbr.drivers.uxa90.plausibility import Seen
+from lbr.drivers.uxa90.target_state import BRAKED, LET_GO, LIMP, TargetState
 from lbr.messages.servos import ServoGoal
 
 PLACE_S = 0.6
@@ -33,7 +33,7 @@ PLAYED_S = 1.0
 """So long after a motion of the main board nobody tells servos where to be before it was read where they are."""
 
 
-class Outputs:
+class ServoTargets:
     """All servos of the line."""
 
     def __init__(
@@ -45,7 +45,7 @@ class Outputs:
         offsets: Mapping[int, int] | None = None,
         blocked: str = "",
     ) -> None:
-        self.servos = {servo: Out(servo, blocked=blocked) for servo in servos}
+        self.servos = {servo: TargetState(servo, blocked=blocked) for servo in servos}
         self.open = False
         """Whether servos can be told anything now."""
         self._seen = seen
@@ -73,18 +73,18 @@ class Outputs:
         """Whether there is something to write."""
         return self.open and any(out.want != out.said for out in self._all())
 
-    def apply(self, mover: Mover, strength: float) -> None:
-        """Do what follows from the mover's state and from where the servos are."""
+    def apply(self, gate: ServoGate, strength: float) -> None:
+        """Do what follows from the gate's state and from where the servos are."""
         now = self._clock()
-        self._unblock(mover)
-        self._let_go(mover, strength)
-        if mover.halts != self._halts or (self._followed and not mover.follows):
+        self._unblock(gate)
+        self._let_go(gate, strength)
+        if gate.halts != self._halts or (self._followed and not gate.follows):
             self.freeze()
-        self._halts, self._followed = mover.halts, mover.follows
+        self._halts, self._followed = gate.halts, gate.follows
         for out in self._all():
             self._settle(out, now)
-        if mover.follows:
-            self._follow(mover, now)
+        if gate.follows:
+            self._follow(gate, now)
         if strength < 1.0:
             self._fade(strength)
         self._repeat(now)
@@ -181,7 +181,7 @@ class Outputs:
         """Return the servos that were not read to stand still since then; those known to be limp before do not count."""
         return [out.id for out in self._all() if not self._rests(out, since)]
 
-    def goal_rad(self, out: Out) -> float | None:
+    def goal_rad(self, out: TargetState) -> float | None:
         """Return the goal of a servo, radians."""
         if out.count is None or not out.on:
             return None
@@ -191,10 +191,10 @@ class Outputs:
         """Return the angle of a count that was read."""
         return round(packets.position_rad(count - self._offsets.get(servo, 0)), 5)
 
-    def _all(self) -> Iterable[Out]:
+    def _all(self) -> Iterable[TargetState]:
         return self.servos.values()
 
-    def _rests(self, out: Out, since: float) -> bool:
+    def _rests(self, out: TargetState, since: float) -> bool:
         seen = self._seen[out.id]
         if not seen.trusted or seen.at <= since or seen.position is None:
             return False
@@ -202,31 +202,31 @@ class Outputs:
             out.still = (seen.position, seen.at)
         return seen.at - out.still[1] >= STILL_S
 
-    def _unblock(self, mover: Mover) -> None:
-        if mover.seen:
+    def _unblock(self, gate: ServoGate) -> None:
+        if gate.seen:
             for out in self._all():
-                if out.id not in mover.wanted:
+                if out.id not in gate.wanted:
                     out.blocked, out.carried = "", False
 
-    def _let_go(self, mover: Mover, strength: float) -> None:
+    def _let_go(self, gate: ServoGate, strength: float) -> None:
         for out in self._all():
             if (out.on or out.carried) and not strength > 0.0:
                 self._off(out, LET_GO)
-            elif out.on and mover.seen and out.id not in mover.wanted:
+            elif out.on and gate.seen and out.id not in gate.wanted:
                 self._off(out, "")
 
-    def _off(self, out: Out, why: str) -> None:
+    def _off(self, out: TargetState, why: str) -> None:
         out.known, out.on, out.carried, out.adrift = True, False, False, False
         out.count, out.rest_at = None, inf
         out.blocked = out.blocked or why
         out.want, out.said, out.times = packets.passive(out.id), None, 0
 
-    def _aim(self, out: Out, level: int) -> None:
+    def _aim(self, out: TargetState, level: int) -> None:
         assert out.count is not None
         weak = self._clock() < out.weak_until
         out.want = packets.move(out.id, WEAKEST if weak else level, out.count)
 
-    def _settle(self, out: Out, now: float) -> None:
+    def _settle(self, out: TargetState, now: float) -> None:
         """Hold a servo where it is, that nobody knew before, or that rests away from its goal after a stop."""
         here = self.place(out.id)
         if here is None or not out.on:
@@ -240,21 +240,21 @@ class Outputs:
                 out.count = packets.legal(here)
                 self._aim(out, out.level)
 
-    def _follow(self, mover: Mover, now: float) -> None:
+    def _follow(self, gate: ServoGate, now: float) -> None:
         first = self._first_lease is None
         if first:
-            self._first_lease = mover.lease
-        for servo, goal in mover.goals.items():
+            self._first_lease = gate.lease
+        for servo, goal in gate.goals.items():
             out = self.servos.get(servo)
             if out is None or not goal.torque > 0.0 or out.blocked:
                 continue
             if first and not out.known:
                 out.carried = True
-            if out.carried and mover.lease not in ("", self._first_lease):
+            if out.carried and gate.lease not in ("", self._first_lease):
                 out.carried = False
             self._follow_one(out, goal, now)
 
-    def _follow_one(self, out: Out, goal: ServoGoal, now: float) -> None:
+    def _follow_one(self, out: TargetState, goal: ServoGoal, now: float) -> None:
         here = self.place(out.id)
         if goal.position_rad != out.overtaken:
             out.overtaken = None

@@ -1,8 +1,8 @@
 """The one thread that owns a servo bus: whatever has to be said waits in line, stops first, then writes, then reads.
 
-    owner = Owner(bus, background)        # background: one transaction of a sweep; returns the seconds until the next
-    owner.start()
-    owner.submit(lambda bus: bus.put(1, table.LED, 1), WRITE).result()
+    thread = BusThread(bus, background)   # background: one transaction of the poller; returns the seconds until the next
+    thread.start()
+    thread.submit(lambda bus: bus.put(1, table.LED, 1), WRITE).result()
 
 A job is one transaction or a few; a stop is on the wire as soon as the job under way has ended.
 """
@@ -18,7 +18,7 @@ T = TypeVar("T")
 _Jobs = dict[object, tuple[Callable[[Any], object], "Future[object]"]]
 
 
-class Owner(Generic[Bus]):
+class BusThread(Generic[Bus]):
     """Runs jobs in their order and the background between them. What breaks the line ends the thread: see `failure`."""
 
     def __init__(self, bus: Bus, background: Callable[[Bus], float] = lambda _bus: 60.0) -> None:

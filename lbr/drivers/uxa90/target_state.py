@@ -15,7 +15,7 @@ BRAKED = "was braked by the emergency stop; switch its torque off, then on"
 
 
 @dataclass(slots=True)
-class Out:
+class TargetState:
     """One servo. `known`: whether this driver knows if it has torque (`on`). `count`: its goal, None where unknown.
 
     `want` is the packet that is to be said, `said` the one that was, `told_at` when. `carried`: it may have had torque

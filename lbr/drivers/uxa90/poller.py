@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 
 from lbr.drivers.uxa90.bus import Bus
-from lbr.drivers.uxa90.trust import Policy, Seen, doubted, judged, silent
+from lbr.drivers.uxa90.plausibility import Policy, Seen, doubted, judged, silent
 
 MISSES = 2
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.5, 8.0
@@ -27,7 +27,7 @@ class _Servo:
     pause_s: float = AGAIN_FIRST_S
 
 
-class Sweeper:
+class Poller:
     """One transaction at a `turn`. `seen` is the newest of each servo, `sweep` counts complete looks at all of them.
 
     `reading`: whether servos may be asked now. `moving` says whether a servo may be under way.

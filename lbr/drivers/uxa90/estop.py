@@ -12,7 +12,7 @@ AGAIN_S = 0.3
 RELEASED = "the emergency stop let it go; switch its torque off, then on"
 
 
-class Stopping:
+class EmergencyStop:
     """`step` it in every round; nothing that it does is ended by releasing the stop."""
 
     def __init__(self, ctx: Context[Uxa90Settings], joints: Mapping[int, str]) -> None:
@@ -35,7 +35,7 @@ class Stopping:
         first = not self._engaged
         if first:
             self._engaged, self._since, self._done, self._told_at = True, now, False, -inf
-            session.outputs.watch_rest()
+            session.targets.watch_rest()
             session.controller.take()
         passes = session.controller.passes
         newly_passes, self._passed = passes and not self._passed, passes
@@ -51,7 +51,7 @@ class Stopping:
         if how == "break":
             session.brake()
         elif how == "release":
-            session.outputs.release(RELEASED)
+            session.targets.release(RELEASED)
 
     def _unconfirmed(self, session: Session) -> str:
         """Say why it is not known that the servos stand still, or nothing."""
@@ -59,7 +59,7 @@ class Stopping:
             return "the main board is asked to pass servo packets on"
         if self._ctx.settings.trust == "never" or not self._ctx.settings.sweep_hz:
             return "the servos were told, and nothing confirms it: the row's settings trust or sweep_hz forbid that"
-        left = session.outputs.unrested(self._since)
+        left = session.targets.unrested(self._since)
         if not left:
             return ""
         some = ", ".join(f"{self._joints[servo]} (servo {servo})" for servo in left[:NAMED])

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from concurrent.futures import Future
 
 from lbr.capability.context import Call, Context
-from lbr.drivers.owner import READ, STOP
+from lbr.drivers.servos.bus_thread import READ, STOP
 from lbr.drivers.uxa90 import Uxa90Settings
 from lbr.drivers.uxa90.frames import QUESTIONS, TAKE_CONTROL
 from lbr.drivers.uxa90.requests import configuration, inquiry
@@ -18,7 +18,7 @@ TAKEN_S = 5.0
 MOST_WAITING = 16
 
 
-class Answering:
+class Commands:
     """Keeps the calls that wait for the line, in the loop's thread."""
 
     def __init__(self, ctx: Context[Uxa90Settings], joints: Mapping[int, str]) -> None:
@@ -33,8 +33,8 @@ class Answering:
         if busy := _busy(session):
             call.refuse(busy)
             return
-        if controller.mode.pc and self._ctx.clock() - session.sweeper.heard < PROVEN_S:
-            session.owner.submit(lambda bus: bus.say(TAKE_CONTROL), STOP, "control")  # it was asked for; no pause
+        if controller.mode.pc and self._ctx.clock() - session.poller.heard < PROVEN_S:
+            session.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP, "control")  # it was asked for; no pause
         else:
             controller.take(again=True)
         self._taking.append((call, self._ctx.clock() + TAKEN_S))
@@ -57,7 +57,7 @@ class Answering:
         if refused or len(self._asked) >= MOST_WAITING:
             call.reply(InquireReply(accepted=False, reason=refused or "too many questions wait; ask later"))
             return
-        self._asked.append((call, session.owner.submit(job, READ)))
+        self._asked.append((call, session.thread.submit(job, READ)))
 
     def step(self, session: Session) -> None:
         """Answer what can be."""

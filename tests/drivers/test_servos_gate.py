@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lbr.drivers.mover import first, receive, strength, tick
+from lbr.drivers.servos.gate import first, receive, strength, tick
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 
 VALID_S = 0.1

@@ -1,0 +1,20 @@
+"""The guard's program for a bus of AX-12A; run as `lbr.drivers.servos.guard_release` says, with baud and margin at the end."""
+
+import sys
+from collections.abc import Sequence
+
+from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.dynamixel.line import ServoLine
+from lbr.drivers.dynamixel.model import Ax12
+from lbr.drivers.servos.guard_release import run
+from lbr.drivers.servos.register_release import RegisterRelease
+
+
+def released(line: int, servos: list[int], words: Sequence[str]) -> RegisterRelease:
+    """Return what the servos are told on a line with this baud and margin."""
+    baud, margin_s = words
+    return RegisterRelease(Bus(ServoLine(line, "of the servos", int(baud), margin_s=float(margin_s))), Ax12(), servos)
+
+
+if __name__ == "__main__":
+    run(sys.argv[1:], released)

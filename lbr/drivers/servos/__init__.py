@@ -1,0 +1,93 @@
+"""What drivers of servo buses have in common: settings, kind, the gate for setpoints, torque, guard, slow release.
+
+Servos whose torque, goal and limits can be read back, which most can, need three things of a driver, in a package of
+its own: the bus, what its numbers mean, and a program that releases them after the driver's death:
+
+    class StsSettings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
+        on_estop: Literal["hold", "release"] = "hold"
+
+    KIND = servos_kind("feetech", "a bus of Feetech STS servos", "my_sts.driver:Sts", StsSettings)
+
+    class Sts(RegisterServos[StsSettings, StsBus]):
+        def connect(self, device, urgent):
+            line = open_servo_line(device, self.ctx.settings.baud, MARGIN_S)
+            return ServoLink(bus=StsBus(line, urgent=urgent), model=StsModel(), guard=…, recovery=…)
+
+`contract` says what bus and model do. See docs/drivers.md.
+"""
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind
+from lbr.messages.leases import CommandReply
+from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
+from lbr.messages.system import Role
+from lbr.messages.units import Name
+
+NO_PORTS: Mapping[str, type[Struct]] = {}
+NO_ROLES: Mapping[str, Role] = {}
+
+
+class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of every driver of servos may set."""
+
+    device: Name
+    baud: Annotated[int, Meta(ge=4800, le=4_000_000)] = 1_000_000
+    sweep_hz: Annotated[float, Meta(ge=0.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
+    setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
+    hold_s: Annotated[
+        float, Meta(ge=0.0, le=3600.0, description="how long servos hold that have no sender any more")
+    ] = 30.0
+    release_s: Annotated[
+        float, Meta(ge=0.1, le=60.0, description="how long letting go takes then; their torque fades")
+    ] = 5.0
+    on_close: Annotated[
+        Literal["hold", "release"],
+        Meta(description="when the driver ends in order: hold, then let go slowly; or at once"),
+    ] = "hold"
+    guard: bool = True
+    guard_silence_ms: Annotated[
+        int, Meta(ge=60, le=2000, description="while a servo has torque, a driver silent for longer is killed")
+    ] = 500
+
+
+class RegisterServosSettings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row may set whose servos tell their torque, their goal and their limits."""
+
+    sweep_hz: Annotated[float, Meta(ge=1.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
+    on_estop: Annotated[
+        Literal["hold", "release"], Meta(description="what the emergency stop does: hold still, or let go at once")
+    ] = "hold"
+
+
+def servos_kind(
+    name: str,
+    summary: str,
+    entry: str | type,
+    settings: type[ServosSettings],
+    *,
+    device: str = "",
+    outputs: Mapping[str, type[Struct]] = NO_PORTS,
+    commands: Mapping[str, type[Struct]] = NO_PORTS,
+    replies: Mapping[str, type[Struct]] = NO_PORTS,
+    roles: Mapping[str, Role] = NO_ROLES,
+) -> Kind:
+    """Return the kind of a driver of servos; its device rows are of type `device`, which is its name unless said."""
+    return Kind(
+        name=name,
+        summary=summary,
+        family="driver",
+        entry=entry,
+        settings=settings,
+        setpoints={"setpoint": ServoSetpoint},
+        outputs={"state": ServosState, **outputs},
+        commands={"recover": RecoverServos, **commands},
+        replies={"recover": CommandReply, **replies},
+        roles=roles,
+        moves=True,
+        device=device or name,
+        rows=("joint",),
+    )

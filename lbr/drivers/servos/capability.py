@@ -1,0 +1,259 @@
+"""A line of servos as a capability: setpoints in, coherent states out, and the last word on whether a servo has torque."""
+
+import queue
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from math import inf
+from typing import Any, Generic, Protocol, TypeVar
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Context, Device
+from lbr.drivers.guard import WOKEN, Guard
+from lbr.drivers.servos import ServosSettings
+from lbr.drivers.servos.gate import first, receive, strength, tick
+from lbr.errors import DeviceError
+from lbr.messages.servos import ServoPhase, ServoSetpoint
+
+SWITCH_S = 1e-4
+"""The loop's thread may keep the bus's thread waiting no longer than this."""
+PUBLISH_S = 0.1
+NAMED = 3
+LOST_S = 1.0
+"""A sender may stumble for so long before that is told."""
+S = TypeVar("S", bound=ServosSettings)
+
+
+class Session(Protocol):
+    """What lives as long as the line is open, as far as the capability needs it."""
+
+    @property
+    def guard(self) -> Guard | None:
+        """The guard, once there is one."""
+
+    @property
+    def turning(self) -> bool:
+        """Whether any servo has torque, or is getting it."""
+
+    @property
+    def failure(self) -> Exception | None:
+        """What ended the bus's thread."""
+
+    def beat(self) -> None:
+        """Start the guard once it is needed, and feed it."""
+
+    def judge(self) -> None:
+        """Tell of a bad line, now and then."""
+
+    def close(self, *, release: bool) -> None:
+        """Tell the servos to hold or release them, and close the line; what still has torque then is the guard's."""
+
+
+T = TypeVar("T", bound=Session)
+
+
+class Servos(Capability[S], ABC, Generic[S, T]):
+    """Applies fresh setpoints to the servos that the rows name; in every doubt they hold, and are let go slowly.
+
+    What all drivers of servos do alike. `RegisterServos` has the rest for servos whose registers can be read back; a
+    driver of others fills the abstract methods itself.
+    """
+
+    rate_hz = 100.0
+    warn_every_s = 0.0
+    """A warning that changes is told so rarely."""
+
+    def __init__(self, ctx: Context[S]) -> None:
+        super().__init__(ctx)
+        self._joints = {joint.device_id: joint.name for joint in ctx.joints}
+        self._gate = first(ctx.clock())
+        self._session: T | None = None
+        self._told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
+        self._left_on = self._lost = False
+        self._published = self._warned_at = -inf
+        self._shown: tuple[object, ...] = ()
+        self._warned: str | None = None
+
+    @abstractmethod
+    def connected(self, device: Device, servos: list[int]) -> T:
+        """Open the line of a device row for these servos; nothing is switched on, and nothing moves."""
+
+    @abstractmethod
+    def act(self, session: T, now: float) -> None:
+        """Tell the servos what follows from `self._gate` and the emergency stop, and acknowledge that."""
+
+    @abstractmethod
+    def publish_state(self, session: T | None, now: float, away: str = "") -> None:
+        """Publish the state; without a session say that the line is away, and why."""
+
+    @abstractmethod
+    def shown(self, session: T, now: float) -> tuple[object, ...]:
+        """Return all that is to be published at once when it changes."""
+
+    @abstractmethod
+    def unusable(self, session: T) -> str:
+        """Say which servos cannot be used, or nothing."""
+
+    @abstractmethod
+    def refuse_waiting(self, reason: str) -> None:
+        """Refuse the commands that wait for the line."""
+
+    def open(self) -> None:
+        """Open the line and begin to look for the servos; nothing is switched on, and nothing moves."""
+        settings = self.ctx.settings
+        if self.ctx.device is None:
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        if not self._joints:
+            raise DeviceError(f"'{self.ctx.name}' has no servos: the table joint has no rows for this robot; add them")
+        sys.setswitchinterval(SWITCH_S)
+        self._gate = first(self.ctx.clock())
+        self._session = self.connected(self.ctx.device, list(self._joints))
+        self._warned, self._warned_at = None, -inf
+
+    def step(self) -> None:
+        """Decide, tell the servos what follows, answer, and tell the others."""
+        session = self._session
+        assert session is not None
+        self.hear(session)
+        self._check_threads(session)
+        self.check(session, self.ctx.clock())
+        self._listen()
+        now, estop = self.ctx.clock(), self.ctx.estop
+        stopped = estop.reason if estop.engaged else None
+        self._gate = tick(self._gate, now, self.ctx.settings.setpoint_valid_s, self._gone(), stopped)
+        self.act(session, now)
+        session.beat()
+        session.judge()
+        self.answer(session)
+        if self.known():
+            self._tell_of_loss(session, now)
+            self._report(session, now)
+            self._publish_when_due(session, now)
+
+    def hear(self, session: T) -> None:
+        """Take in what the line said of itself."""
+
+    def check(self, session: T, now: float) -> None:
+        """Raise what ends the session."""
+
+    def answer(self, session: T) -> None:
+        """Answer the commands that waited for the line."""
+
+    def known(self) -> bool:
+        """Say whether anything can be said of who has torque."""
+        return True
+
+    def admit(self, setpoint: ServoSetpoint, arrived: float, now: float) -> None:
+        """Have the gate judge a setpoint of the wired source."""
+        self._gate = receive(self._gate, setpoint, arrived, now, self.ctx.settings.setpoint_valid_s)
+
+    def degraded(self, reason: str) -> None:
+        """Tell that the line is away."""
+        if self.ctx.estop.engaged:
+            self.ctx.estop.acknowledge(stopped=False, reason=reason)
+        self.refuse_waiting(reason)
+        self._publish(None, reason)
+
+    def close(self) -> None:
+        """Have the servos hold, or let them go, as the row says; then close the line. What has torque is the guard's."""
+        session, self._session = self._session, None
+        if session is not None:
+            self._left_on = session.turning
+            self.closing(session)
+            session.close(release=self.ctx.settings.on_close == "release")
+            self.closed(session)
+
+    def closing(self, session: T) -> None:
+        """Note what is to be known of a session that ends."""
+
+    def closed(self, session: T) -> None:
+        """Note what is to be known of a session that has ended."""
+
+    def named(self, servos: Sequence[int], what: str) -> str:
+        """Return a few of the servos by joint and number."""
+        some = ", ".join(f"{self._joints[servo]} (servo {servo})" for servo in servos[:NAMED])
+        return f"{what} {some}" + (f" and {len(servos) - NAMED} more" if len(servos) > NAMED else "")
+
+    def tell(self, kind: str, text: str, level: str) -> None:
+        """Keep an event for the loop's thread; from any thread."""
+        self._told.put((kind, text, level))
+
+    def phase(self, session: T | None, now: float) -> ServoPhase:
+        """Return what the servos do."""
+        return "released" if session is None or not session.turning else self.energised_phase(now)
+
+    def energised_phase(self, now: float) -> ServoPhase:
+        """Return what servos do that have torque."""
+        if self._gate.follows:
+            return "following"
+        return "releasing" if self._strength(now) < 1.0 else "holding"
+
+    def _check_threads(self, session: T) -> None:
+        failure = session.failure
+        if isinstance(failure, DeviceError):
+            raise failure
+        if failure is not None:
+            raise RuntimeError("the bus's thread ended") from failure
+        if session.guard is not None and not session.guard.standing:
+            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; opening anew")
+        if session.guard is not None and session.guard.woken():
+            self.ctx.event("guard", WOKEN, level="warning")
+
+    def _listen(self) -> None:
+        sources = self.ctx.sources("setpoint")
+        for received in self.ctx.take("setpoint"):
+            if received.source in sources:
+                self.admit(received.message, received.arrived, self.ctx.clock())
+
+    def _gone(self) -> str:
+        sources = self.ctx.sources("setpoint")
+        if not sources:
+            return "no source is wired to the setpoint"
+        return "" if any(self.ctx.alive(source) for source in sources) else f"'{sources[0]}' is not on the bus"
+
+    def _strength(self, now: float) -> float:
+        return strength(self._gate, now, self.ctx.settings.hold_s, self.ctx.settings.release_s)
+
+    def _tell_of_loss(self, session: T, now: float) -> None:
+        """Tell what becomes of servos that have no sender any more, and when it has."""
+        since, settings = self._gate.lost_since, self.ctx.settings
+        if since is None:
+            self._lost = False
+        elif not self._lost and session.turning and now - since >= LOST_S:
+            self._lost = True
+            left = f"hold for {max(0.0, settings.hold_s + since - now):.0f} s and are then let go"
+            text = f"{self._gate.reason}: the servos {left}; a motion or /torque/on keeps them"
+            self.ctx.event("mover_lost", text, level="warning")
+        elif self._lost and not session.turning:
+            self._lost = False
+            self.ctx.event("let_go", "nobody cared for the servos: they have no torque now", level="warning")
+
+    def _report(self, session: T, now: float) -> None:
+        while not self._told.empty():
+            kind, text, level = self._told.get()
+            self.ctx.event(kind, text, level=level)
+        wrong = self.unusable(session)
+        if wrong != self._warned and now - self._warned_at >= self.warn_every_s:
+            self._warned, self._warned_at = wrong, now
+            if wrong:
+                self.ctx.warn(wrong)
+            else:
+                self.ctx.ready()
+
+    def _publish_when_due(self, session: T, now: float) -> None:
+        shown = self.shown(session, now)
+        if shown != self._shown or now - self._published >= PUBLISH_S:
+            before, self._shown = self._shown, shown
+            self._publish(session)
+            self.published(session, before, now)
+
+    def published(self, session: T, before: tuple[object, ...], now: float) -> None:
+        """Publish what follows a state; `before` is what was shown until then."""
+
+    def _publish(self, session: T | None, away: str = "") -> None:
+        self._published = self.ctx.clock()
+        self.publish_state(session, self._published, away)
+
+    def common_state(self) -> dict[str, Any]:
+        """Return the fields of a state that come from the gate."""
+        return {"estop": self.ctx.estop.engaged, "halt": self._gate.halt or 0}

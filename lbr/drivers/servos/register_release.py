@@ -1,0 +1,57 @@
+"""What the guard of servos tells them whose torque, goal and limit can be read back; see `guard_release`."""
+
+from collections import deque
+from collections.abc import Collection
+from math import inf
+
+from lbr.drivers.servos.contract import ServoBus, ServoModel
+
+
+class RegisterRelease:
+    """Holds servos where they are, then fades the torque that they had."""
+
+    blind = False
+    least_hold_s = 0.0
+
+    def __init__(self, bus: ServoBus, model: ServoModel, servos: Collection[int]) -> None:
+        self._bus = bus
+        self._model = model
+        self._servos = servos
+        self._limits: dict[int, int] = {}
+        self._unheard = deque(servos)
+
+    def hold(self) -> bool:
+        """Give every servo that has torque the place where it is for its goal."""
+        self._hold(len(self._unheard))
+        return bool(self._limits) or 0 < len(self._unheard) < len(self._servos)
+
+    def keep(self) -> None:
+        """Do the same to one that was not heard yet; reading notices a line that is gone."""
+        self._bus.drain()
+        self._hold(1)
+
+    def prepare(self) -> float:
+        """Say that nothing has to be made ready."""
+        return 0.0
+
+    def fade(self, strength: float) -> None:
+        """Lower the torque limits."""
+        self._bus.write_limits({one: max(1, round(limit * strength)) for one, limit in self._limits.items() if limit})
+
+    def off(self) -> None:
+        """Take the torque of all, also of those that were never heard, but hear perhaps."""
+        self._bus.torque_off(self._servos)
+
+    def _hold(self, most: int) -> None:
+        goals = {}
+        for servo in [self._unheard.popleft() for _ in range(min(most, len(self._unheard)))]:
+            state = self._bus.read_state(servo, inf)
+            if state is None:
+                self._unheard.append(servo)
+                continue
+            motion, slow = state
+            if slow.enabled:
+                self._limits[servo] = slow.limit
+                if motion is not None:
+                    goals[servo] = self._model.holding_goal(motion.position, motion.speed, slow.goal)
+        self._bus.write_positions(goals)

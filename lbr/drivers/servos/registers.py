@@ -1,0 +1,167 @@
+"""Servos whose torque, goal and limits can be read back: what was told is made sure of, and told again until it is so."""
+
+from abc import abstractmethod
+from collections.abc import Callable
+from concurrent.futures import Future
+from math import inf
+from typing import Generic, TypeVar
+
+from lbr.capability.context import Call, Context, Device
+from lbr.drivers.servos import RegisterServosSettings
+from lbr.drivers.servos.bus_thread import READ, WRITE
+from lbr.drivers.servos.capability import Servos
+from lbr.drivers.servos.contract import B, ServoLink, Snapshot
+from lbr.drivers.servos.session import NOTABLE_BYTES, ServoSession
+from lbr.drivers.servos.view import servo_state, statistics
+from lbr.errors import DeviceError
+from lbr.messages.leases import CommandReply
+from lbr.messages.servos import RecoverServos, ServoPhase, ServosState
+
+SILENT_S = 1.5
+CONFIRM_S = 0.05
+S = TypeVar("S", bound=RegisterServosSettings)
+
+
+class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
+    """A driver adds `connect`."""
+
+    def __init__(self, ctx: Context[S]) -> None:
+        super().__init__(ctx)
+        self._recovering: list[tuple[Call, dict[int, Future[str]]]] = []
+        self._snapshot = Snapshot(0, -inf, {})
+        self._estopped = False
+        self._asked_at = -inf
+
+    @abstractmethod
+    def connect(self, device: Device, urgent: Callable[[], bool]) -> ServoLink[B]:
+        """Open the line of a device row. The bus asks `urgent` whether a stop waits; `self.tell` takes events."""
+
+    def connected(self, device: Device, servos: list[int]) -> ServoSession[S, B]:
+        """Open the line and begin to look for the servos."""
+        return ServoSession(self.ctx, servos, lambda urgent: self.connect(device, urgent), self.tell)
+
+    def check(self, session: ServoSession[S, B], now: float) -> None:
+        """Raise that no servo answers any more."""
+        seen = session.poller.snapshot.servos.values()
+        if now - max(session.opened, session.poller.heard) > SILENT_S and all(one.reason for one in seen):
+            settings, babble = self.ctx.settings, session.bus.counts.babble
+            said = f"babbles ({babble} bytes that mean nothing), and " if babble > NOTABLE_BYTES else ""
+            raise DeviceError(
+                f"device '{settings.device}': {said}none of its {len(self._joints)} servos answers; "
+                f"is their power on? Check the cable, and the row's baud ({settings.baud})"
+            )
+
+    def act(self, session: ServoSession[S, B], now: float) -> None:
+        """Tell the servos what follows from what was asked and from what they said last."""
+        if self.ctx.estop.engaged and self.ctx.settings.on_estop == "release" and session.turning:
+            session.targets.release("the emergency stop let it go; switch its torque off, then on")
+        snapshot = self._snapshot = session.poller.snapshot
+        session.targets.apply(self._gate, self._strength(now), snapshot)
+        self._heed_estop(session, now)
+
+    def known(self) -> bool:
+        """Say whether every servo was looked for; before, silence is all that can be said of who has torque."""
+        return self._snapshot.searched
+
+    def command(self, call: Call) -> None:
+        """Recover servos; the answer comes when all of them were tried."""
+        session, message = self._session, call.message
+        if not isinstance(message, RecoverServos):
+            super().command(call)
+            return
+        if session is None:
+            call.refuse(f"device '{self.ctx.settings.device}' is away")
+            return
+        unknown = [servo for servo in message.ids if servo not in self._joints]
+        if unknown:
+            call.refuse(f"no joint has servo {unknown[0]}; there are {', '.join(map(str, self._joints))}")
+            return
+        jobs = {}
+        for servo, out in session.targets.servos.items():
+            asked = out.latched and servo in (message.ids or self._joints)
+            job = session.link.recovery(servo) if asked else None
+            if job is not None:
+                jobs[servo] = session.thread.submit(job, WRITE)
+        if not jobs:
+            call.reply(CommandReply(accepted=True, reason="no servo has latched a fault"))
+            return
+        self._recovering.append((call, jobs))
+
+    def answer(self, session: ServoSession[S, B]) -> None:
+        """Answer the recoveries that are over."""
+        waiting = []
+        for call, jobs in self._recovering:
+            if not all(job.done() for job in jobs.values()):
+                waiting.append((call, jobs))
+                continue
+            failed = []
+            for servo, job in jobs.items():
+                wrong = "was not asked" if job.cancelled() else job.result()
+                if wrong:
+                    failed.append(f"{self._joints[servo]} (servo {servo}) {wrong}")
+                else:
+                    session.targets.recovered(servo)
+            if failed:
+                call.refuse("; ".join(failed))
+            else:
+                said = self.named(list(jobs), "recovered, without torque:")
+                call.reply(CommandReply(accepted=True, reason=said))
+        self._recovering = waiting
+
+    def refuse_waiting(self, reason: str) -> None:
+        """Refuse the recoveries that wait for the line."""
+        for call, _ in self._recovering:
+            call.refuse(reason)
+        self._recovering.clear()
+
+    def unusable(self, session: ServoSession[S, B]) -> str:
+        """Say which servos cannot be used, or nothing."""
+        snapshot = session.poller.snapshot
+        away = [servo for servo, seen in snapshot.servos.items() if seen.reason]
+        return self.named(away, "cannot be used:") if away else ""
+
+    def shown(self, session: ServoSession[S, B], now: float) -> tuple[object, ...]:
+        """Return all that is to be published at once when it changes."""
+        gate = self._gate
+        return self._snapshot.sweep, self.phase(session, now), gate.reason, self.ctx.estop.engaged, gate.halt
+
+    def publish_state(self, session: ServoSession[S, B] | None, now: float, away: str = "") -> None:
+        """Publish one coherent look at all servos, or that the line is away."""
+        if session is None:
+            phase: ServoPhase = "holding" if self._left_on else "released"
+            state = ServosState(
+                sweep=0, measured_s=now, armed=False, phase=phase, servos=(), reason=away, **self.common_state()
+            )
+            self.ctx.publish("state", state)
+            return
+        snapshot, model = self._snapshot, session.link.model
+        servos = session.targets.servos.values()
+        state = ServosState(
+            sweep=snapshot.sweep,
+            measured_s=snapshot.ended if snapshot.sweep else now,
+            armed=not (self._gate.estop or self._gone()),
+            phase=self.phase(session, now),
+            servos=tuple(servo_state(out, snapshot.servos[out.id], model, now) for out in servos),
+            reason=self._gate.reason,
+            bus=statistics(session.bus, snapshot),
+            **self.common_state(),
+        )
+        self.ctx.publish("state", state)
+
+    def _heed_estop(self, session: ServoSession[S, B], now: float) -> None:
+        """Acknowledge when every servo was read to hold where it is, or to be without torque."""
+        estop = self.ctx.estop
+        if not estop.engaged:
+            if self._estopped:
+                self._estopped = False
+                estop.acknowledge(stopped=False, reason="released")
+            return
+        self._estopped = True
+        released = self.ctx.settings.on_estop == "release"
+        left = session.targets.unconfirmed(self._snapshot, released=released)
+        if left and now - self._asked_at >= CONFIRM_S:
+            self._asked_at = now
+            session.thread.submit(lambda _bus: session.poller.look(left), READ, key="confirm")
+        known = self._snapshot.searched
+        why = self.named(left, "not confirmed by") if left else "" if known else "the servos are still being looked for"
+        estop.acknowledge(stopped=known and not left, reason=why)
