@@ -27,7 +27,7 @@ from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.executive.profile import Profile
 from lbr.executive.reports import NAMES as REPORTS
 from lbr.executive.wiring import EXECUTIVE_VERBS, least_roles
-from lbr.messages import system
+from lbr.messages import codes, system
 from lbr.messages.system import higher
 from lbr.simulation import faults
 
@@ -62,6 +62,7 @@ def pages() -> dict[str, str]:
         "console.md": HEAD + console_page(sql),
         "settings.md": HEAD + settings_page(kinds()),
         "cli.md": HEAD + cli_page(),
+        "codes.md": HEAD + codes_page(),
     }
 
 
@@ -145,6 +146,23 @@ def _checked(rules: str) -> str:
         if depth == 0:
             return " ".join(rules[begin:place].split())
     return ""
+
+
+# -- codes ------------------------------------------------------------------------------------------------------------
+
+
+def codes_page() -> str:
+    """Return the reference of why something is refused, ended or lost."""
+    rows = [(f"`{code}`", meaning) for code, meaning in codes.MEANINGS.items()]
+    return (
+        "# Codes\n\n"
+        "Every refusal, result, loss and event that tells a reason carries one of these as `code` beside its sentence; the "
+        "result of a console line, whose `code` is the exit code, as `reason_code`. Where two things are told, `cause` is "
+        "the second: of `dead_lease`, how that lease ended.\n\n"
+        "A program reads the code, a person the sentence. A code keeps its meaning for ever, and new ones are added: treat "
+        "one that you do not know like `refused`, or like `failed` if it tells how something ended.\n\n"
+        + _table(("code", "meaning"), rows)
+    )
 
 
 # -- structs ----------------------------------------------------------------------------------------------------------

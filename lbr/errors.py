@@ -1,5 +1,10 @@
 """The errors people handle. Each says what is wrong, where, and what to do; the rest are bugs and crash loudly."""
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lbr.messages.codes import Code
+
 
 class LbrError(Exception):
     """Any error lbr raises for people to read."""
@@ -7,6 +12,8 @@ class LbrError(Exception):
 
 class DeviceError(LbrError, OSError):
     """A device is missing, busy, wrong or silent; its capability goes degraded and tries again."""
+
+    code: "Code" = "unreachable"
 
 
 class RowError(LbrError, ValueError):
@@ -18,7 +25,11 @@ class RowError(LbrError, ValueError):
 
 
 class InputError(LbrError, ValueError):
-    """A line, option or file from a person that cannot be understood; the text says what is allowed."""
+    """A line, option or file from a person that cannot be understood; the text says what is allowed, `code` why not."""
+
+    def __init__(self, text: str, code: "Code" = "bad_value") -> None:
+        super().__init__(text)
+        self.code: Code = code
 
 
 class MalformedError(LbrError, ValueError):

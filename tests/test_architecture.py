@@ -30,7 +30,7 @@ GROUND = {"errors", "messages"}
 BUS = GROUND | {"bus"}
 CAPABILITY = BUS | {"capability", "ownership"}
 FLOORS = {
-    "errors": set(),
+    "errors": {"messages"},
     "messages": {"messages"},
     "ownership": {"errors"},
     "home": {"errors", "ownership"},

@@ -33,7 +33,7 @@ class Capability(Generic[S]):
 
     def command(self, call: Call) -> None:
         """Answer a command with `call.reply`, now or in a later step."""
-        call.refuse(f"{call.name} is not understood here")
+        call.refuse(f"{call.name} is not understood here", "unknown_command")
 
     def degraded(self, reason: str) -> None:
         """Tell the others that the device is away; called when it goes and every half second until it is back."""

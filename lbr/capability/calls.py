@@ -5,17 +5,19 @@ from math import nan
 from typing import Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.bus import stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
-from lbr.messages.leases import CommandReply
+from lbr.messages.codes import Code, Reason
+from lbr.messages.leases import CommandReply, refused
 
 UNSTAMPED = "a bus client"
 
 
 class BusCall:
-    """A command from the bus, query or `put`; refusals are told to `refused(source, reason)` as well.
+    """A command from the bus, query or `put`; refusals are told to `refused(source, reply)` as well.
 
     `away` says that the robot runs on another machine than this process: what it sends comes from there too.
     """
@@ -26,7 +28,7 @@ class BusCall:
         message: Any,
         request: wire.Request,
         owner: str,
-        refused: Callable[[str, str], None],
+        refused: Callable[[str, CommandReply], None],
         *,
         away: bool = False,
     ) -> None:
@@ -46,13 +48,15 @@ class BusCall:
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
         """Answer, once. A refusal is an event too, unless it is `quiet` and somebody waits for the answer."""
+        if getattr(answer, "accepted", True) is False and not getattr(answer, "code", "refused"):
+            answer = replace(answer, code="refused")
         if isinstance(answer, CommandReply) and not answer.accepted and not (quiet and self._request.answerable):
-            self._refused(self.source, answer.reason)
+            self._refused(self.source, answer)
         self._request.reply(answer, self._owner)
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, reason: str | Reason, code: Code = "refused") -> None:
         """Answer that the command is not accepted, and why."""
-        self.reply(CommandReply(accepted=False, reason=reason))
+        self.reply(refused(reason if isinstance(reason, Reason) else Reason(code, reason)))
 
 
 class Answers:

@@ -7,6 +7,7 @@ from typing import Any, Protocol, TypeVar
 from msgspec import Struct
 
 from lbr.capability.config import LanUser
+from lbr.messages.codes import Code, Reason
 from lbr.messages.dance import DanceStep
 from lbr.messages.faces import Button, EditCommand, Motor
 from lbr.messages.joints import CapturedFrame, Joint, Motion
@@ -48,8 +49,8 @@ class Call(Protocol):
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
         """Answer, once. A refusal is an event too, unless it is `quiet` and somebody waits for the answer."""
 
-    def refuse(self, reason: str) -> None:
-        """Answer `{"accepted": false, "reason": …}`."""
+    def refuse(self, reason: str | Reason, code: Code = "refused") -> None:
+        """Answer `{"accepted": false, "reason": …, "code": …}`; a `Reason` brings its own code."""
 
 
 class Asked(Protocol):
@@ -148,8 +149,17 @@ class Context(Protocol[S_co]):
         The loop wakes on answers.
         """
 
-    def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
-        """Publish on `@event`; the executive writes it down."""
+    def event(
+        self,
+        kind: str,
+        text: str,
+        *,
+        level: str = "info",
+        data: dict[str, Any] | None = None,
+        code: str = "",
+        about: str = "",
+    ) -> None:
+        """Publish on `@event`; the executive writes it down. `code` says why, `about` whose command or motion it concerns."""
 
     def engage_estop(self, reason: str) -> None:
         """Latch the emergency stop of everything that moves; whoever moves hears it past the executive."""

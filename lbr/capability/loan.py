@@ -8,7 +8,8 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.capability.context import Asked
-from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
+from lbr.messages.codes import Reason
+from lbr.messages.leases import CommandReply, StopCommand
 
 RENEW_S = 0.1
 SILENT_S = 0.5
@@ -40,10 +41,10 @@ class Lender:
 
 
 class Loan:
-    """A lease. `ended` says why it is no more, or nothing; `granted` is the answer to what it was asked for."""
+    """A lease. `ended` says why it is no more, if it is; `granted` is the answer to what it was asked for."""
 
     def __init__(self, ctx: Asking, lender: Lender, first: Struct) -> None:
-        self.ended = ""
+        self.ended: Reason | None = None
         self.granted: CommandReply | None = None
         self._ctx = ctx
         self._lender = lender
@@ -75,7 +76,7 @@ class Loan:
             self._asked.remove(asked)
             self._read(asked)
         if self.holds and not self._unheard_s <= SILENT_S:
-            self.ended = self._lender.silent
+            self.ended = Reason("unreachable", self._lender.silent)
 
     def send(self, message: Struct) -> Asked | None:
         """Renew or change the motion; None if too much waits for answers, and nothing was sent."""
@@ -91,7 +92,7 @@ class Loan:
         """Halt what was borrowed, if it is still ours to halt or may become so; `lost`: whoever wanted it is gone."""
         if not self.ended:
             self._halt(why, lost=lost)
-            self.ended = "released"
+            self.ended = Reason("cancelled", "released")
 
     def _take(self, taking: Asked) -> None:
         answers = taking.answers()
@@ -101,13 +102,14 @@ class Loan:
         reply = next(iter(answers.values()), None)
         if len(answers) != 1:
             lender = self._lender
-            self.ended = (
-                f"'{lender.motion}' must be wired to one {lender.kind} by a channel row, and is to {len(answers)}"
+            self.ended = Reason(
+                "wiring",
+                f"'{lender.motion}' must be wired to one {lender.kind} by a channel row, and is to {len(answers)}",
             )
         elif not isinstance(reply, CommandReply):
-            self.ended = f"'{next(iter(answers))}' does not answer"
+            self.ended = Reason("unreachable", f"'{next(iter(answers))}' does not answer")
         elif not (reply.accepted and reply.lease):
-            self.ended = reply.reason or "it was refused without a reason"
+            self.ended = reply.why
         else:
             self.granted, self._unheard_s = reply, 0.0
 
@@ -116,13 +118,13 @@ class Loan:
             if isinstance(reply, CommandReply):
                 self._unheard_s = 0.0
                 if not reply.accepted:
-                    self._refused(reply.reason or "it was refused without a reason")
+                    self._refused(reply)
 
-    def _refused(self, why: str) -> None:
+    def _refused(self, reply: CommandReply) -> None:
         """Give up; a refused change leaves the motion at what was before, which nobody wants any more."""
-        if not self.ended and not why.startswith(DEAD_LEASE):
-            self._halt(why)
-        self.ended = self.ended or why.removeprefix(DEAD_LEASE)
+        if not self.ended and reply.code != "dead_lease":
+            self._halt(reply.why.text)
+        self.ended = self.ended or reply.why
 
     def _halt(self, why: str, *, lost: bool = False) -> None:
         self._ctx.ask(self._lender.halt, StopCommand(reason=why[:LONGEST_REASON], lost=lost), ANSWER_S)

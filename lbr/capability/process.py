@@ -153,7 +153,7 @@ class Process:
                 tell = time.monotonic() + TELL_DEGRADED_S
                 capability.degraded(reason)
             for call in ctx.calls():
-                call.refuse(f"{ctx.name}: {reason}")
+                call.refuse(f"{ctx.name}: {reason}", "unreachable")
             self._reporter.beat(ctx.counts())
             self._wake.wait(min(until - time.monotonic(), BEAT_S))
 

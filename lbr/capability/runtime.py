@@ -21,6 +21,7 @@ from lbr.capability.kind import STOP, Kind
 from lbr.capability.reporter import Reporter
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
+from lbr.messages.codes import Code
 from lbr.messages.drive import CheckVerdict
 from lbr.messages.faces import EditCommand
 from lbr.messages.joints import CapturedFrame, with_frame
@@ -38,7 +39,7 @@ class Port:
         wires: tuple[InputWire, ...],
         kind: type[Struct],
         wake: Callable[[], None] | None,
-        complain: Callable[[str, str], None],
+        complain: Callable[[str, str, Code, str], None],
     ) -> None:
         self.sources = tuple(wire.source for wire in wires)
         self.last: Received | None = None
@@ -75,10 +76,11 @@ class Port:
         source = found.source if found is not None else UNSTAMPED
         if feed.seal:
             if not stamp.genuine(found, raw.payload, bytes.fromhex(feed.seal)) or found is None:
-                self._complain(feed.key, f"'{source}' is not wired to {feed.key}; only '{feed.source}' may write it")
+                why = f"'{source}' is not wired to {feed.key}; only '{feed.source}' may write it"
+                self._complain(feed.key, why, "denied", source)
                 return None
             if not self._dates[feed.key].newer(found):
-                self._complain(feed.key, f"a message on {feed.key} came twice or out of order")
+                self._complain(feed.key, f"a message on {feed.key} came twice or out of order", "repeated", source)
                 return None
         if feed.rate_hz is not None:
             if now < self._next.get(feed.key, now):
@@ -88,7 +90,9 @@ class Port:
             message = self._decoder.decode(raw.payload)
             return Received(message, found, self._dates[feed.key].sent_s(found, raw.arrived), source)
         except MalformedError as err:
-            self._complain(feed.key, f"a message on {feed.key} from '{source}' is malformed: {err}")
+            self._complain(
+                feed.key, f"a message on {feed.key} from '{source}' is malformed: {err}", "malformed", source
+            )
             return None
 
 
@@ -211,12 +215,30 @@ class ProcessContext:
         }
         return Answers(questions, Decoder(self._kind.replies.get(request, CheckVerdict)))
 
-    def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
+    def event(
+        self,
+        kind: str,
+        text: str,
+        *,
+        level: str = "info",
+        data: dict[str, Any] | None = None,
+        code: str = "",
+        about: str = "",
+    ) -> None:
         """Publish on `@event`, unless there were too many of this kind; those are counted and told together."""
         if not self._throttle.take(kind, time.monotonic()):
             return
         safe = level if level in {"info", "warning", "error"} else "info"
-        event = Event(kind=kind, subject=self.name, text=text, level=safe, wall_ns=time.time_ns(), data=data or {})  # type: ignore[arg-type]
+        event = Event(
+            kind=kind,
+            subject=self.name,
+            text=text,
+            level=safe,  # type: ignore[arg-type]
+            wall_ns=time.time_ns(),
+            data=data or {},
+            code=code,
+            about=about,
+        )
         self._events.put(event)
 
     def tell_missed(self) -> None:
@@ -268,7 +290,9 @@ class ProcessContext:
         for name, (served, _) in self._commands.items():
             if served.dropped > self._dropped.get(name, 0):
                 self._dropped[name] = served.dropped
-                self._refused(served.key, f"too many commands at once on {served.key}; {served.dropped} were dropped")
+                self._refused(
+                    served.key, f"too many commands at once on {served.key}; {served.dropped} were dropped", "busy"
+                )
             for request in served.take():
                 if overtaken and name != STOP:
                     yield from (call for stop in self._commands[STOP][0].take() for call in self._call(STOP, stop))
@@ -281,13 +305,13 @@ class ProcessContext:
             None,
             request,
             self.name,
-            lambda who, why: self._refused(who, f"{who}: {why}"),
+            lambda who, reply: self._refused(who, f"{who}: {reply.reason}", reply.code, about=who),
             away=bool(self.config.host),
         )
         try:
             call.message = _read(name, request.payload, self._commands[name][1])
         except MalformedError as err:
-            call.refuse(f"malformed command: {err}")
+            call.refuse(f"malformed command: {err}", "malformed")
             return []
         return [call]
 
@@ -300,13 +324,13 @@ class ProcessContext:
         self.estop.close()
         self._bus.close()
 
-    def _refused(self, about: str, text: str) -> None:
+    def _refused(self, key: str, text: str, code: str, about: str = "") -> None:
         now = time.monotonic()
-        if now >= self._complained.get(about, 0.0):
+        if now >= self._complained.get(key, 0.0):
             if len(self._complained) > 256:
                 self._complained.clear()
-            self._complained[about] = now + 1 / COMPLAINTS_PER_S
-            self.event("refused", text, level="warning")
+            self._complained[key] = now + 1 / COMPLAINTS_PER_S
+            self.event("refused", text, level="warning", data={"key": key}, code=code, about=about)
 
 
 def _subscribe(

@@ -76,7 +76,9 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
     with opened(database or home.default_database()) as rows:
         names = rows.robots()
         if robot is not None and robot not in names:
-            raise InputError(f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}")
+            raise InputError(
+                f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}", "unknown_name"
+            )
         all_rows = loaded(rows, [name for name in names if robot in {None, name}])
         both = {name: judged(of_robot) for name, of_robot in all_rows.items()}
         problems = {name: bad for name, (bad, _) in both.items()}

@@ -63,7 +63,7 @@ def export(name: str, robot: str | None, path: Path | None, database: Path | Non
             (one, motion) for one in _robots(rows, robot) for motion in _motions(rows.load(one)) if motion.name == name
         ]
     if not found:
-        raise InputError(f"there is no motion '{name}'; 'lbr motion list' shows them")
+        raise InputError(f"there is no motion '{name}'; 'lbr motion list' shows them", "unknown_name")
     if len(found) > 1:
         raise InputError(f"{' and '.join(one for one, _ in found)} have a motion '{name}'; say which with --robot NAME")
     content = motion_files.exported(*found[0])
@@ -197,7 +197,7 @@ def _robots(opened: "Database", robot: str | None) -> tuple[str, ...]:
 
     names = opened.robots()
     if robot is not None and robot not in names:
-        raise InputError(f"there is no robot '{robot}' in {opened.path}: {', '.join(names) or 'none'}")
+        raise InputError(f"there is no robot '{robot}' in {opened.path}: {', '.join(names) or 'none'}", "unknown_name")
     return names if robot is None else (robot,)
 
 

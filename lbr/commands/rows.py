@@ -16,7 +16,7 @@ def opened(path: Path) -> "Database":
     from lbr.database import store  # noqa: PLC0415 - SQLAlchemy is for those who read rows
 
     if not path.exists():
-        raise InputError(f"there is no database {path}; 'lbr db init' makes one")
+        raise InputError(f"there is no database {path}; 'lbr db init' makes one", "unknown_name")
     return store.Database.open(path)
 
 

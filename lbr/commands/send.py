@@ -52,7 +52,17 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
         finally:
             said.close()
     if as_json:
-        print_json({"code": code, "text": result.text, "data": result.data, "ending": ending})
+        print_json(
+            {
+                "code": code,
+                "text": result.text,
+                "reason_code": result.reason_code,
+                "cause": result.cause,
+                "data": result.data,
+                "ending": ending.text if ending else "",
+                "ending_code": ending.code if ending else "",
+            }
+        )
     elif ending:
-        click.echo(printable.one_line(ending), err=code != 0)
+        click.echo(printable.one_line(ending.text), err=code != 0)
     return code

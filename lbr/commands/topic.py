@@ -271,5 +271,7 @@ def _refusal(raw: "Raw", key: str, source: str) -> str:
     if not isinstance(value, dict) or value.get("kind") != "refused":
         return ""
     text = str(value.get("text", ""))
-    ours = key.partition("/")[2].partition("/")[0] == value.get("subject") or source in text or key in text
+    data = value.get("data")
+    here = isinstance(data, dict) and data.get("key") == key
+    ours = here or key.partition("/")[2].partition("/")[0] == value.get("subject") or value.get("about") == source
     return f"{value.get('subject', '')}: {text}" if ours else ""

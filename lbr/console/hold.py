@@ -11,8 +11,9 @@ from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console.ear import Ear
 from lbr.errors import BusError, MalformedError
+from lbr.messages.codes import Code, Reason
 from lbr.messages.drive import GoalResult
-from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.system import Hold
 
 PERIOD_S = 0.1
@@ -27,10 +28,11 @@ _results = Decoder(GoalResult)
 
 
 class Ending(msgspec.Struct, frozen=True, kw_only=True):
-    """How a held motion ended: `good` if it was meant to end so."""
+    """How a held motion ended, for people and by its code: `good` if it was meant to end so."""
 
     good: bool
     text: str
+    code: str = ""
 
 
 class Holder:
@@ -63,7 +65,7 @@ class Holder:
         self._payload = wire.encode(hold.payload)
         self._asked: list[wire.Question] = []
         self._answered = self._started
-        self._refused = ""
+        self._refused: Reason | None = None
         self._refused_at = 0.0
         self._thread = threading.Thread(target=self._run, name="hold", daemon=True)
 
@@ -78,12 +80,12 @@ class Holder:
 
     def release(self, why: str = "released") -> None:
         """Cease to renew and stop the motion; return once it is acknowledged, or after a second."""
-        self.drop(why)
+        self.drop(why, "stopped")
         stop(self._session, self.hold.stop_key, self._source, why)
 
-    def drop(self, why: str = "superseded") -> None:
+    def drop(self, why: str = "superseded", code: Code = "superseded") -> None:
         """Cease to renew, without a stop: another command has taken over."""
-        self._end(Ending(good=True, text=why))
+        self._end(Ending(good=True, text=why, code=code))
 
     def wait(self, timeout_s: float | None = None) -> Ending | None:
         """Wait for the end; None if it still goes on."""
@@ -99,7 +101,9 @@ class Holder:
         try:
             self._renew_until_ended()
         except Exception as err:  # noqa: BLE001 - whoever waits for the end must be told
-            self._end(Ending(good=False, text=f"the bus is gone ({err}); the robot has stopped by itself"))
+            self._end(
+                Ending(good=False, text=f"the bus is gone ({err}); the robot has stopped by itself", code="unreachable")
+            )
 
     def _renew_until_ended(self) -> None:
         hold = self.hold
@@ -126,7 +130,7 @@ class Holder:
                 results.close()
 
     def _give_up(self, why: str) -> None:
-        self._end(Ending(good=False, text=f"stopped: {why}"))
+        self._end(Ending(good=False, text=f"stopped: {why}", code="holder_gone"))
         stop(self._session, self.hold.stop_key, self._source, why)
 
     def _renew(self) -> None:
@@ -156,7 +160,7 @@ class Holder:
         if reply.accepted:
             self._answered = self._clock()
         elif not self._refused:
-            self._refused, self._refused_at = reply.reason.removeprefix(DEAD_LEASE) or "refused", self._clock()
+            self._refused, self._refused_at = reply.why, self._clock()
             if self.hold.goal:
                 self._ask_result()
 
@@ -166,18 +170,20 @@ class Holder:
         except MalformedError:
             return
         if result.goal == self.hold.goal:
-            self._end(Ending(good=result.result in {"reached", "interval"}, text=describe(result)))
+            self._end(Ending(good=result.result in {"reached", "interval"}, text=describe(result), code=result.code))
 
     def _check_time(self) -> None:
         now = self._clock()
         if self._refused and (not self.hold.goal or now > self._refused_at + RESULT_WAIT_S):
-            self._end(Ending(good=False, text=self._refused))
+            self._end(Ending(good=False, text=self._refused.text, code=self._refused.code))
         elif not now <= self._answered + self.hold.ttl_s + SILENCE_S:
-            self._end(Ending(good=False, text="the robot does not answer; it has stopped by itself"))
+            self._end(
+                Ending(good=False, text="the robot does not answer; it has stopped by itself", code="unreachable")
+            )
         elif not self.elapsed_s <= self.hold.max_run_s and self.ending is None:
             text = f"stopped after {self.hold.max_run_s:g} s, the longest one line may move"
             stop(self._session, self.hold.stop_key, self._source, text)
-            self._end(Ending(good=True, text=text))
+            self._end(Ending(good=True, text=text, code="time_over"))
 
     def _end(self, ending: Ending) -> None:
         with self._lock:

@@ -203,17 +203,20 @@ def show(result: ConsoleResult, out: IO[str], err: IO[str]) -> None:
 Announce = Callable[[ConsoleResult], None]
 
 
-def say_once(operator: Operator, line: str, *, hold_s: float, announce: Announce) -> tuple[ConsoleResult, int, str]:
+def say_once(
+    operator: Operator, line: str, *, hold_s: float, announce: Announce
+) -> tuple[ConsoleResult, int, Ending | None]:
     """Say one line and see its motion to the end; return its result, the exit code, and how a motion ended."""
     result = operator.submit(line)
     announce(result)
     held = operator.latest()
     if held is None or held.hold is not result.hold:
-        return result, result.code, ""
+        return result, result.code, None
     until = time.monotonic() + (hold_s if not held.hold.goal else math.inf)
     while (ending := held.wait(min(POLL_S, max(0.0, until - time.monotonic())))) is None and time.monotonic() < until:
         operator.ear.beat()
     if ending is None:
         operator.release(f"the {hold_s:g} s are over")
-        return result, result.code, f"stopped after {held.elapsed_s:.1f} s"
-    return result, (result.code if ending.good else FAILED), ending.text
+        text = f"stopped after {held.elapsed_s:.1f} s"
+        return result, result.code, Ending(good=True, text=text, code="stopped")
+    return result, (result.code if ending.good else FAILED), ending

@@ -18,7 +18,6 @@ from lbr.console.printable import clean
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
 from lbr.messages.joints import JointsState
-from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.motors import MotorsState
 from lbr.messages.power import PowerState
 from lbr.messages.sensing import Ranges
@@ -89,7 +88,7 @@ def is_stop(line: str) -> bool:
 
 def stopped_since(result: ConsoleResult) -> bool:
     """Say whether a line was refused because another stopped the robot after it was typed or written."""
-    return result.code != 0 and result.text.startswith(STOPPED_SINCE)
+    return result.reason_code == "stopped_since"
 
 
 class BusOperator:
@@ -139,9 +138,8 @@ class BusOperator:
         began = time.monotonic()
         if is_stop(line):
             self._cease()
-        self._news.said(line)
         result = self._submit(line, waited_s)
-        self._news.answered(result.text)
+        self._news.answered(result)
         late_s = time.monotonic() - began
         if result.hold is not None and not late_s < LATE_ANSWER_S:
             return self._too_late(result.hold, late_s)
@@ -223,11 +221,13 @@ class BusOperator:
         """What somebody wanted a while ago may be wrong by now."""
         stop(self._session, hold.stop_key, self._source, "the answer came too late")
         return ConsoleResult(
-            code=1, text=f"the answer came {late_s:.1f} s after the line, so nothing moves; say it again"
+            code=1,
+            text=f"the answer came {late_s:.1f} s after the line, so nothing moves; say it again",
+            reason_code="late",
         )
 
     def _ended(self, line: str, ending: Ending) -> None:
-        expected = ending.text == "superseded" or time.monotonic() < self._quiet_until
+        expected = ending.code == "superseded" or time.monotonic() < self._quiet_until
         if not expected:
             self.on_end(line, ending)
 

@@ -107,7 +107,7 @@ def choose(topics: Iterable[Topic], name: str) -> Topic:
     """Return the topic of that name; InputError names those there are."""
     known = {topic.name: topic for topic in topics}
     if name not in known:
-        raise InputError(f"there is no '{shown(name)}'; there are {listed(list(known), 'and')}")
+        raise InputError(f"there is no '{shown(name)}'; there are {listed(list(known), 'and')}", "unknown_name")
     return known[name]
 
 

@@ -89,7 +89,7 @@ def _kept(path: Path, *, digested: bool) -> tuple[Copy, ...]:
 def copy_whole(source: Path, target: Path) -> None:
     """Write a whole copy, readable by its owner alone, that is on the disk on return."""
     if not source.exists():
-        raise InputError(f"there is no {source} to copy from")
+        raise InputError(f"there is no {source} to copy from", "unknown_name")
     os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600))
     with sentences(source), connect(source) as connection:
         run(connection, "VACUUM INTO ?", str(target))

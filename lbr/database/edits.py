@@ -12,6 +12,7 @@ from lbr.database.models import BUTTON, MOTION, MOTION_STEP, MOTOR
 from lbr.database.rows import RevisionRow
 from lbr.database.tables import KEYS, RawRow, RawTables
 from lbr.errors import InputError
+from lbr.messages.codes import Code
 from lbr.messages.faces import Button, EditCommand, Motor
 from lbr.messages.joints import Motion
 
@@ -72,19 +73,23 @@ def write(connection: Connection, robot: str, edit: EditCommand) -> None:
 def _refuse(row: Any, label: str, there: RawRow | None, edit: EditCommand, *, newer: bool) -> None:
     """Raise InputError if a row may not be written."""
     stored = isinstance(row, Motion) and (row.slot, row.slot_s, row.limp) != (None, None, False)
-    whys = {
-        f"{label} is there already": edit.create and there is not None,
-        f"there is no {label}": not edit.create and there is None,
-        f"{label} is built in, and stays as it is": row.builtin or (there is not None and there.get("builtin") != 0),
-        f"{label} would be in a slot: what the controller keeps is entered at the robot itself": stored,
-        f"{label} is in a slot, kept by the controller: its row is edited at the robot itself": (
+    whys: dict[tuple[str, Code], bool] = {
+        (f"{label} is there already", "exists"): edit.create and there is not None,
+        (f"there is no {label}", "unknown_name"): not edit.create and there is None,
+        (f"{label} is built in, and stays as it is", "read_only"): row.builtin
+        or (there is not None and there.get("builtin") != 0),
+        (
+            f"{label} would be in a slot: what the controller keeps is entered at the robot itself",
+            "not_possible",
+        ): stored,
+        (f"{label} is in a slot, kept by the controller: its row is edited at the robot itself", "read_only"): (
             there is not None and there.get("slot") is not None
         ),
-        f"{label} has no key frames": isinstance(row, Motion) and not row.frames,
-        f"{label} has changed since revision {edit.revision}: look at it again": newer,
+        (f"{label} has no key frames", "bad_value"): isinstance(row, Motion) and not row.frames,
+        (f"{label} has changed since revision {edit.revision}: look at it again", "changed"): newer,
     }
-    if why := next((text for text, holds in whys.items() if holds), ""):
-        raise InputError(why)
+    if why := next((why for why, holds in whys.items() if holds), None):
+        raise InputError(*why)
 
 
 def _parts(edit: EditCommand) -> tuple[tuple[_Kind, Sequence[Any]], ...]:

@@ -97,7 +97,7 @@ def within_limits(motion: Motion, joints: Iterable[JointRow], *, clip: bool) -> 
     """Return the motion with every angle within its joint's limits, and how many were cut; InputError unless `clip`."""
     rows = {row.name: row for row in joints}
     for name in (name for frame in motion.frames for name in frame.positions if name not in rows):
-        raise InputError(f"there is no joint '{name}' here: there are {', '.join(rows) or 'none'}")
+        raise InputError(f"there is no joint '{name}' here: there are {', '.join(rows) or 'none'}", "unknown_name")
     beyond = [
         (rows[name], angle)
         for frame in motion.frames

@@ -41,4 +41,4 @@ def revoke(connection: Connection, name: str, now: str) -> None:
     """Take a token's rights away; raise InputError if there is none of this name that has any."""
     valid = (USER_TOKEN.c.name == name) & USER_TOKEN.c.revoked_at.is_(None)
     if connection.execute(update(USER_TOKEN).where(valid).values(revoked_at=now)).rowcount != 1:
-        raise InputError(f"there is no token '{name}' that could be revoked")
+        raise InputError(f"there is no token '{name}' that could be revoked", "unknown_name")

@@ -22,9 +22,10 @@ from lbr.executive import reports
 from lbr.executive.choices import choices
 from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
+from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.joints import JointMove, JointsCommand, PlayCommand
-from lbr.messages.leases import DEAD_LEASE, STOPPED_SINCE, StopCommand
+from lbr.messages.leases import STOPPED_SINCE, StopCommand
 from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
@@ -109,39 +110,41 @@ class Dispatcher:
             said_s = time.monotonic() if sent_s is None else sent_s
             return self._run(parsed, _Speaker(source, role, local, said_s, afar, waited_s), clean(line))
         except InputError as err:
-            return ConsoleResult(code=BAD_INPUT, text=str(err))
+            return ConsoleResult(code=BAD_INPUT, text=str(err), reason_code=err.code)
         except LbrError as err:
-            return ConsoleResult(code=FAILED, text=str(err))
+            return ConsoleResult(code=FAILED, text=str(err), reason_code="failed")
         except Exception as err:  # noqa: BLE001 - a fault in one word must not silence the others
             traceback.print_exception(err)
-            return ConsoleResult(code=FAILED, text=f"this word is broken: {type(err).__name__}: {err}")
+            return ConsoleResult(
+                code=FAILED, text=f"this word is broken: {type(err).__name__}: {err}", reason_code="failed"
+            )
 
     def _run(self, parsed: Parsed, by: _Speaker, line: str) -> ConsoleResult:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
         if why := _not_allowed(needed, by) or self._too_late(parsed, needed, by):
-            return ConsoleResult(code=FAILED, text=why)
+            return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
         if by.afar and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.told, line[:MOST_RECORDED])
         if isinstance(parsed, ExternalStop):
-            return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told))
+            return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told, by.source))
         if isinstance(parsed, ExternalCall):
-            return self._robot.run_external(parsed, by.told)
+            return self._robot.run_external(parsed, by.told, by.source)
         if parsed.capability == "executive":
             return self._built_in[parsed.command](parsed, by)
         return self._ask(parsed, by)
 
-    def _too_late(self, parsed: Parsed, needed: Role, by: _Speaker) -> str:
+    def _too_late(self, parsed: Parsed, needed: Role, by: _Speaker) -> Reason | None:
         """Return why a line that waited does nothing any more: another stopped the robot in the meantime.
 
         Each mover knows this of motion; here it holds for programs and whatever else may come to move something.
         """
         ends = isinstance(parsed, ExternalStop) or (isinstance(parsed, VerbCall) and parsed.command in {STOP, "estop"})
         if ends or by.waited_s == 0.0 or RANKS[needed] <= RANKS["view"]:
-            return ""
+            return None
         at, who = self._halts.by_others(by.source)
-        return "" if by.sent_s - by.waited_s > at else f"{STOPPED_SINCE}by {who}"
+        return None if by.sent_s - by.waited_s > at else Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
 
     def _halt(self, by: _Speaker) -> None:
         with self._halting:
@@ -155,35 +158,36 @@ class Dispatcher:
         name = call.capability
         if name not in self._robot.plan.units:
             text = f"'{name}' is not running: its row is disabled or the profile leaves it out"
-            return ConsoleResult(code=FAILED, text=text)
+            return ConsoleResult(code=FAILED, text=text, reason_code="unreachable")
         if outright := self._robot.vocabulary.confirming(call):
             text = f"{outright.help}. To do it, say {outright.pattern}"
-            return ConsoleResult(code=FAILED, text=text, confirm=outright.pattern)
+            return ConsoleResult(code=FAILED, text=text, reason_code="confirm", confirm=outright.pattern)
         moves = self._robot.plan.kinds[name].commands.get(call.command) in LEASED
         payload = dict(call.payload)
         lease = self._leases.get(by.holder(name), "") if moves else ""
         answer = self._query(call, payload | ({"lease": lease} if lease else {}), by)
-        if lease and answer is not None and str(answer.get("reason", "")).startswith(DEAD_LEASE):
+        if lease and answer is not None and answer.get("code") == "dead_lease":
             self._leases.pop(
                 by.holder(name), None
             )  # what we held is over; this line may begin anew, dated as it was said
             answer = self._query(call, payload, by)
         if answer is None:
-            return ConsoleResult(code=FAILED, text=f"'{name}' did not answer; {self._why_silent(name)}")
+            text = f"'{name}' did not answer; {self._why_silent(name)}"
+            return ConsoleResult(code=FAILED, text=text, reason_code="unreachable")
         return self._told(call, payload, answer, by)
 
     def _told(self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], by: _Speaker) -> ConsoleResult:
         if "accepted" not in answer:
-            return ConsoleResult(code=DONE, text=json.dumps(answer), data=answer)
+            return ConsoleResult(code=DONE, text=json.dumps(answer), reason_code="done", data=answer)
         reason = str(answer.get("reason", ""))
         if not answer["accepted"]:
-            return ConsoleResult(code=FAILED, text=reason or "refused", data=answer)
+            code, cause = str(answer.get("code") or "refused"), str(answer.get("cause", ""))
+            return ConsoleResult(code=FAILED, text=reason or "refused", reason_code=code, cause=cause, data=answer)
         lease = str(answer.get("lease", ""))
         if not lease:
-            said = {name: value for name, value in answer.items() if name not in {"accepted", "reason"}}
-            return ConsoleResult(
-                code=DONE, text=reason or (reports.flat({call.command: said}) if said else "done"), data=answer
-            )
+            said = {name: value for name, value in answer.items() if name not in {"accepted", "reason", "code"}}
+            text = reason or (reports.flat({call.command: said}) if said else "done")
+            return ConsoleResult(code=DONE, text=text, reason_code=str(answer.get("code") or "done"), data=answer)
         self._leases[by.holder(call.capability)] = lease
         while len(self._leases) > MOST_LEASES:
             self._leases.pop(next(iter(self._leases)))
@@ -241,11 +245,15 @@ class Dispatcher:
         answers = wire.ask_all(self._bus, movers, payload, source=by.source, timeout_s=2.0, attachment=attachment)
         said = {movers[answer.key]: codec.decode(answer.payload) for answer in answers if answer.key in movers}
         silent = [name for name in movers.values() if name not in said and self._has_process(name)]
-        told = dict.fromkeys(_stopped(name, answer) for name, answer in said.items())
-        texts = [*told, *(f"'{name}' did not answer; {self._why_silent(name)}" for name in silent)]
-        good = not silent and all(text == STOPPED for text in told)
+        told = {name: _stopped(name, answer) for name, answer in said.items()}
+        texts = [
+            *dict.fromkeys(text for text, _ in told.values()),
+            *(f"'{name}' did not answer; {self._why_silent(name)}" for name in silent),
+        ]
+        good = not silent and all(good for _, good in told.values())
         text = "; ".join(texts) or f"nothing runs that could move: {', '.join(movers.values())}"
-        return ConsoleResult(code=DONE if good else FAILED, text=text)
+        code = "done" if good else "unreachable" if silent else "refused"
+        return ConsoleResult(code=DONE if good else FAILED, text=text, reason_code=code)
 
     def _has_process(self, name: str) -> bool:
         return (found := self._found(name)) is not None and found.pid is not None
@@ -266,38 +274,39 @@ class Dispatcher:
     def _restart(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
         name = str(call.payload.get("name", ""))
         if name not in self._robot.plan.units:
-            raise InputError(f"'{name}' does not run; {', '.join(self._robot.plan.units)} do")
+            raise InputError(f"'{name}' does not run; {', '.join(self._robot.plan.units)} do", "unknown_name")
         if (found := self._found(name)) is not None and found.host and found.phase == "waiting":
-            raise InputError(f"'{name}' does not run: {found.reason}")
+            raise InputError(f"'{name}' does not run: {found.reason}", "unreachable")
         self._robot.restart(name)
         return ConsoleResult(code=DONE, text=f"'{name}' is starting anew")
 
     def _python(self, code: str, by: _Speaker) -> ConsoleResult:
         if not by.local:
-            return ConsoleResult(
-                code=FAILED, text="Python runs at the terminal that started the robot, and nowhere else"
-            )
-        self._robot.note("python", f"{by.source}: {code[:400]}")
+            text = "Python runs at the terminal that started the robot, and nowhere else"
+            return ConsoleResult(code=FAILED, text=text, reason_code="denied")
+        self._robot.note("python", f"{by.source}: {code[:400]}", about=by.source)
         out = io.StringIO()
         try:
             with contextlib.redirect_stdout(out):
                 value = _evaluate(code, self._namespace)
         except BaseException as err:  # noqa: BLE001 - whatever the operator typed, the console lives on
-            return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}")
+            return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}", reason_code="failed")
         text = out.getvalue() + ("" if value is None else repr(value))
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
 
 
-def _not_allowed(needed: Role, by: _Speaker) -> str:
-    return f"this needs the role '{needed}', and you have '{by.role}'" if RANKS[by.role] < RANKS[needed] else ""
+def _not_allowed(needed: Role, by: _Speaker) -> Reason | None:
+    if RANKS[by.role] >= RANKS[needed]:
+        return None
+    return Reason("role", f"this needs the role '{needed}', and you have '{by.role}'")
 
 
-def _stopped(name: str, answer: object) -> str:
-    """Return what became of a stop, as one mover answers it."""
+def _stopped(name: str, answer: object) -> tuple[str, bool]:
+    """Return what became of a stop, as one mover answers it, and whether it stopped."""
     if isinstance(answer, dict) and answer.get("accepted"):
-        return str(answer.get("reason", "")) or STOPPED
+        return str(answer.get("reason", "")) or STOPPED, True
     reason = answer.get("reason") if isinstance(answer, dict) else None
-    return f"'{name}' did not stop: {reason or 'it gave no reason'}"
+    return f"'{name}' did not stop: {reason or 'it gave no reason'}", False
 
 
 def _evaluate(code: str, namespace: dict[str, Any]) -> Any:

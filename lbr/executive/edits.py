@@ -15,7 +15,7 @@ from lbr.bus.codec import Decoder
 from lbr.database.edits import describe
 from lbr.database.rows import Problem, RobotRows
 from lbr.database.store import Database
-from lbr.errors import LbrError, MalformedError, RowError
+from lbr.errors import InputError, LbrError, MalformedError, RowError
 from lbr.executive.child import LARGEST_DOCUMENT_BYTES
 from lbr.executive.inforce import Happened
 from lbr.executive.plan import Plan
@@ -64,10 +64,14 @@ class Written:
         except RowError as err:
             more = len(err.problems) - 1
             return EditReply(
-                accepted=False, reason=err.problems[0] + f"; and {more} more" * bool(more), revision=revision
+                accepted=False,
+                code="bad_value",
+                reason=err.problems[0] + f"; and {more} more" * bool(more),
+                revision=revision,
             )
         except LbrError as err:
-            return EditReply(accepted=False, reason=str(err), revision=revision)
+            code = err.code if isinstance(err, InputError) else "failed"
+            return EditReply(accepted=False, reason=str(err), code=code, revision=revision)
         return EditReply(accepted=True, revision=revision)
 
     def _wrong(self, rows: RobotRows) -> list[str]:
@@ -146,15 +150,20 @@ class Edits:
         revision = self._rows.plan.rows.revision
         if not self._may(name):
             text = f"'{name[:40]}' is not wired to executive.edit"
-            request.reply(EditReply(accepted=False, reason=text, revision=revision), EXECUTIVE)
+            request.reply(EditReply(accepted=False, reason=text, code="denied", revision=revision), EXECUTIVE)
             return
         if len(self._waiting) >= MOST_WAITING:
-            request.reply(EditReply(accepted=False, reason="too many edits at once", revision=revision), EXECUTIVE)
+            request.reply(
+                EditReply(accepted=False, reason="too many edits at once", code="busy", revision=revision), EXECUTIVE
+            )
             return
         try:
             edit = _edits.decode(request.payload)
         except MalformedError as err:
-            request.reply(EditReply(accepted=False, reason=f"malformed edit: {err}", revision=revision), EXECUTIVE)
+            request.reply(
+                EditReply(accepted=False, reason=f"malformed edit: {err}", code="malformed", revision=revision),
+                EXECUTIVE,
+            )
             return
         self._waiting.append(_Job(request, edit, name, self._process(name), self._clock()))
 
@@ -172,7 +181,9 @@ class Edits:
         try:
             job.reply = self._write(job.edit)
         except Exception as err:  # noqa: BLE001 - whoever asked is to hear it, and the rows are not held for ever
-            job.reply = EditReply(accepted=False, reason=f"this edit is broken: {type(err).__name__}: {err}")
+            job.reply = EditReply(
+                accepted=False, code="failed", reason=f"this edit is broken: {type(err).__name__}: {err}"
+            )
         self._wake()
 
     def _end(self, job: _Job, reply: EditReply) -> None:

@@ -176,17 +176,19 @@ class Executive:
         """Latch the emergency stop; the answer tells which devices have acknowledged."""
         state = self._emergency.press(reason, source)
         if not state.engaged:
-            return ConsoleResult(code=FAILED, text="the emergency stop was sent, but is not confirmed yet")
+            return ConsoleResult(
+                code=FAILED, text="the emergency stop was sent, but is not confirmed yet", reason_code="timeout"
+            )
         if state.waiting:
             text = f"latched, but {', '.join(state.waiting)} has not acknowledged: use the hardware switch"
-            return ConsoleResult(code=FAILED, text=text)
+            return ConsoleResult(code=FAILED, text=text, reason_code="timeout")
         return ConsoleResult(code=DONE, text=f"emergency stop: acknowledged by {', '.join(state.acknowledged)}")
 
     def estop_reset(self, source: str) -> ConsoleResult:
         """Release the emergency stop; moves nothing."""
         why_not = self._emergency.release(source)
         if why_not:
-            return ConsoleResult(code=FAILED, text=why_not)
+            return ConsoleResult(code=FAILED, text=why_not, reason_code="refused")
         return ConsoleResult(code=DONE, text="emergency stop released; the next command may move the robot")
 
     def shutdown(self, source: str) -> None:
@@ -197,27 +199,31 @@ class Executive:
         """Start a capability anew."""
         self._main.call(lambda: self._restart(name))
 
-    def run_external(self, call: ExternalCall, who: str) -> ConsoleResult:
+    def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
         """Start an external command, and wait for a blocking one; who asked for what is written down before."""
         row = call.command
         argv = json.dumps([*row.argv, *call.arguments], ensure_ascii=False)
-        self.note("external", f"'{row.name}' is started by {who}: {argv}")
+        self.note("external", f"'{row.name}' is started by {who}: {argv}", about)
         command = self._main.call(lambda: self._external.start(row, call.arguments))
         if not row.blocking:
             says = f"it writes to {home.directory('logs') / f'{row.name}.log'}, and 'stop {row.name}' ends it"
             return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {command.pid}); {says}")
         code, output = self._external.wait(row, command)
-        return ConsoleResult(code=DONE if code == 0 else FAILED, text=output or f"'{row.name}' ended with {code}")
+        return ConsoleResult(
+            code=DONE if code == 0 else FAILED,
+            text=output or f"'{row.name}' ended with {code}",
+            reason_code="" if code == 0 else "failed",
+        )
 
-    def stop_external(self, name: str, who: str) -> str:
+    def stop_external(self, name: str, who: str, about: str) -> str:
         """End an external command; who asked for that is written down."""
         told = self._external.stop(name)
-        self.note("external", f"'{name}' was ended by {who}")
+        self.note("external", f"'{name}' was ended by {who}", about)
         return told
 
-    def note(self, kind: str, text: str) -> None:
+    def note(self, kind: str, text: str, about: str = "") -> None:
         """Write down an event of the executive's own, before anything else."""
-        self._main.call(lambda: self._note(kind, text))
+        self._main.call(lambda: self._note(kind, text, about))
 
     def record(self, kind: str, who: str, text: str) -> None:
         """Put an entry into the audit trail, soon: no line, and no stop, waits for it."""
@@ -478,8 +484,9 @@ class Executive:
         known = here | self._hosts.capabilities()
         return tuple(known[name] for name in self.plan.units if name in known)
 
-    def _note(self, kind: str, text: str) -> None:
-        self._happened(kind, "executive", text)
+    def _note(self, kind: str, text: str, about: str) -> None:
+        self._journal.happened(kind, "executive", text, about=about)
+        self._status_due = 0.0
         self._journal.flush()
 
     def _happened(

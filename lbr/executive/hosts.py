@@ -113,11 +113,11 @@ class Hosts:
         try:
             report = _reports.decode(request.payload)
         except MalformedError as err:
-            return CommandReply(accepted=False, reason=f"malformed report: {err}")
+            return CommandReply(accepted=False, code="malformed", reason=f"malformed report: {err}")
         answer = HostShare(accepted=True, version=self._version, share=host.mark, ended=self._ended)
         if host.agent and host.agent != report.agent:
             text = f"host '{host.name}' has an agent already, at {host.where}"
-            return replace(answer, accepted=False, reason=text)
+            return replace(answer, accepted=False, reason=text, code="denied")
         if report.leaving:
             if host.agent:
                 self._gone(host, f"the agent at {host.where} has ended", "warning")

@@ -13,6 +13,7 @@ from lbr.bus.session import Session
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.errors import LbrError, MalformedError
+from lbr.messages.codes import Code
 from lbr.messages.system import Event
 
 WRITE_EVERY_S = 0.25
@@ -56,6 +57,14 @@ AUDITED = frozenset(
 )
 """The kinds of events that go into the audit trail, whoever tells of them."""
 
+CODES: dict[str, Code] = {
+    "estop": "estop",
+    "refused": "malformed",
+    "rows_refused": "bad_value",
+    "host_lost": "unreachable",
+    "crashed": "failed",
+}
+"""Why what the executive itself tells of is so, where that is told."""
 WRITTEN_FIRST = frozenset(["rows_changed"])
 """Told only when it is written: who hears of an edit may begin the next, and is not to meet our own transaction."""
 
@@ -97,11 +106,26 @@ class Journal:
         self._others = wire.Subscription(bus, keys.event(robot), depth=512, wake=wake)
 
     def happened(
-        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
+        self,
+        kind: str,
+        subject: str,
+        text: str,
+        level: str = "info",
+        data: dict[str, Any] | None = None,
+        about: str = "",
     ) -> None:
         """Tell everybody; from the executive's own thread."""
         now = time.time_ns()
-        event = Event(kind=kind, subject=subject, text=text, level=level, wall_ns=now, data=data or {})  # type: ignore[arg-type]
+        event = Event(
+            kind=kind,
+            subject=subject,
+            text=text,
+            level=level,  # type: ignore[arg-type]
+            wall_ns=now,
+            data=data or {},
+            code=CODES.get(kind, ""),
+            about=about,
+        )
         if kind in WRITTEN_FIRST:
             self._keep(event, EXECUTIVE, allowed=True)
             self.flush()

@@ -41,7 +41,9 @@ def load(name: str) -> Profile:
     """Return a shipped profile by name, or one of your own by path; raise InputError saying what there is."""
     path = Path(name) if name.endswith(".toml") or os.sep in name else shipped().get(name)
     if path is None:
-        raise InputError(f"there is no launch profile '{name}': {', '.join(shipped())}, or the path of a .toml file")
+        raise InputError(
+            f"there is no launch profile '{name}': {', '.join(shipped())}, or the path of a .toml file", "unknown_name"
+        )
     try:
         return msgspec.toml.decode(path.read_bytes(), type=Profile)
     except OSError as err:

@@ -42,7 +42,7 @@ class Reports:
             "wiring": self._wiring,
         }
         if name not in makers:
-            raise InputError(f"there is no report '{name}': {', '.join(NAMES)}")
+            raise InputError(f"there is no report '{name}': {', '.join(NAMES)}", "unknown_name")
         data = makers[name]()
         texts: dict[str, Callable[[], str]] = {
             "health": self.health,

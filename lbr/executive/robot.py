@@ -36,13 +36,13 @@ class Robot(Protocol):
     def restart(self, name: str) -> None:
         """Start a capability anew."""
 
-    def run_external(self, call: ExternalCall, who: str) -> ConsoleResult:
+    def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
         """Start an external command."""
 
-    def stop_external(self, name: str, who: str) -> str:
+    def stop_external(self, name: str, who: str, about: str) -> str:
         """End one."""
 
-    def note(self, kind: str, text: str) -> None:
+    def note(self, kind: str, text: str, about: str = "") -> None:
         """Write down an event."""
 
     def record(self, kind: str, who: str, text: str) -> None:

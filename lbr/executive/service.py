@@ -65,14 +65,16 @@ class Service:
         if _is_stop(line):
             _begin(self._stops, self._answer, request, line, role)
         elif not self._room.acquire(blocking=False):
-            request.reply(ConsoleResult(code=1, text="too many lines at once; say it again"), "executive")
+            request.reply(
+                ConsoleResult(code=1, text="too many lines at once; say it again", reason_code="busy"), "executive"
+            )
         else:
             _begin(self._talk, self._answer, request, line, role, done=self._room.release)
 
     def _answer(self, request: wire.Request, line: str | bytes, role: Role) -> None:
         if len(request.payload) > MAX_LINE_BYTES:
             text = f"a line has at most 4096 characters, not {len(request.payload)}"
-            request.reply(ConsoleResult(code=2, text=text), "executive")
+            request.reply(ConsoleResult(code=2, text=text, reason_code="bad_value"), "executive")
             return
         found = stamp.read(request.attachment)
         sent_s, afar = stamp.sent_s(found, request.arrived), request.attachment if found and found.via else b""

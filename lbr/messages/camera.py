@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.units import Name
 
 CameraPhase = Literal["off", "opening", "streaming", "lost"]
@@ -50,6 +51,7 @@ class SnapshotReply(Struct, frozen=True, kw_only=True):
 
     accepted: bool
     reason: str = ""
+    code: ReasonCode = ""
     path: str = ""
 
 

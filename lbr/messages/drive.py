@@ -4,6 +4,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.leases import LeaseId
 from lbr.messages.units import AngleDeg, DistanceCm, HeadingDeg, IntervalS, Power, RangeCm, SignedPower, TtlS, TurnDeg
 
@@ -46,6 +47,7 @@ class HeadingCommand(Struct, frozen=True, kw_only=True):
 class GoalResult(Struct, frozen=True, kw_only=True):
     """How a bounded move or a turn ended. `reached` and `interval` are the planned ends; all others carry a reason.
 
+    `code` is why it ended, `cause` what else a program should know of that end; `note` says the latter for people, by itself.
     `error_deg` is how far a turn went past its target, clockwise positive; `error_m` the same of a distance.
     """
 
@@ -53,6 +55,9 @@ class GoalResult(Struct, frozen=True, kw_only=True):
     result: Literal["reached", "interval", "stopped", "lapsed", "superseded", "fault"]
     reason: str
     elapsed_s: float
+    code: ReasonCode = ""
+    cause: ReasonCode = ""
+    note: str = ""
     range_cm: float | None = None
     turned_deg: float | None = None
     error_deg: float | None = None
@@ -72,7 +77,8 @@ class LoopStatistics(Struct, frozen=True, kw_only=True):
 class DriveState(Struct, frozen=True, kw_only=True):
     """What the base is doing, who holds it, and why it is slower than asked or stands still.
 
-    What was sent before `stopped_s`, monotonic, begins nothing any more: then all was stopped, also if nothing moved.
+    What was sent before `stopped_s`, monotonic, begins nothing any more: then all was stopped, also if nothing moved;
+    `stopped_by` says who did, if it was a stop. `code` is that of `reason`.
     """
 
     moving: bool
@@ -87,6 +93,8 @@ class DriveState(Struct, frozen=True, kw_only=True):
     estop: bool
     loop: LoopStatistics | None
     stopped_s: float | None = None
+    stopped_by: str = ""
+    code: ReasonCode = ""
 
 
 class CheckRequest(Struct, frozen=True, kw_only=True):
@@ -102,7 +110,8 @@ class CheckRequest(Struct, frozen=True, kw_only=True):
 
 
 class CheckVerdict(Struct, frozen=True, kw_only=True):
-    """What a check says of a command; the reason is told to whoever asked."""
+    """What a check says of a command; the reason is told to whoever asked, `code` to a program that did."""
 
     accepted: bool
     reason: str = ""
+    code: ReasonCode = ""

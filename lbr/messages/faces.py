@@ -5,6 +5,7 @@ from typing import Annotated, Any, TypeVar
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.joints import Motion
 from lbr.messages.units import Name
 
@@ -60,6 +61,7 @@ class EditReply(Struct, frozen=True, kw_only=True):
 
     accepted: bool
     reason: str = ""
+    code: ReasonCode = ""
     revision: int = 0
 
 

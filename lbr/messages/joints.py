@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 from msgspec.structs import replace
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.leases import LeaseId
 from lbr.messages.servos import ServoPhase
@@ -169,7 +170,7 @@ class JointsState(Struct, frozen=True, kw_only=True):
     """All joints out of one sweep of the bus, who moves them, and why they stand still.
 
     `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before `stopped_s`,
-    monotonic, begins nothing any more: then somebody stopped all. `stored` is the slot that the controller plays, for
+    monotonic, begins nothing any more: then `stopped_by` stopped all, if it was a stop. `code` is that of `reason`. `stored` is the slot that the controller plays, for
     `left_s` more.
     """
 
@@ -185,6 +186,8 @@ class JointsState(Struct, frozen=True, kw_only=True):
     stored: int | None = None
     left_s: float | None = None
     reason: str = ""
+    code: ReasonCode = ""
+    stopped_by: str = ""
     estop: bool = False
     loop: LoopStatistics | None = None
 
@@ -210,7 +213,7 @@ class CaptureCommand(Struct, frozen=True, kw_only=True):
 
 
 class MotionsState(Struct, frozen=True, kw_only=True):
-    """What is played, on the way to which key frame, in which round, both from 1; `reason` is how the last one ended.
+    """What is played, on the way to which key frame, in which round, both from 1; `reason` and `code` are how the last one ended.
 
     `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less.
     """
@@ -224,6 +227,7 @@ class MotionsState(Struct, frozen=True, kw_only=True):
     left_s: float | None = None
     holder: str | None = None
     reason: str = ""
+    code: ReasonCode = ""
 
 
 def with_frame(motions: tuple[Motion, ...], captured: CapturedFrame) -> tuple[Motion, ...]:

@@ -4,12 +4,11 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import Reason, ReasonCode, heard
+
 LeaseId = Annotated[
     str, Meta(max_length=64, description="the lease this command renews or changes; empty asks for one")
 ]
-
-DEAD_LEASE = "lease is dead: "
-"""How the refusal of a command begins whose lease is not the live one; what follows is how that one ended."""
 
 
 STOPPED_SINCE = "stopped since this was written: "
@@ -29,10 +28,27 @@ class StopCommand(Struct, frozen=True, kw_only=True):
 
 
 class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What became of a command: accepted, with the lease it lives by; or refused, with the reason."""
+    """What became of a command: accepted, with the lease it lives by; or refused, with the reason.
+
+    `code` says why it was refused, `cause` of a dead lease how that one ended; both are from the list of codes. `note` is
+    the sentence of the cause by itself.
+    """
 
     accepted: bool
     reason: str = ""
+    code: ReasonCode = ""
+    cause: ReasonCode = ""
+    note: str = ""
     lease: str = ""
     ttl_s: float | None = None
     goal: str = ""
+
+    @property
+    def why(self) -> Reason:
+        """Why it was refused; of a dead lease, how that one ended."""
+        return heard(self.cause or self.code, self.note or self.reason or "it was refused without a reason")
+
+
+def refused(reason: Reason) -> CommandReply:
+    """Return the reply that refuses a command."""
+    return CommandReply(accepted=False, reason=reason.text, code=reason.code, cause=reason.cause, note=reason.note)

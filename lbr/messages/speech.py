@@ -4,6 +4,8 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
+
 Language = Annotated[str, Meta(max_length=20, description="a language tag such as en; empty: the robot's own")]
 
 
@@ -45,6 +47,7 @@ class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     accepted: bool
     reason: str = ""
+    code: ReasonCode = ""
     began_s: float | None = None
     duration_s: float | None = None
 

@@ -4,6 +4,8 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
+
 Role = Literal["view", "operate", "admin"]
 RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
 
@@ -41,7 +43,10 @@ class Stamp(Struct, frozen=True, kw_only=True):
 
 
 class Event(Struct, frozen=True, kw_only=True):
-    """Something happened: what (`kind`), to whom (`subject`), in one sentence (`text`)."""
+    """Something happened: what (`kind`), to whom (`subject`), in one sentence (`text`), and why (`code`).
+
+    `about` is whose command or motion it concerns.
+    """
 
     kind: Annotated[str, Meta(max_length=80)]
     subject: Annotated[str, Meta(max_length=80)]
@@ -49,6 +54,8 @@ class Event(Struct, frozen=True, kw_only=True):
     level: Literal["info", "warning", "error"] = "info"
     wall_ns: int = 0
     data: dict[str, Any] = {}
+    code: ReasonCode = ""
+    about: str = ""
 
 
 class EstopRequest(Struct, frozen=True, kw_only=True):
@@ -79,6 +86,7 @@ class EstopAcknowledgement(Struct, frozen=True, kw_only=True):
     engaged: bool
     stopped: bool
     reason: str = ""
+    code: ReasonCode = ""
 
 
 class Hold(Struct, frozen=True, kw_only=True):
@@ -97,11 +105,14 @@ class Hold(Struct, frozen=True, kw_only=True):
 class ConsoleResult(Struct, frozen=True, kw_only=True):
     """The result of a console line: text for a person, an exit code (0 done, 1 refused or failed, 2 bad input).
 
-    `confirm` is the line that does it after all, for whoever can ask a person first.
+    `reason_code` and `cause` say why it was refused or failed, from the list of codes.
+    `confirm` is the line that does it after all, for a program that can ask a person first.
     """
 
     code: int
     text: str
+    reason_code: ReasonCode = ""
+    cause: ReasonCode = ""
     hold: Hold | None = None
     data: Any = None
     confirm: str = ""

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.servos import ServoId
 
 MIDDLE = 127
@@ -39,6 +40,7 @@ class InquireReply(Struct, frozen=True, kw_only=True):
 
     accepted: bool
     reason: str = ""
+    code: ReasonCode = ""
     values: tuple[int, ...] = ()
     text: str = ""
 

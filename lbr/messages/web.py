@@ -2,6 +2,8 @@
 
 from msgspec import Struct
 
+from lbr.messages.codes import ReasonCode
+
 
 class WebState(Struct, frozen=True, kw_only=True):
     """Where the server listens (`urls`, the most useful one first), what it serves, and how busy it is."""
@@ -26,4 +28,5 @@ class AddressReply(Struct, frozen=True, kw_only=True):
 
     accepted: bool
     reason: str = ""
+    code: ReasonCode = ""
     url: str = ""

@@ -128,11 +128,11 @@ class World(Capability[WorldSettings]):
             else:
                 engine.remove(request.name)
         except InputError as err:
-            call.refuse(str(err))
+            call.refuse(str(err), err.code)
             return
         self._scene, self._scene_at = engine.scene(), self.ctx.clock()
         said = f"'{request.name}' {'stands in the world' if isinstance(request, PlaceRequest) else 'has vanished'}"
-        self.ctx.event("world_changed", said)
+        self.ctx.event("world_changed", said, code="done", about=call.source)
         known = {wall.name for wall in self.ctx.settings.walls}
         things = tuple(wall.name for wall in self._scene.walls if wall.name not in known)
         call.reply(ThingsReply(accepted=True, reason=said, things=things))

@@ -26,9 +26,9 @@ class Painter:
     def ask(self, call: Call, path: Path, draw: Callable[[], "Image"]) -> None:
         """Have a picture drawn and saved as a new file; one that is there stays as it is."""
         if path.suffix != ".png" or not path.is_absolute():
-            call.refuse(f"a picture's path is absolute and ends in .png; '{path}' is not")
+            call.refuse(f"a picture's path is absolute and ends in .png; '{path}' is not", "bad_value")
         elif len(self._calls) >= _WAITING:
-            call.refuse(f"{_WAITING} pictures are waiting already")
+            call.refuse(f"{_WAITING} pictures are waiting already", "busy")
         else:
             self._calls.append((call, path, self._worker.submit(_save, path, draw)))
 
@@ -41,7 +41,7 @@ class Painter:
             if error is None:
                 call.reply(PictureReply(accepted=True, path=str(path)))
             elif isinstance(error, OSError):
-                call.refuse(f"cannot write {path}: {error.strerror or error}")
+                call.refuse(f"cannot write {path}: {error.strerror or error}", "failed")
             else:
                 raise error
 
@@ -49,7 +49,7 @@ class Painter:
         """Let the picture being drawn be the last; whoever still waits is refused."""
         self._worker.shutdown(wait=False, cancel_futures=True)
         for call, _, _ in self._calls:
-            call.refuse("the world is closing")
+            call.refuse("the world is closing", "shutting_down")
         self._calls.clear()
 
 

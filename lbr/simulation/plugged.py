@@ -44,14 +44,17 @@ class Plugged:
         """Set a fault of a device, and answer."""
         twin = self._by_name.get(request.device)
         if twin is None:
-            call.refuse(f"no emulated device '{request.device}'; there are: {', '.join(self._by_name) or 'none'}")
+            call.refuse(
+                f"no emulated device '{request.device}'; there are: {', '.join(self._by_name) or 'none'}",
+                "unknown_name",
+            )
             return
         try:
             faults = twin.fault(request.name, request.value)
         except InputError as err:
-            call.refuse(str(err))
+            call.refuse(str(err), "bad_value")
             return
         now = "as it was" if request.value is None else json.dumps(request.value)
         said = f"{request.device}: {request.name} is now {now}"
-        self._ctx.event("fault_injected", said, level="warning")
+        self._ctx.event("fault_injected", said, level="warning", code="done", about=call.source)
         call.reply(FaultReply(accepted=True, reason=said, faults=faults))

@@ -9,9 +9,9 @@ from typing import Any
 
 from lbr.apps.speech import KIND
 from lbr.capability.context import Device
-from lbr.messages.leases import CommandReply
 from lbr.messages.speech import Phrase, SayCommand, SpeechState
 from tests.support.machine import Stopwatch
+from tests.support.replies import refusal
 
 ENGINE = textwrap.dedent("""
     import json, os, sys, time, wave
@@ -74,8 +74,8 @@ class FakeCall:
         assert self.answer is None, "answered twice"
         self.answer = answer
 
-    def refuse(self, reason: str) -> None:
-        self.reply(CommandReply(accepted=False, reason=reason))
+    def refuse(self, reason: str, code: str = "refused") -> None:
+        self.reply(refusal(reason, code))
 
 
 class FakeContext:
@@ -96,7 +96,9 @@ class FakeContext:
     def publish(self, output: str, message: SpeechState) -> None:
         self.states.append(message)
 
-    def event(self, kind: str, text: str, *, level: str = "info", data: Any = None) -> None:
+    def event(
+        self, kind: str, text: str, *, level: str = "info", data: Any = None, code: str = "", about: str = ""
+    ) -> None:
         self.events.append((kind, text))
 
     def ready(self, reason: str = "") -> None:

@@ -9,8 +9,9 @@ import pytest
 from lbr.apps.autodock.motion import Motion
 from lbr.apps.program import Robot
 from lbr.bus import codec, session, wire
+from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult
-from lbr.messages.leases import CommandReply
+from lbr.messages.leases import CommandReply, refused
 
 FIELDS = {"power": 0.2, "angle_deg": 180.0}
 
@@ -69,18 +70,19 @@ def test_it_asks_once_without_a_lease_and_then_quotes_the_one_it_got(motion, dri
 
 
 @pytest.mark.parametrize(
-    ("result", "reason", "good", "final"),
+    ("result", "code", "good", "final"),
     [
-        ("reached", "drove 0.50 of 0.5 m", True, False),
-        ("stopped", "stopped by console: enough", False, True),
-        ("stopped", "held still for 1 s: forward 0.20 m is inside 0.25 m", False, False),
-        ("superseded", "taken over by page", False, True),
-        ("fault", "the wheels stand although the motors push", False, False),
+        ("reached", "done", True, False),
+        ("stopped", "stopped", False, True),
+        ("stopped", "obstacle", False, False),
+        ("superseded", "taken_over", False, True),
+        ("fault", "stuck", False, False),
     ],
 )
-def test_a_result_ends_it(motion, drive, clock, result, reason, good, final):
+def test_a_result_ends_it(motion, drive, clock, result, code, good, final):
+    reason = "in any words"
     go_on(motion, drive, clock, lambda: len(drive.asked) > 1)
-    said = GoalResult(goal="goal-1", result=result, reason=reason, range_cm=None, elapsed_s=1.0)
+    said = GoalResult(goal="goal-1", result=result, reason=reason, code=code, range_cm=None, elapsed_s=1.0)
     motion.hear(GoalResult(goal="goal-0", result="fault", reason="another's", range_cm=None, elapsed_s=1.0))
     motion.hear(said)
     go_on(motion, drive, clock, lambda: motion.ending is not None)
@@ -92,18 +94,19 @@ def test_a_result_ends_it(motion, drive, clock, result, reason, good, final):
 
 
 @pytest.mark.parametrize(
-    ("reason", "final"),
-    [("held by console", True), ("emergency stop: fire", True), ("the motors are not armed: x", False)],
+    ("code", "final"), [("held", True), ("estop", True), ("taken_over", True), ("not_armed", False), ("", False)]
 )
-def test_a_refusal_ends_it(motion, drive, clock, reason, final):
-    drive.answer = CommandReply(accepted=False, reason=reason)
+def test_a_refusal_ends_it(motion, drive, clock, code, final):
+    reason = "in any words"
+    drive.answer = CommandReply(accepted=False, reason=reason, code=code)
     go_on(motion, drive, clock, lambda: motion.ending is not None)
     assert (motion.ending.good, motion.ending.final, motion.ending.text) == (False, final, reason)
 
 
 def test_a_dead_lease_says_why_once_no_result_has_come(motion, drive, clock):
     go_on(motion, drive, clock, lambda: len(drive.asked) > 1)
-    drive.answer = CommandReply(accepted=False, reason="lease is dead: stopped by console")
+    why = Reason("dead_lease", "lease is dead: stopped by console", cause="stopped", note="stopped by console")
+    drive.answer = refused(why)
 
     def ended() -> bool:
         clock.now += 0.002

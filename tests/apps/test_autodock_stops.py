@@ -22,7 +22,7 @@ class FakeRobot:
     def __init__(self, place):
         self.router = session.open_router(session.Router(listen=(place,)))
         self.bus = session.open_client([place])
-        self.stopped_s, self.reason = time.monotonic() - 100.0, "stopped by phone"
+        self.stopped_s, self.who = time.monotonic() - 100.0, "phone"
         self.asked, self.own_stops, self.ending = [], 0, None
         keys = ("turn", "command", "stop")
         self._served = {name: wire.Served(self.router, f"lbr/drive/{name}", lambda: None) for name in keys}
@@ -33,7 +33,7 @@ class FakeRobot:
         threading.Thread(target=lambda: setattr(self, "ending", run(robot, Manner(), 0.0)), daemon=True).start()
 
     def stop(self, who):
-        self.stopped_s, self.reason = time.monotonic(), f"stopped by {who}"
+        self.stopped_s, self.who = time.monotonic(), who
         self._tell()
 
     def serve(self):
@@ -42,7 +42,7 @@ class FakeRobot:
                 if name == "stop":
                     self.own_stops += 1
                     self.stopped_s = stamp.sent_s(stamp.read(request.attachment), time.monotonic())
-                    self.reason = "stopped by autodock:1"
+                    self.who = "autodock:1"
                     self._tell()
                     request.reply(CommandReply(accepted=True), "drive")
                 else:
@@ -55,7 +55,8 @@ class FakeRobot:
         self._told_at = time.monotonic()
         state = DriveState(
             moving=False, power=0.0, angle_deg=0.0, left=0.0, right=0.0, holder=None, goal=None, limited_by="",
-            reason=self.reason, estop=False, loop=None, stopped_s=self.stopped_s,
+            reason=f"stopped by {self.who}", code="stopped", stopped_by=self.who, estop=False, loop=None,
+            stopped_s=self.stopped_s,
         )  # fmt: skip
         wire.put(self.router, "lbr/drive/state", state, source="drive")
         lies = AttitudeState(valid=True, turned_deg=90.0, epoch="1", measured_s=self._told_at)

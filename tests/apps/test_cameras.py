@@ -7,6 +7,7 @@ from lbr.apps.cameras import KIND
 from lbr.capability.context import Received
 from lbr.messages.camera import CameraState, SelectCommand
 from lbr.messages.leases import CommandReply
+from tests.support.replies import refusal
 
 
 class Bus:
@@ -61,8 +62,8 @@ class Call:
         assert self.answer is None
         self.answer = answer
 
-    def refuse(self, reason: str) -> None:
-        self.reply(CommandReply(accepted=False, reason=reason))
+    def refuse(self, reason: str, code: str = "refused") -> None:
+        self.reply(refusal(reason, code))
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from lbr.messages.dance import DanceCommand, DanceStep
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import PlayReply, SpeechState
 from tests.apps.speech_bench import FakeCall, wav_file
+from tests.support.replies import dead
 
 STEPS = (
     DanceStep(dance="to_and_fro", step=1, power=0.3, angle_deg=0.0, beats=1),
@@ -66,12 +67,12 @@ class World:
     def publish(self, output, message):
         self.states.append(message)
 
-    def event(self, kind, text, *, level="info", data=None):
+    def event(self, kind, text, *, level="info", data=None, code="", about=""):
         self.events.append((kind, text))
 
     def _motion(self, message):
         if message.lease and message.lease != self.lease:
-            return CommandReply(accepted=False, reason=f"lease is dead: {self.dead}")
+            return dead(self.dead, "stopped")
         if self.refusal:
             return CommandReply(accepted=False, reason=self.refusal)
         self.lease = self.lease or "lease-1"

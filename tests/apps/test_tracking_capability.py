@@ -18,6 +18,7 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, Seen, TrackCommand
 from tests.apps.speech_bench import FakeCall, until
 from tests.apps.tracking_bench import Head, away_rad, project
+from tests.support.replies import dead
 
 JOINTS = (
     Joint(name="neck_yaw", device_id=23, lower_rad=-2.3, upper_rad=2.3, speed_rps=4.0),
@@ -96,7 +97,7 @@ class World:
     def publish(self, output, message):
         self.states.append(message)
 
-    def event(self, kind, text, *, level="info", data=None):
+    def event(self, kind, text, *, level="info", data=None, code="", about=""):
         self.events.append((kind, text))
 
     def ready(self, reason=""):
@@ -107,7 +108,7 @@ class World:
 
     def _move(self, command):
         if command.lease and command.lease != self.lease:
-            return CommandReply(accepted=False, reason=f"lease is dead: {self.dead}")
+            return dead(self.dead, "stopped")
         if not command.lease:
             if self.holder is not None:
                 return CommandReply(accepted=False, reason=f"held by {self.holder}")

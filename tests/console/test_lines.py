@@ -134,7 +134,7 @@ def test_one_line_is_held_and_then_stopped_unless_it_ends_before(robot, operator
     robot.moves("/r/0.2/0", "L1")
     robot.dead |= {"L1": dead} if dead else {}
     _, code, ending = say_once(operator, "/r/0.2/0", hold_s=0.2, announce=lambda _result: None)
-    assert (code, ending) == expected
+    assert (code, ending.text) == expected
     assert robot.stopped == ([] if dead else ["the 0.2 s are over"])
 
 
@@ -150,7 +150,7 @@ def test_lines_come_as_they_are_written_and_the_last_needs_no_end():
 
 
 def refuses(robot, line: str) -> None:
-    robot.lines[line] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone")
+    robot.lines[line] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone", reason_code="stopped_since")
 
 
 def test_after_a_stop_by_another_the_lines_of_a_script_are_not_said_but_a_stop_is(robot, operator):

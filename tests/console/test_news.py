@@ -1,7 +1,7 @@
 """What a console tells of what happens, beside the answers to its own lines."""
 
 from lbr.console.news import TOLD_S, News
-from lbr.messages.system import Event
+from lbr.messages.system import ConsoleResult, Event
 
 
 class Clock:
@@ -11,42 +11,46 @@ class Clock:
         return self.now
 
 
-def event(text, subject="world", kind="refused", level="warning"):
-    return Event(kind=kind, subject=subject, text=text, level=level)
+def event(text, subject="world", kind="refused", level="warning", code="refused", about=""):
+    return Event(kind=kind, subject=subject, text=text, level=level, code=code, about=about)
+
+
+def answer(code):
+    return ConsoleResult(code=1, text="in any words", reason_code=code)
 
 
 def test_a_refusal_that_was_just_answered_is_not_told_again():
     news = News("console")
-    news.answered("no emulated device 'nope'; there are: imu")
-    mine = event("console: no emulated device 'nope'; there are: imu")
-    of_another = event("phone: no emulated device 'nope'; there are: imu")
-    assert news.sifted([mine, of_another]) == [of_another]
+    news.answered(answer("unknown_name"))
+    mine = event("console: no emulated device 'nope'", code="unknown_name", about="console")
+    of_another = event("phone: no emulated device 'nope'", code="unknown_name", about="phone")
+    other = event("console: too many", code="busy", about="console")
+    assert news.sifted([mine, of_another, other]) == [of_another, other]
 
 
 def test_what_an_answer_says_is_news_again_later():
     clock = Clock()
     news = News("console", clock)
-    news.answered("'obstacle' has vanished")
-    assert not news.sifted([event("'obstacle' has vanished", level="info")])
+    news.answered(answer("done"))
+    changed = event("'obstacle' has vanished", level="info", kind="world_changed", code="done", about="console")
+    assert not news.sifted([changed])
     clock.now += TOLD_S + 0.1
-    assert news.sifted([event("'obstacle' has vanished", level="info")])
+    assert news.sifted([changed])
 
 
 def test_the_start_of_a_program_is_told_to_those_who_did_not_start_it():
-    started = event("'clock' started (pid 7)", subject="executive", kind="external")
-    news = News("console")
-    news.said("clock")
-    assert not news.sifted([started])
-    assert News("console").sifted([started]) == [started]
+    started = event("'clock' is started by console", subject="executive", kind="external", code="", about="console")
+    assert not News("console").sifted([started])
+    assert News("console@2").sifted([started]) == [started]
 
 
 def test_what_a_motion_asked_of_the_joints_is_told_by_the_motion_alone():
-    end = event("motions: reached in 1.50 s", subject="joints", kind="reached", level="info")
-    fault = event("motions: left_knee has latched overload", subject="joints", kind="fault")
-    of_another = event("phone: 'wave' was played", subject="motions", kind="reached", level="info")
+    end = event("motions: reached in 1.50 s", "joints", "reached", "info", code="done", about="motions")
+    fault = event("motions: left_knee has latched overload", "joints", "fault", code="latched", about="motions")
+    of_another = event("phone: 'wave' was played", "motions", "reached", "info", code="done", about="phone")
     assert News("console").sifted([end, fault, of_another]) == [fault, of_another]
     news = News("console")
-    news.answered("left_knee has latched overload")
+    news.answered(answer("latched"))
     assert not news.sifted([fault])
 
 
@@ -57,6 +61,6 @@ def test_the_same_twice_within_seconds_is_told_once():
 
 
 def test_python_typed_here_is_for_the_record():
-    typed = event("console: 1+1", subject="executive", kind="python", level="info")
+    typed = event("console: 1+1", subject="executive", kind="python", level="info", about="console")
     assert not News("console").sifted([typed])
     assert News("console@2").sifted([typed]) == [typed]

@@ -339,7 +339,7 @@ def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
 
 
 def test_after_a_stop_by_another_what_was_typed_ahead_is_not_said(robot, screen):
-    robot.lines["/r/0.2/0"] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone")
+    robot.lines["/r/0.2/0"] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone", reason_code="stopped_since")
     gate = robot.blocked["/r/0.2/0"] = threading.Event()
     screen.types("/r/0.2/0\r")
     wait_for(lambda: said(robot) == ["/r/0.2/0"])

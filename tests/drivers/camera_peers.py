@@ -131,7 +131,7 @@ class Call:
         assert self.answer is None, "answered twice"
         self.answer = answer
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, reason: str, code: str = "refused") -> None:
         self.reply(SimpleNamespace(accepted=False, reason=reason))
 
 

@@ -190,7 +190,16 @@ class FakeContext:
     def alive(self, capability: str) -> bool:
         return capability in self.living
 
-    def event(self, kind: str, text: str, *, level: str = "info", data: dict[str, Any] | None = None) -> None:
+    def event(
+        self,
+        kind: str,
+        text: str,
+        *,
+        level: str = "info",
+        data: dict[str, Any] | None = None,
+        code: str = "",
+        about: str = "",
+    ) -> None:
         self.events.append((kind, text))
 
     def ready(self, reason: str = "") -> None:

@@ -73,7 +73,7 @@ class Call:
     def reply(self, answer, *, quiet=False):
         self.said = answer
 
-    def refuse(self, reason):
+    def refuse(self, reason, code="refused"):
         self.said = reason
 
 

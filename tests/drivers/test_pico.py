@@ -87,7 +87,7 @@ class Bench(FakeContext):
     def clock(self):
         return self.now
 
-    def event(self, kind, text, *, level="info", data=None):
+    def event(self, kind, text, *, level="info", data=None, code="", about=""):
         self.events.append((kind, text))
 
 

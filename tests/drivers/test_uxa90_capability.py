@@ -486,7 +486,7 @@ class Answer:
     def reply(self, answer, *, quiet=False):
         self.said = answer
 
-    def refuse(self, reason):
+    def refuse(self, reason, code="refused"):
         self.said = SimpleNamespace(accepted=False, reason=reason)
 
 

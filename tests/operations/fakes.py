@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 from math import nan
 from typing import Any
 
-from lbr.messages.leases import CommandReply
+from lbr.messages.codes import MEANINGS
+from tests.support.replies import refusal
 
 
 @dataclass
@@ -33,10 +34,11 @@ class FakeCall:
 
     def reply(self, answer, *, quiet=False):
         assert self.answer is None, "answered twice"
+        assert getattr(answer, "accepted", True) or answer.code in MEANINGS, "a refusal has a code of the list"
         self.answer = answer
 
-    def refuse(self, reason):
-        self.reply(CommandReply(accepted=False, reason=reason))
+    def refuse(self, reason, code="refused"):
+        self.reply(refusal(reason, code))
 
 
 @dataclass

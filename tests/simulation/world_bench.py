@@ -37,7 +37,7 @@ class FakeContext:
     def publish(self, output, message):
         self.published[output].append(message)
 
-    def event(self, kind, text, *, level="info", data=None):
+    def event(self, kind, text, *, level="info", data=None, code="", about=""):
         self.events.append((kind, text))
 
     def warn(self, reason):
@@ -52,7 +52,7 @@ class FakeCall:
     def reply(self, answer, *, quiet=False):
         self.answer = answer
 
-    def refuse(self, reason):
+    def refuse(self, reason, code="refused"):
         self.refusal = reason
 
 

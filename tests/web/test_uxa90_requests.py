@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from lbr.apps.web.face import Refused
 from lbr.apps.web.uxa90.counts import allowed, count_of, joint_rad, strength
+from tests.support.replies import dead
 from tests.web.uxa90_bench import SHIPPED, Bench, joints_state
 
 COUNT = radians(269 / 254)
@@ -57,7 +58,7 @@ def test_a_lease_that_died_just_then_is_asked_for_anew(bench):
     bench.motor("id=23&pos=100")
     bench.automatic = False
     promise = bench.asked_motor("id=24&pos=110")
-    bench.ctx.asked[-1].answer(accepted=False, reason="lease is dead: reached in 0.30 s")
+    bench.ctx.asked[-1].reply(dead("reached in 0.30 s", "done"))
     bench.answered = len(bench.ctx.asked)
     bench.automatic = True
     bench.run()
@@ -69,7 +70,7 @@ def test_what_was_asked_for_before_a_stop_is_not_asked_for_anew_after_it(bench):
     bench.motor("id=23&pos=100")
     bench.automatic = False
     promise = bench.asked_motor("id=24&pos=110")
-    bench.ctx.asked[-1].answer(accepted=False, reason="lease is dead: stopped by console")
+    bench.ctx.asked[-1].reply(dead("stopped by console", "stopped"))
     bench.answered = len(bench.ctx.asked)
     bench.automatic = True
     bench.run()
@@ -88,7 +89,7 @@ def test_what_was_asked_for_before_a_motion_is_not_asked_for_anew_during_it(benc
     bench.answered = len(bench.ctx.asked)
     bench.automatic = True
     bench.play("4")
-    late.answer(accepted=False, reason="lease is dead: reached in 0.30 s")
+    late.reply(dead("reached in 0.30 s", "done"))
     bench.run()
     with pytest.raises(Refused):
         promise.result(0)

@@ -60,6 +60,9 @@ class Asked:
     def answer(self, **answer: Any) -> None:
         self.found = {"other": CommandReply(**answer)}
 
+    def reply(self, answer: Any) -> None:
+        self.found = {"other": answer}
+
     def answers(self) -> dict[str, Any] | None:
         return self.found
 

@@ -67,7 +67,9 @@ class Stage:
         self.asked.append((request, message))
         return Asked("joints", self.answer(request, message))
 
-    def event(self, kind: str, text: str, *, level: str = "info", data: Any = None) -> None:
+    def event(
+        self, kind: str, text: str, *, level: str = "info", data: Any = None, code: str = "", about: str = ""
+    ) -> None:
         self.events.append((kind, text, level))
 
     def publish(self, output: str, message: Any) -> None:

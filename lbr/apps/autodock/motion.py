@@ -7,16 +7,17 @@ from lbr.apps.program import Robot
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
+from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult
-from lbr.messages.leases import DEAD_LEASE, CommandReply
+from lbr.messages.leases import CommandReply
 
 TTL_S = 0.8
 """Slow motions, by a program that has to wait while the machine is busy."""
 ANSWER_S = 1.0
 RESULT_S = 0.5
 MOST_ASKED = 4
-FINAL = ("stopped by ", "taken over by ", "held by ", "emergency stop", "a stop came after", "role ")
-"""How the drive's sentences begin when somebody wants the robot to stand, or to go elsewhere."""
+FINAL = frozenset({"stopped", "taken_over", "superseded", "held", "estop", "role", "denied"})
+"""Why a motion ends, or is refused, when somebody wants the robot to stand, or to go elsewhere."""
 
 _replies = Decoder(CommandReply)
 
@@ -30,7 +31,7 @@ class Motion:
         self._key = keys.port(robot.name, "drive", command)
         self._began = self._answered = now
         self._lease = self._goal = ""
-        self._refused: tuple[str, float] | None = None
+        self._refused: tuple[Reason, float] | None = None
         self._results: dict[str, GoalResult] = {}
         self._asked = [self._question(fields)]
 
@@ -56,11 +57,12 @@ class Motion:
         result = self._results.get(self._goal) if self._goal else None
         if result is not None:
             good = result.result in {"reached", "interval"}
-            final = result.result == "superseded" or result.reason.startswith(FINAL)
-            self.ending = Ending(good=good, text=result.reason or result.result, final=final and not good)
+            self.ending = Ending(
+                good=good, text=result.reason or result.result, final=not good and result.code in FINAL
+            )
         elif self._refused is not None and (not self._goal or now - self._refused[1] > RESULT_S):
-            why = self._refused[0].removeprefix(DEAD_LEASE)
-            self.ending = Ending(good=False, text=why, final=why.startswith(FINAL))
+            why = self._refused[0]
+            self.ending = Ending(good=False, text=why.text, final=why.code in FINAL)
         elif not now - self._answered < ANSWER_S + TTL_S:
             self.ending = Ending(good=False, text="the drive does not answer", final=True)
 
@@ -71,7 +73,7 @@ class Motion:
             return
         self._answered = now
         if not reply.accepted:
-            self._refused = self._refused or (reply.reason or "refused", now)
+            self._refused = self._refused or (reply.why, now)
             return
         self._lease = reply.lease or self._lease
         self._goal = reply.goal or self._goal

@@ -96,10 +96,10 @@ class Pilot:
         if self.stopped or state.stopped_s is None or not state.stopped_s > self._since_s:
             return
         self._since_s = state.stopped_s
-        named = state.reason.startswith("stopped by ")
         asked_s, answered_s = self._own_stop
         own = asked_s <= state.stopped_s <= answered_s
-        if not own or (named and not state.reason.startswith(f"stopped by {self._robot.source}")):
+        if not own or state.stopped_by not in {"", self._robot.source}:
+            named = state.code == "stopped"
             self.stopped = state.reason if named else f"stopped: {state.reason or 'no reason given'}"
 
     def _command(self, action: Action) -> tuple[str, dict[str, Any]] | None:

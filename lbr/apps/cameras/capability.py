@@ -53,11 +53,13 @@ class Cameras(Capability[CamerasSettings]):
         """Take a selection; it is answered when the cameras have answered."""
         message = call.message
         if not isinstance(message, SelectCommand):
-            call.refuse(f"{call.name} is not understood here")
+            call.refuse(f"{call.name} is not understood here", "unknown_command")
         elif message.name not in {*self._names, OFF}:
-            call.refuse(f"there is no camera '{message.name}'; there are {', '.join([*self._names, OFF])}")
+            call.refuse(
+                f"there is no camera '{message.name}'; there are {', '.join([*self._names, OFF])}", "unknown_name"
+            )
         elif len(self._waiting) >= MOST_WAITING:
-            call.refuse("the cameras are still being switched")
+            call.refuse("the cameras are still being switched", "busy")
         else:
             self._waiting.append(call)
             self._go_on()

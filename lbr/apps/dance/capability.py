@@ -11,13 +11,15 @@ from lbr.apps.dance.songs import Song
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.messages.codes import Reason
 from lbr.messages.dance import DanceCommand, DanceState
 from lbr.messages.leases import CommandReply, StopCommand
 
 STATE_EVERY_S = 1.0
 RESTING = DanceState(phase="resting")
-ENDED_BY_SOMEBODY = ("stopped by", "the song was ended")
-"""How the reasons of ends begin that somebody wanted."""
+DANCED = Reason("done", "danced to the end")
+ASKED_FOR = frozenset({"done", "stopped"})
+"""Why dances end that were to end."""
 
 
 @dataclass(slots=True)
@@ -60,10 +62,10 @@ class Dance(Capability[DanceSettings]):
             try:
                 self._begin(call, call.message)
             except InputError as err:
-                call.refuse(str(err))
+                call.refuse(str(err), err.code)
         elif isinstance(call.message, StopCommand):
             said = f"stopped by {call.source}" + (f": {call.message.reason}" if call.message.reason else "")
-            self._end(said)
+            self._end(Reason("stopped", said))
             call.reply(CommandReply(accepted=True, reason="stopped"))
         else:
             super().command(call)
@@ -71,16 +73,16 @@ class Dance(Capability[DanceSettings]):
 
     def close(self) -> None:
         """Stop moving, then the song."""
-        self._end("dance is shutting down")
+        self._end(Reason("shutting_down", "dance is shutting down"))
 
     def _begin(self, call: Call, command: DanceCommand) -> None:
         if self._dance is not None:
-            raise InputError(f"'{self._dance.song.name}' is being danced to; stop it first")
+            raise InputError(f"'{self._dance.song.name}' is being danced to; stop it first", "busy")
         choreography = choose(self.ctx.dance_steps, command.dance or self.ctx.settings.dance)
         try:
             metronome.ensure(self._music)
         except OSError as err:
-            raise InputError(f"{self._music} takes no songs ({err.strerror or err}); check the disk") from err
+            raise InputError(f"{self._music} takes no songs ({err.strerror or err}); check the disk", "failed") from err
         song = songs.load(self._music, command.song)
         self._dance = _Dance(song, choreography, Mover(self.ctx, choreography.at(0)), call)
 
@@ -103,11 +105,12 @@ class Dance(Capability[DanceSettings]):
         since_s = self.ctx.clock() - dance.music.began - self.ctx.settings.delay_s
         beats, beat = dance.song.beats, beat_at(dance.song.beats, since_s)
         if beat >= len(beats) - 1:
-            self._end("")
+            self._end(DANCED)
         elif why := dance.music.cut():
             self._end(why)
         elif not since_s < self.ctx.settings.max_s:
-            self._end(f"{self.ctx.settings.max_s:g} s are the longest dance; the setting `max_s` says so")
+            longest_s = self.ctx.settings.max_s
+            self._end(Reason("limit", f"{longest_s:g} s are the longest dance; the setting `max_s` says so"))
         elif beat >= 0:
             dance.mover.move(dance.choreography.at(beat))
             dance.mover.step()
@@ -121,21 +124,21 @@ class Dance(Capability[DanceSettings]):
         self.ctx.event("dance_began", text, level="warning" if silent else "info")
         call.reply(CommandReply(accepted=True, reason=text))
 
-    def _end(self, why: str) -> None:
-        """End the dance; no reason is that it was danced to its end."""
+    def _end(self, why: Reason) -> None:
+        """End the dance."""
         dance, self._dance = self._dance, None
         if dance is None:
             return
         dance.mover.release()
-        if dance.music is not None and why:
+        if dance.music is not None and why.code != "done":
             dance.music.stop()
         if dance.call is not None:
             dance.call.refuse(why)
         else:
-            text = f"the dance to {dance.song.name} ended at beat {dance.beat}: {why}" if why else "danced to the end"
-            asked = not why or why.startswith(ENDED_BY_SOMEBODY)
-            self.ctx.event("dance_ended", text, level="info" if asked else "warning")
-        self._last = self._state(dance, "ended", why or "danced to the end")
+            ended = f"the dance to {dance.song.name} ended at beat {dance.beat}: {why}"
+            level = "info" if why.code in ASKED_FOR else "warning"
+            self.ctx.event("dance_ended", why.text if why.code == "done" else ended, level=level, code=why.code)
+        self._last = self._state(dance, "ended", why.text)
         self._tell()
 
     def _state(self, dance: _Dance, phase: str, reason: str = "") -> DanceState:

@@ -38,7 +38,9 @@ def choose(steps: Iterable[DanceStep], name: str) -> Choreography:
     own = [repeat(Move(step.power, step.angle_deg), step.beats) for step in rows if step.dance == name]
     if not own:
         known = {step.dance for step in rows}
-        raise InputError(f"there are no rows of a dance '{name[:40]}' in choreography; {near(name, known)}")
+        raise InputError(
+            f"there are no rows of a dance '{name[:40]}' in choreography; {near(name, known)}", "unknown_name"
+        )
     return Choreography(name, tuple(chain.from_iterable(own)))
 
 

@@ -2,6 +2,7 @@
 
 from lbr.apps.dance.choreography import REST, Move
 from lbr.capability.loan import Asking, Lender, Loan
+from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
 
 DRIVE = Lender("motion", "halt", "drive", "the drive does not answer; the base has stopped by itself")
@@ -19,8 +20,8 @@ class Mover:
         self._loan = Loan(ctx, DRIVE, DriveCommand(power=TAKING_POWER, angle_deg=first.angle_deg))
 
     @property
-    def ended(self) -> str:
-        """Why it holds the base no more, or nothing."""
+    def ended(self) -> Reason | None:
+        """Why it holds the base no more, if it does not."""
         return self._loan.ended
 
     @property

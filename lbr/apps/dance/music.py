@@ -3,6 +3,7 @@
 from typing import Any, Protocol
 
 from lbr.capability.context import Asked, Received
+from lbr.messages.codes import Reason
 from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState
 
 ANSWER_S = 1.0
@@ -55,19 +56,19 @@ class Music:
         elif reply.began_s is not None and now - PLAUSIBLE_S <= reply.began_s <= now:
             self.began = reply.began_s
 
-    def cut(self) -> str:
+    def cut(self) -> Reason | None:
         """Return why the song is not being played any more although it is not over, or nothing."""
         if self.began is None or self.silent:
-            return ""
+            return None
         if not self._ctx.clock() < self.began + self._duration_s - NEAR_THE_END_S:
-            return ""
+            return None
         sources = self._ctx.sources("speech")
         if sources and not any(self._ctx.alive(source) for source in sources):
-            return "speech is gone, and the song with it"
+            return Reason("unreachable", "speech is gone, and the song with it")
         told = self._ctx.latest("speech")
         if told is None or told.arrived < self.began or not isinstance(told.message, SpeechState):
-            return ""
-        return "" if told.message.playing == self._song else "the song was ended"
+            return None
+        return None if told.message.playing == self._song else Reason("stopped", "the song was ended")
 
     def stop(self) -> None:
         """End it; also one that did not answer in time and may begin yet."""

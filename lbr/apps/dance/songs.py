@@ -31,7 +31,10 @@ def load(music: Path, name: str) -> Song:
     names.checked(name, "song")
     sound, beats = music / f"{name}.wav", music / f"{name}.json"
     if not sound.is_file():
-        raise InputError(f"there is no song '{name}' in {music}; {near(name, names.stems(music, '.wav'))}")
+        raise InputError(
+            f"there is no song '{name}' in {music}; {near(name, names.stems(music, '.wav'))}",
+            "unknown_name",
+        )
     if not beats.is_file():
         raise InputError(f'{beats} is missing: {{"BEATS": [0.5, 1.0]}} says when the beats are, in seconds')
     duration_s = wav.read(sound).duration_s

@@ -12,7 +12,8 @@ from typing import get_args
 from lbr.apps.http.rates import Bucket
 from lbr.bus import keys, stamp, wire
 from lbr.bus.session import Session
-from lbr.messages.leases import CommandReply
+from lbr.messages.codes import Reason
+from lbr.messages.leases import refused
 from lbr.messages.system import ConsoleResult, Role
 
 COMMAND_S = 3.0
@@ -95,7 +96,7 @@ class Relay:
     def _take(self, lane: Lane, request: wire.Request, now: float) -> None:
         why_not = self._too_much(lane, request, now)
         if why_not:
-            self._refuse(lane, request, why_not)
+            self._refuse(lane, request, Reason("busy", why_not))
             return
         attachment = stamp.passed_on(request.attachment, self._via, self._who(request))
         if not request.answerable:
@@ -129,10 +130,10 @@ class Relay:
             return f"too many messages a second from other machines ({request.key})"
         return ""
 
-    def _refuse(self, lane: Lane, request: wire.Request, why: str) -> None:
-        self._refused(why)
+    def _refuse(self, lane: Lane, request: wire.Request, why: Reason) -> None:
+        self._refused(why.text)
         request.reply(
-            ConsoleResult(code=1, text=why) if lane.line else CommandReply(accepted=False, reason=why), self._via
+            ConsoleResult(code=1, text=why.text, reason_code=why.code) if lane.line else refused(why), self._via
         )
 
     def _answer(self, lane: Lane) -> None:
@@ -142,7 +143,7 @@ class Relay:
                 answer = question.replies[0]
                 request.pass_back(answer.payload, answer.attachment)
             elif question.done:
-                self._refuse(lane, request, f"nobody answers on {request.key}")
+                self._refuse(lane, request, Reason("unreachable", f"nobody answers on {request.key}"))
             else:
                 waiting.append((request, question))
         lane.under_way = waiting

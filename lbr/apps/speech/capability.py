@@ -86,7 +86,7 @@ class Speech(Capability[SpeechSettings]):
                 case _:
                     super().command(call)
         except (InputError, DeviceError) as err:
-            call.refuse(str(err))
+            call.refuse(str(err), err.code)
         self._tell()
 
     def degraded(self, reason: str) -> None:

@@ -33,5 +33,8 @@ def place_for(home: Path, name: str) -> Path:
 def _known(folder: Path, name: str, what: str) -> Wav:
     path = folder / f"{name}.wav"
     if not path.is_file():
-        raise InputError(f"there is no {what} '{name}' in {folder}; {near(name, names.stems(folder, '.wav'))}")
+        raise InputError(
+            f"there is no {what} '{name}' in {folder}; {near(name, names.stems(folder, '.wav'))}",
+            "unknown_name",
+        )
     return wav.read(path)

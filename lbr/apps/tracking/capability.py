@@ -18,6 +18,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Received
 from lbr.errors import InputError
 from lbr.messages.camera import CameraState, SnapshotReply
+from lbr.messages.codes import Reason
 from lbr.messages.joints import JointsState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
@@ -86,30 +87,32 @@ class Tracking(Capability[TrackingSettings]):
             try:
                 self._begin(call, call.message)
             except InputError as err:
-                call.refuse(str(err))
+                call.refuse(str(err), err.code)
         elif isinstance(call.message, LookCommand):
             self._look(call, call.message)
         elif isinstance(call.message, StopCommand):
-            self._end(f"stopped by {call.source}" + (f": {call.message.reason}" if call.message.reason else ""))
+            said = f": {call.message.reason}" if call.message.reason else ""
+            self._end(Reason("stopped", f"stopped by {call.source}{said}"))
             call.reply(CommandReply(accepted=True, reason="stopped"))
         else:
             super().command(call)
 
     def close(self) -> None:
         """Have the head hold."""
-        self._end("tracking is shutting down")
+        self._end(Reason("shutting_down", "tracking is shutting down"))
 
     def _begin(self, call: Call, command: TrackCommand) -> None:
         if self._following is not None:
-            raise InputError(f"the head follows a {self._following.command.target} already; stop that first")
+            raise InputError(f"the head follows a {self._following.command.target} already; stop that first", "busy")
         settings = self.ctx.settings
         missing = {settings.yaw_joint, settings.pitch_joint} - {joint.name for joint in self.ctx.joints}
         if missing:
             raise InputError(
-                f"there is no row for joint {', '.join(sorted(missing))}; see the settings of {self.ctx.name}"
+                f"there is no row for joint {', '.join(sorted(missing))}; see the settings of {self.ctx.name}",
+                "unknown_name",
             )
         if why := self._blind():
-            raise InputError(why)
+            raise InputError(why, "unreachable")
         check(settings, command.target)
         gaze, now = Gaze(), self.ctx.clock()
         self._hear(gaze, self._joints())
@@ -124,9 +127,9 @@ class Tracking(Capability[TrackingSettings]):
         """Look at the newest picture on a thread, for that may take a while."""
         newest = self.ctx.latest("frame")
         if self._looking is not None:
-            call.refuse("a picture is being looked at; wait for the answer")
+            call.refuse("a picture is being looked at; wait for the answer", "busy")
         elif newest is None or not newest.age_s(self.ctx.clock()) <= self.ctx.settings.max_age_s:
-            call.refuse(self._blind() or NO_PICTURES)
+            call.refuse(self._blind() or NO_PICTURES, "unreachable")
         else:
             looked = self._pool.submit(sketch, self.ctx.settings, command.target, newest.message.data)
             looked.add_done_callback(lambda _: self.ctx.wake())
@@ -138,7 +141,7 @@ class Tracking(Capability[TrackingSettings]):
             found = looked.result()
             path = snapshot.save(self.ctx.home, snapshot.name_now(self.ctx.name), found.picture)
         except InputError as err:
-            call.reply(SnapshotReply(accepted=False, reason=str(err)))
+            call.reply(SnapshotReply(accepted=False, reason=str(err), code=err.code))
         else:
             call.reply(SnapshotReply(accepted=True, reason=f"{found.text}; saved as {path}", path=str(path)))
 
@@ -146,7 +149,9 @@ class Tracking(Capability[TrackingSettings]):
         """Return what the joints told last; raise InputError if that is too long ago."""
         received = self.ctx.latest("joints")
         if received is None or not received.age_s(self.ctx.clock()) <= JOINTS_CURRENT_S:
-            raise InputError("joints operation has not told for a while where the joints are; see /report/joints")
+            raise InputError(
+                "joints operation has not told for a while where the joints are; see /report/joints", "stale_sensor"
+            )
         return received
 
     def _blind(self) -> str:
@@ -168,7 +173,12 @@ class Tracking(Capability[TrackingSettings]):
         following.mover.look(following.aim)
         if following.call is not None and following.mover.holds:
             self._answer(following, following.call, now)
-        if why := following.eye.trouble or following.mover.ended or self._given_up(following, now):
+        blind = following.eye.trouble
+        if (
+            why := (Reason("failed", blind) if blind else None)
+            or following.mover.ended
+            or self._given_up(following, now)
+        ):
             self._end(why)
         else:
             self._complain(self._trouble(following, now))
@@ -206,11 +216,12 @@ class Tracking(Capability[TrackingSettings]):
         if lost and now - following.picture_s <= NO_PICTURE_S:
             following.aim = ahead_again(following.aim, self.ctx.settings.ahead_rps * since_s, self._tuning())
 
-    def _given_up(self, following: _Following, now: float) -> str:
+    def _given_up(self, following: _Following, now: float) -> Reason | None:
         limit_s = self.ctx.settings.give_up_s
         if now - max(following.seen_s, following.began) <= limit_s:
-            return ""
-        return f"no {following.command.target} was seen for {limit_s:g} s; the setting `give_up_s` says so"
+            return None
+        lost = f"no {following.command.target} was seen for {limit_s:g} s; the setting `give_up_s` says so"
+        return Reason("stale_sensor", lost)
 
     def _trouble(self, following: _Following, now: float) -> str:
         """Return why the head stays where it is, or nothing."""
@@ -234,21 +245,22 @@ class Tracking(Capability[TrackingSettings]):
         following.call = None
         loading = "" if following.eye.ready else " as soon as its eye is ready"
         text = f"the head follows a {following.command.target}{loading}"
-        self.ctx.event("tracking_began", f"{call.source}: {text}")
+        self.ctx.event("tracking_began", f"{call.source}: {text}", code="done", about=call.source)
         self._tell()
         call.reply(CommandReply(accepted=True, reason=text))
 
-    def _end(self, why: str) -> None:
+    def _end(self, why: Reason) -> None:
         following, self._following = self._following, None
         if following is None:
             return
         following.eye.close()
-        following.mover.release(why)
+        following.mover.release(why.text)
         if following.call is not None:
             following.call.refuse(why)
         else:
-            self.ctx.event("tracking_ended", f"the head follows no {following.command.target} any more: {why}")
-        self._last = TrackingState(following=False, target=following.command.target, reason=why)
+            text = f"the head follows no {following.command.target} any more: {why}"
+            self.ctx.event("tracking_ended", text, code=why.code)
+        self._last = TrackingState(following=False, target=following.command.target, reason=why.text)
         self._complain("")
         self._tell()
 

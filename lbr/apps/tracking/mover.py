@@ -6,6 +6,7 @@ from msgspec.structs import replace
 
 from lbr.apps.tracking.control import Angles
 from lbr.capability.loan import Asking, Lender, Loan
+from lbr.messages.codes import Reason
 from lbr.messages.joints import JointsCommand
 
 JOINTS = Lender("move", "halt", "joints operation", "joints operation does not answer; the head holds by itself")
@@ -34,8 +35,8 @@ class Mover:
         self._loan = Loan(ctx, JOINTS, replace(self._command(first), torque=neck.torque, asked_s=asked_s))
 
     @property
-    def ended(self) -> str:
-        """Why the head is not ours to move any more, or nothing."""
+    def ended(self) -> Reason | None:
+        """Why the head is not ours to move any more, if it is not."""
         return self._loan.ended
 
     @property

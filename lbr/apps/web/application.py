@@ -57,7 +57,9 @@ class Gate:
         scheme = "https" if scope["scheme"] in {"https", "wss"} else "http"
         stranger = self._pages.stranger(headers, scheme)
         if stranger and not visit:
-            raise Refused(403, f"{stranger} may not ask; origins that may are the setting 'cors' of the row")
+            raise Refused(
+                403, f"{stranger} may not ask; origins that may are the setting 'cors' of the row", code="denied"
+            )
 
     def allows(self, origin: str) -> bool:
         """Say whether pages of an origin may ask."""
@@ -120,9 +122,13 @@ def application(
     """Return the app: all routes behind their guards. `in_loop` runs the handlers that are coroutines."""
 
     async def answer(route: Route, scope: Scope, receive: Receive) -> Response:
-        request = await gate.request(route, scope, receive)
-        answered = route.handle(request)
-        return await in_loop(answered, timeout_s=route.within_s) if isawaitable(answered) else answered
+        try:
+            request = await gate.request(route, scope, receive)
+            answered = route.handle(request)
+            return await in_loop(answered, timeout_s=route.within_s) if isawaitable(answered) else answered
+        except Refused as err:
+            err.bare = route.bare
+            raise
 
     async def otherwise(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":
@@ -162,7 +168,9 @@ def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Respons
     if "access-control-request-method" not in headers:
         return text(allowed, Allow=allowed)
     if not gate.allows(headers.get("origin", "")):
-        raise Refused(403, f"{headers.get('origin', 'this page')} is not in the setting 'cors' of the row")
+        raise Refused(
+            403, f"{headers.get('origin', 'this page')} is not in the setting 'cors' of the row", code="denied"
+        )
     found = {**_PREFLIGHT, "Access-Control-Allow-Methods": allowed}
     if headers.get("access-control-request-private-network", "").lower() == "true":
         found["Access-Control-Allow-Private-Network"] = "true"

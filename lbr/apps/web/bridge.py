@@ -73,7 +73,9 @@ class Bridge:
         try:
             return await asyncio.wait_for(asyncio.wrap_future(promise), timeout_s)
         except TimeoutError:
-            raise Refused(503, f"the robot did not answer within {timeout_s:g} s", {"Retry-After": "1"}) from None
+            raise Refused(
+                503, f"the robot did not answer within {timeout_s:g} s", {"Retry-After": "1"}, "timeout"
+            ) from None
 
     def start(self, work: Coroutine[Any, Any, T]) -> Promise[T]:
         """Run a coroutine, from within the loop; the promise says what became of it."""

@@ -113,7 +113,7 @@ class BuiltinRoutes:
             openapi.document(
                 routes,
                 title=f"The robot {self._robot.name}",
-                description='What this robot answers over HTTP. A refusal is {"message": "the reason"}.',
+                description='What this robot answers over HTTP. A refusal is {"message": "the reason", "code": "its_code"}.',
                 version=version,
             )
         )
@@ -129,7 +129,7 @@ class BuiltinRoutes:
         stop = StopCommand(reason=why[:200], whole=True)
         asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
         if not asked:
-            raise Refused(503, "nothing that could be stopped is wired to this server by channel rows")
+            raise Refused(503, "nothing that could be stopped is wired to this server by channel rows", code="wiring")
         for one in asked.values():
             await until(lambda one=one: one.answers() is not None)  # type: ignore[misc]
             refusals = [_refusal(name, answer) for name, answer in (one.answers() or {}).items()]
@@ -156,7 +156,7 @@ class BuiltinRoutes:
     async def _reset(self, _request: Request) -> Response:
         reply = await self._robot.ask("estop_reset", EstopResetCommand(), timeout_s=RESET_S)
         if not reply.accepted:
-            raise Refused(409, reply.reason or "it was refused without a reason")
+            raise Refused(409, reply.why)
         return json(Message(message=reply.reason or "released"))
 
     def _openapi(self, _request: Request) -> Response:
@@ -179,7 +179,7 @@ def _refusal(name: str, answer: Any) -> Refused | None:
     """Return why something does not stop; None if it does."""
     if answer is None:
         return Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
-    return None if answer.accepted else Refused(409, answer.reason or "it was refused without a reason")
+    return None if answer.accepted else Refused(409, answer.why)
 
 
 def _static(name: str, media: str) -> Callable[[Request], Response]:

@@ -12,6 +12,7 @@ import msgspec
 from msgspec import Struct
 from starlette.responses import Response
 
+from lbr.messages.codes import Code, Reason, ReasonCode
 from lbr.messages.system import RANKS, Role
 
 Method = Literal["GET", "POST", "PUT", "PATCH", "DELETE"]
@@ -20,20 +21,49 @@ ANSWER_S = 2.0
 _encode = msgspec.json.Encoder().encode
 
 
-class Message(Struct, frozen=True, kw_only=True):
-    """What was wrong, as a sentence."""
+CODES: dict[int, Code] = {
+    400: "bad_value",
+    401: "token",
+    403: "role",
+    404: "unknown_name",
+    405: "not_possible",
+    408: "timeout",
+    412: "changed",
+    413: "bad_value",
+    414: "bad_value",
+    415: "bad_value",
+    421: "denied",
+    429: "busy",
+    500: "failed",
+    503: "unreachable",
+}
+"""Why a request is refused with a status, unless it is told closer."""
+
+
+class Message(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """What was wrong, as a sentence and by its code."""
 
     message: str
+    code: ReasonCode = ""
 
 
 class Refused(Exception):  # noqa: N818 - an answer, not a fault
-    """An answer `{"message": ...}` with a status, from wherever it is noticed."""
+    """An answer `{"message": ..., "code": ...}` with a status, from wherever it is noticed.
 
-    def __init__(self, status: int, message: str, headers: Mapping[str, str] | None = None) -> None:
-        super().__init__(message)
+    A `Reason` brings its own code; else it is the one given, or what the status says. The code is in the header
+    `Reason-Code` as well, and there alone if the body must be `bare`, as older clients know it.
+    """
+
+    def __init__(
+        self, status: int, message: str | Reason, headers: Mapping[str, str] | None = None, code: Code | None = None
+    ) -> None:
+        super().__init__(str(message))
         self.status = status
-        self.message = message
+        self.message = str(message)
+        own = message.code if isinstance(message, Reason) else None
+        self.code: Code = code or own or CODES.get(status, "refused")
         self.headers = dict(headers or {})
+        self.bare = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +122,7 @@ class Request:
                 403,
                 "a GET that moves must show that no web page sent it: use POST, show a token, say 'Sec-Fetch-Site: none',"
                 " or open the old API by the setting 'legacy' of the row",
+                code="denied",
             )
 
 
@@ -143,6 +174,7 @@ class Route:
 
     `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
     and reads them itself: then they only say in the document what is meant, and a body is passed on unread.
+    What one that is `bare` refuses is told by its sentence alone, as clients of the old API know it.
     One that is `regardless` is done whatever its body is: of one that is late, too large or wrong, `data` is None.
     `handle` returns an answer: a coroutine does so in the capability's loop, within `within_s` (else 503), a plain
     function at once.
@@ -161,6 +193,7 @@ class Route:
     body: type[Struct] | None = None
     body_required: bool = True
     lenient: bool = False
+    bare: bool = False
     regardless: bool = False
     role: Role | None = "view"
     page: bool = False

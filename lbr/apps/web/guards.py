@@ -78,7 +78,7 @@ class Answering:
             sys.stderr.flush()
             asked = f"{scope.get('method', 'WebSocket')} {scope['path'][:80]}"
             self._counts.tell("web_fault", f"{asked}: {type(err).__name__}: {err}", "error")
-            broken = json({"message": "this answer is broken; the robot's log says how"}, 500)
+            broken = json({"message": "this answer is broken; the robot's log says how", "code": "failed"}, 500)
             await _answer(broken, scope, receive, sealed, begun=begun)
 
     def _seal(self, scope: Scope, message: Message) -> None:
@@ -86,7 +86,7 @@ class Answering:
         origin = headers_of(scope).get("origin", "")
         if origin and self._pages.allows(origin):
             found["access-control-allow-origin"] = ANY if self._pages.allows(ANY) else origin
-            found["access-control-expose-headers"] = "ETag, Retry-After, WWW-Authenticate"
+            found["access-control-expose-headers"] = "ETag, Reason-Code, Retry-After, WWW-Authenticate"
         if not self._pages.allows(ANY):
             found["vary"] = "Origin"
         given = message.get("headers", ())
@@ -119,7 +119,9 @@ class Limits:
             await self._app(scope, receive, send)  # bounded where it is looked at
             return
         if busy := self._turns.why_not(who):
-            raise Refused(503, f"{busy} are being answered already", {"Retry-After": "1", "Connection": "close"})
+            raise Refused(
+                503, f"{busy} are being answered already", {"Retry-After": "1", "Connection": "close"}, "busy"
+            )
         with self._turns.taken(who):
             await self._app(scope, receive, send)
 
@@ -160,7 +162,8 @@ def address_of(scope: Scope) -> str:
 
 def refusal(err: Refused) -> Response:
     """Return a refusal as an answer."""
-    return json({"message": err.message}, err.status, **err.headers)
+    told = {"message": err.message} if err.bare else {"message": err.message, "code": err.code}
+    return json(told, err.status, **{"Reason-Code": err.code, **err.headers})
 
 
 async def _answer(response: Response, scope: Scope, receive: Receive, send: Send, *, begun: bool) -> None:

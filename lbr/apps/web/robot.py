@@ -119,7 +119,11 @@ class Robot:
 def answer_of(request: str, answers: dict[str, Any]) -> Any:
     """Return the one answer to a question; Refused (503) says what is missing."""
     if len(answers) != 1:
-        raise Refused(503, f"'{request}' must be wired to one capability by a channel row, and is to {len(answers)}")
+        raise Refused(
+            503,
+            f"'{request}' must be wired to one capability by a channel row, and is to {len(answers)}",
+            code="wiring",
+        )
     name, answer = next(iter(answers.items()))
     if answer is None:
         raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})

@@ -73,7 +73,7 @@ class Streams(BaseRoute):
         if self._over:
             raise Refused(503, self._over, {"Retry-After": "2"})
         if full := self._viewers.why_not(_who(client)):
-            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"})
+            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
         return client, params.rate_hz
 
     async def _stream(self, socket: WebSocket, receive: Receive, period_s: float) -> None:

@@ -77,7 +77,7 @@ class Camera(Capability[CameraSettings]):
 
     def _switch(self, call: Call, *, on: bool) -> None:
         if self._switching is not None:
-            self._switching.call.refuse(f"{self.ctx.name} was switched again by {call.source}")
+            self._switching.call.refuse(f"{self.ctx.name} was switched again by {call.source}", "superseded")
         self._switching = _Switching(call, on, self._on, self.ctx.clock() + (ON_S if on else OFF_S))
         self._want(on=on)
 
@@ -126,7 +126,7 @@ class Camera(Capability[CameraSettings]):
             if capture is None:
                 self._answer(CommandReply(accepted=True))
             elif late:
-                self._answer(CommandReply(accepted=False, reason="its device is not closed yet"))
+                self._answer(CommandReply(accepted=False, reason="its device is not closed yet", code="timeout"))
         elif capture is None or capture.stopping or capture.phase == "opening":
             if late:
                 self._answer(CommandReply(accepted=True, reason="it is opening"))
@@ -134,7 +134,7 @@ class Camera(Capability[CameraSettings]):
             self._answer(CommandReply(accepted=True))
         else:
             self._want(on=waiting.was_on)
-            self._answer(CommandReply(accepted=False, reason=capture.reason))
+            self._answer(CommandReply(accepted=False, reason=capture.reason, code="unreachable"))
 
     def _answer(self, reply: CommandReply) -> None:
         waiting, self._switching = self._switching, None
@@ -145,11 +145,13 @@ class Camera(Capability[CameraSettings]):
         newest = self._newest
         if newest is None or self.ctx.clock() - newest.taken_s > NEWEST_S:
             reason = self._state().reason or "no picture has come yet"
-            return SnapshotReply(accepted=False, reason=reason if self._on else f"{self.ctx.name} is off")
+            return SnapshotReply(
+                accepted=False, reason=reason if self._on else f"{self.ctx.name} is off", code="unreachable"
+            )
         try:
             path = snapshot.save(self.ctx.home, name or snapshot.name_now(self.ctx.name), newest.data)
         except InputError as err:
-            return SnapshotReply(accepted=False, reason=str(err))
+            return SnapshotReply(accepted=False, reason=str(err), code=err.code)
         return SnapshotReply(accepted=True, reason=f"saved as {path}", path=str(path))
 
     def _tell(self) -> None:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from math import inf
 from struct import Struct
 from types import TracebackType
-from typing import Self
+from typing import Literal, Self
 
 from lbr.capability.context import Device
 from lbr.drivers.dynamixel import packet, table
@@ -56,7 +56,7 @@ _STATE_REGISTERS = (
 
 
 class Bus:
-    """One servo bus. Lost answers are None, `trouble` then says why; a line that is gone is a DeviceError.
+    """One servo bus. Lost answers are None, `trouble` then says why and `lost` how; a line that is gone is a DeviceError.
 
     `written_all` counts what was written to several servos at once. `urgent` is asked while the bus waits although the wire is free, and between tries: the rest is left undone then,
     and `cut_short` tells.
@@ -73,6 +73,7 @@ class Bus:
         self.counts = Counts()
         self.strays: Counter[int] = Counter()
         self.trouble = ""
+        self.lost: Literal["", "silent", "garbled", "refused"] = ""
         self.refused = 0
         self.cut_short = False
         self.written_all = 0
@@ -334,10 +335,10 @@ class Bus:
         now = self._clock()
         if not data:
             self.counts.timeouts += 1
-            self.trouble = "does not answer"
+            self.trouble, self.lost = "does not answer", "silent"
         elif not self._judge(data, question):
             self.counts.corrupt += 1
-            self.trouble = "answers garbled"
+            self.trouble, self.lost = "answers garbled", "garbled"
         self._late[question.head] = now + LATE_S
         self._wary_until = now + WARY_S
 
@@ -348,7 +349,8 @@ class Bus:
         for status in parser.feed(data):
             if status.id == question.servo and len(status.params) + packet.OVERHEAD_BYTES != question.size:
                 self.refused = status.error
-                self.trouble = f"refuses: {', '.join(packet.error_names(status.error)) or 'answers too short'}"
+                named = ", ".join(packet.error_names(status.error))
+                self.trouble, self.lost = f"refuses: {named or 'answers too short'}", "refused"
                 explained = True
             else:
                 self.counts.strays += 1

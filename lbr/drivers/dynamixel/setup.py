@@ -67,15 +67,15 @@ class Setup:
 
     def _eeprom(self, bus: Bus, servo: int) -> bytes | None:
         status = bus.read(servo, 0, EEPROM_BYTES, tries=1)
-        if status is not None or bus.trouble != "does not answer" or bus.cut_short:
+        if status is not None or bus.lost != "silent" or bus.cut_short:
             return None if status is None else status.params
         if servo not in self.kept and bus.ping(servo, tries=1) is not None:  # it answers nothing else: teach it
             bus.write(servo, table.RETURN_LEVEL.address, table.RETURN_LEVEL.encode(2), tries=1)
-            bus.trouble = SETTING_UP
+            bus.trouble, bus.lost = SETTING_UP, ""
         return None
 
     def _why_not(self, bus: Bus, servo: int) -> str:
-        if bus.trouble != "answers garbled":
+        if bus.lost != "garbled":
             return bus.trouble
         self._garbled[servo] = self._garbled.get(servo, 0) + 1
         if self._garbled[servo] < GARBLED:

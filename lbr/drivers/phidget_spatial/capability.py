@@ -72,14 +72,16 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         if call.name != "zero":
             super().command(call)
         elif self._opened is None or self.ctx.clock() - self._heard_s > SILENT_S:
-            call.refuse("the unit measures nothing now")
+            call.refuse("the unit measures nothing now", "unreachable")
         elif self._turns:
-            call.refuse(f"it turns by more than {STILL_DPS:g} degrees a second; keep it still for two seconds")
+            call.refuse(
+                f"it turns by more than {STILL_DPS:g} degrees a second; keep it still for two seconds", "not_ready"
+            )
         else:
             try:
                 self._zero(self._opened)
             except self._opened.errors as err:
-                call.refuse(f"{self._who()}: {_said(err)}")
+                call.refuse(f"{self._who()}: {_said(err)}", "failed")
                 return
             call.reply(CommandReply(accepted=True, reason=f"keep it still for {ZERO_S:g} s"))
 

@@ -52,9 +52,9 @@ class Pico(Capability[PicoSettings]):
 
         def answer(trouble: str) -> None:
             if trouble:
-                call.refuse(trouble)
+                call.refuse(trouble, "failed")
             else:
-                self.ctx.event("relay", f"{call.source} switched the motors' power {word}")
+                self.ctx.event("relay", f"{call.source} switched the motors' power {word}", about=call.source)
                 call.reply(CommandReply(accepted=True, reason=f"the motors' power is {word}"))
 
         self._supply.switch(answer, on=on)

@@ -70,11 +70,13 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
             super().command(call)
             return
         if session is None:
-            call.refuse(f"device '{self.ctx.settings.device}' is away")
+            call.refuse(f"device '{self.ctx.settings.device}' is away", "unreachable")
             return
         unknown = [servo for servo in message.ids if servo not in self._joints]
         if unknown:
-            call.refuse(f"no joint has servo {unknown[0]}; there are {', '.join(map(str, self._joints))}")
+            call.refuse(
+                f"no joint has servo {unknown[0]}; there are {', '.join(map(str, self._joints))}", "unknown_name"
+            )
             return
         jobs = {}
         for servo, out in session.targets.servos.items():
@@ -102,7 +104,7 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
                 else:
                     session.targets.recovered(servo)
             if failed:
-                call.refuse("; ".join(failed))
+                call.refuse("; ".join(failed), "failed")
             else:
                 said = self.named(list(jobs), "recovered, without torque:")
                 call.reply(CommandReply(accepted=True, reason=said))
@@ -111,7 +113,7 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
     def refuse_waiting(self, reason: str) -> None:
         """Refuse the recoveries that wait for the line."""
         for call, _ in self._recovering:
-            call.refuse(reason)
+            call.refuse(reason, "unreachable")
         self._recovering.clear()
 
     def unusable(self, session: ServoSession[S, B]) -> str:

@@ -68,7 +68,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         """Answer a command; what needs the line, when that has answered."""
         session = self._session
         if session is None:
-            call.refuse(f"device '{self.ctx.settings.device}' is away")
+            call.refuse(f"device '{self.ctx.settings.device}' is away", "unreachable")
         elif isinstance(call.message, RecoverServos):
             call.reply(CommandReply(accepted=True, reason="these servos report no faults, so that none is latched"))
         elif isinstance(call.message, TakeControlCommand):

@@ -9,6 +9,7 @@ from lbr.drivers.uxa90 import Uxa90Settings
 from lbr.drivers.uxa90.frames import QUESTIONS, TAKE_CONTROL
 from lbr.drivers.uxa90.requests import configuration, inquiry
 from lbr.drivers.uxa90.session import Session
+from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply
 from lbr.messages.uxa90 import ConfigureCommand, InquireCommand, InquireReply
 
@@ -31,7 +32,7 @@ class Commands:
         """Take PC control; answered when it is taken."""
         controller = session.controller
         if busy := _busy(session):
-            call.refuse(busy)
+            call.refuse(busy, "busy")
             return
         if controller.mode.pc and self._ctx.clock() - session.poller.heard < PROVEN_S:
             session.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP, "control")  # it was asked for; no pause
@@ -50,12 +51,13 @@ class Commands:
                 refused = self._not_configurable(session, moving=moving)
                 job = configuration(message, self._servos)
             else:
-                call.refuse(f"{call.name} is not understood here")
+                call.refuse(f"{call.name} is not understood here", "unknown_command")
                 return
         except ValueError as err:
-            refused = str(err)
+            refused = Reason("unknown_name", str(err))
         if refused or len(self._asked) >= MOST_WAITING:
-            call.reply(InquireReply(accepted=False, reason=refused or "too many questions wait; ask later"))
+            why = refused or Reason("busy", "too many questions wait; ask later")
+            call.reply(InquireReply(accepted=False, reason=why.text, code=why.code))
             return
         self._asked.append((call, session.thread.submit(job, READ)))
 
@@ -67,14 +69,14 @@ class Commands:
                 heard = "" if session.controller.mode.answered else "the main board did not say so itself"
                 call.reply(CommandReply(accepted=True, reason=heard))
             elif now >= until:
-                call.refuse("PC control was not taken in time")
+                call.refuse("PC control was not taken in time", "timeout")
             else:
                 taking.append((call, until))
         for call, future in self._asked:
             if not future.done():
                 asked.append((call, future))
             elif future.cancelled() or future.exception() is not None:
-                call.reply(InquireReply(accepted=False, reason="the line went away"))
+                call.reply(InquireReply(accepted=False, reason="the line went away", code="unreachable"))
             else:
                 call.reply(future.result())
         self._taking, self._asked = taking, asked
@@ -82,26 +84,30 @@ class Commands:
     def refuse(self, reason: str) -> None:
         """The line is gone."""
         for call, _ in self._taking:
-            call.refuse(reason)
+            call.refuse(reason, "unreachable")
         for call, _ in self._asked:
-            call.reply(InquireReply(accepted=False, reason=reason))
+            call.reply(InquireReply(accepted=False, reason=reason, code="unreachable"))
         self._taking, self._asked = [], []
 
-    def _not_configurable(self, session: Session, *, moving: bool) -> str:
+    def _not_configurable(self, session: Session, *, moving: bool) -> Reason | None:
         if not self._ctx.settings.maintenance:
-            return (
+            return Reason(
+                "not_possible",
                 f'servos\' registers are written only in maintenance: set "maintenance": true in the settings '
-                f"of the capability row '{self._ctx.name}', and take it out again afterwards"
+                f"of the capability row '{self._ctx.name}', and take it out again afterwards",
             )
-        return "somebody moves the joints; stop that first" if moving else _not_passed(session)
+        return Reason("busy", "the joints are being moved; stop that first") if moving else _not_passed(session)
 
 
-def _not_askable(message: InquireCommand, session: Session) -> str:
-    return _busy(session) if message.what in QUESTIONS else _not_passed(session)
+def _not_askable(message: InquireCommand, session: Session) -> Reason | None:
+    busy = _busy(session)
+    return (Reason("busy", busy) if busy else None) if message.what in QUESTIONS else _not_passed(session)
 
 
-def _not_passed(session: Session) -> str:
-    return _busy(session) or ("" if session.controller.mode.pc else "PC control is not taken yet; ask again")
+def _not_passed(session: Session) -> Reason | None:
+    if busy := _busy(session):
+        return Reason("busy", busy)
+    return None if session.controller.mode.pc else Reason("not_ready", "PC control is not taken yet; ask again")
 
 
 def _busy(session: Session) -> str:

@@ -27,7 +27,9 @@ def inquiry(message: InquireCommand, servos: Collection[int]) -> Job:
     def job(bus: Bus) -> InquireReply:
         values = _asked(bus, register, servo)
         if values is None:
-            return InquireReply(accepted=False, reason=f"servo {servo} does not say its {register.name}")
+            return InquireReply(
+                accepted=False, code="timeout", reason=f"servo {servo} does not say its {register.name}"
+            )
         return InquireReply(accepted=True, values=values, text=f"servo {servo}: {_text(register, values)}")
 
     return job
@@ -52,7 +54,7 @@ def configuration(message: ConfigureCommand, servos: Collection[int]) -> Job:
 
 def _written(bus: Bus, register: Register, servo: int, data: bytes, expected: tuple[int, ...]) -> InquireReply:
     if not bus.settle(SETTLE_S):
-        return InquireReply(accepted=False, reason=f"servo {servo} {NOT_TOLD}")
+        return InquireReply(accepted=False, code="timeout", reason=f"servo {servo} {NOT_TOLD}")
     if not register.answers:
         bus.say(data)
         return InquireReply(accepted=True, values=expected, text=f"servo {servo} was told; it does not answer that")
@@ -61,10 +63,15 @@ def _written(bus: Bus, register: Register, servo: int, data: bytes, expected: tu
     if register.read is not None:
         values = _asked(bus, register, servo)
     if values is None:
-        return InquireReply(accepted=False, reason=f"servo {servo} does not say whether it took its {register.name}")
+        return InquireReply(
+            accepted=False, code="timeout", reason=f"servo {servo} does not say whether it took its {register.name}"
+        )
     if values[: len(expected)] != expected:
         return InquireReply(
-            accepted=False, values=values, reason=f"servo {servo} keeps its {register.name}: {_text(register, values)}"
+            accepted=False,
+            code="not_followed",
+            values=values,
+            reason=f"servo {servo} keeps its {register.name}: {_text(register, values)}",
         )
     return InquireReply(accepted=True, values=values, text=f"servo {servo} now: {_text(register, values)}")
 
@@ -75,7 +82,9 @@ def _about_board(what: str) -> Job:
             answer = bus.inquire(frames.ask(what), *frames.QUESTIONS[what])
             if answer is not None:
                 return InquireReply(accepted=True, values=tuple(answer.contents), text=words(what, answer.contents))
-        return InquireReply(accepted=False, reason=f"the main board does not say its {what.replace('_', ' ')}")
+        return InquireReply(
+            accepted=False, code="timeout", reason=f"the main board does not say its {what.replace('_', ' ')}"
+        )
 
     return job
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress
+from lbr.messages.codes import Code, Reason
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
 from lbr.operations.attitude.compass import MagCalibration
@@ -87,18 +88,19 @@ class Calibration:
         """Begin, unless one is under way."""
         command: CalibrateCommand = call.message
         if self._collection is not None or self._kept is not None:
-            call.refuse("the compass is being calibrated already; 'stop' ends that")
+            call.refuse("the compass is being calibrated already; 'stop' ends that", "busy")
         elif command.source in {TURN, LOOK}:
             self._spin(command, call)
         else:
             self._read(command, call)
 
-    def stop(self, reason: str) -> bool:
+    def stop(self, reason: str, code: Code) -> bool:
         """End the one under way and halt; say whether there was one."""
         if self._collection is None:
             return False
-        self._collection.spin.halt(reason)
-        self._give_up(self._collection, reason)
+        why = Reason(code, reason)
+        self._collection.spin.halt(why)
+        self._give_up(self._collection, why)
         return True
 
     def take(self, sample: ImuSample) -> None:
@@ -132,13 +134,13 @@ class Calibration:
 
     def close(self) -> None:
         """Stop the motion and the process that draws."""
-        self.stop(f"{self._ctx.name} ends")
+        self.stop(f"{self._ctx.name} ends", "shutting_down")
         self._painter.close()
 
     def _spin(self, command: CalibrateCommand, call: Call) -> None:
         state = self._fusion.state(self._ctx.clock())
         if not state.valid:
-            call.refuse(f"how the body turns is not known: {state.reason}")
+            call.refuse(f"how the body turns is not known: {state.reason}", "stale_sensor")
             return
         spin = Spin(self._ctx, self._ctx.settings.spin_power)
         self._collection = Collection(command, call, spin, state.epoch, self._ctx.clock())
@@ -156,15 +158,19 @@ class Calibration:
         if spin.ended:
             self._give_up(collection, spin.ended)
         elif not state.valid or state.epoch != collection.epoch:
-            self.stop(f"how the body turns is not known any more: {state.reason or 'samples were missing'}")
+            self.stop(
+                f"how the body turns is not known any more: {state.reason or 'samples were missing'}", "stale_sensor"
+            )
         elif collection.is_stuck(state.turned_deg or 0.0, now):
-            self.stop("the robot does not turn, although the drive took the command")
+            self.stop("the robot does not turn, although the drive took the command", "stuck")
         elif collection.complete:
             self._finish(collection)
         elif collection.hears_nothing(now, settings.sample_s):
-            self.stop("the compass measures nothing; 'lbr status' tells what the inertial unit misses")
+            self.stop("the compass measures nothing; 'lbr status' tells what the inertial unit misses", "stale_sensor")
         elif now - collection.since_s > settings.calibration_limit_s:
-            self.stop(f"{found} of {wanted} samples within {settings.calibration_limit_s:g} s; ask for fewer")
+            self.stop(
+                f"{found} of {wanted} samples within {settings.calibration_limit_s:g} s; ask for fewer", "timeout"
+            )
         else:
             text = f"{found} of {wanted} samples, {collection.samples.coverage:.0%} of a turn seen"
             self._collecting(collection, text, now)
@@ -182,7 +188,7 @@ class Calibration:
         )
         self._ctx.publish("calibration", self._progress)
 
-    def _give_up(self, collection: Collection, reason: str) -> None:
+    def _give_up(self, collection: Collection, reason: Reason) -> None:
         self._collection = None
         if collection.call is not None:
             collection.call.refuse(reason)
@@ -190,7 +196,7 @@ class Calibration:
         self._refused(len(collection.samples), collection.wanted, collection.samples.coverage, reason)
 
     def _finish(self, collection: Collection) -> None:
-        collection.spin.halt("the samples for the compass are collected")
+        collection.spin.halt(Reason("done", "the samples for the compass are collected"))
         self._collection = None
         file = self._save(collection.samples)
         if collection.keeps:
@@ -203,11 +209,11 @@ class Calibration:
         try:
             samples = load(self._ctx.home, command.source, self._fusion.up_sensor).thinned(command.samples)
         except InputError as err:
-            call.refuse(str(err))
+            call.refuse(str(err), err.code)
             return
         trouble = self._fit(samples, len(samples), Path(self._ctx.home) / FOLDER / command.source)
         if trouble:
-            call.refuse(trouble)
+            call.refuse(trouble, "failed")
         else:
             call.reply(CommandReply(accepted=True, reason=_summary(self._kept.found) if self._kept else ""))
 
@@ -220,7 +226,7 @@ class Calibration:
         try:
             found = fit(samples.mags_ut, samples.ups, self._ctx.settings)
         except FitError as err:
-            self._refused(len(samples), wanted, samples.coverage, str(err))
+            self._refused(len(samples), wanted, samples.coverage, Reason("failed", str(err)))
             self._draw(samples, None, file, "refused")
             return str(err)
         self._ctx.keep_calibration(found.calibration.values())
@@ -251,12 +257,14 @@ class Calibration:
             "calibrated" if residual is not None else "calibration_shown", f"the compass: {text}", data=data
         )
 
-    def _refused(self, collected: int, wanted: int, coverage: float, reason: str) -> None:
+    def _refused(self, collected: int, wanted: int, coverage: float, reason: Reason) -> None:
         self._progress = CalibrationProgress(
-            phase="refused", collected=collected, wanted=wanted, coverage=coverage, text=reason
+            phase="refused", collected=collected, wanted=wanted, coverage=coverage, text=reason.text
         )
         self._ctx.publish("calibration", self._progress)
-        self._ctx.event("calibration_refused", f"the compass is not calibrated: {reason}", level="warning")
+        self._ctx.event(
+            "calibration_refused", f"the compass is not calibrated: {reason}", level="warning", code=reason.code
+        )
 
     def _save(self, samples: Samples) -> Path | None:
         """Write the samples down, if there are any; a full disk spoils no calibration."""

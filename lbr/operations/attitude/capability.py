@@ -58,10 +58,10 @@ class Attitude(Capability[AttitudeSettings]):
         elif call.name == "calibrate":
             self._calibration.command(call)
         elif call.name == "stop":
-            ended = self._calibration.stop(call.message.reason or f"stopped by {call.source}")
+            ended = self._calibration.stop(call.message.reason or f"stopped by {call.source}", "stopped")
             call.reply(CommandReply(accepted=True, reason="" if ended else "no calibration was under way"))
         else:
-            call.refuse(f"{call.name} is not understood here")
+            call.refuse(f"{call.name} is not understood here", "unknown_command")
 
     def close(self) -> None:
         """End a calibration's motion."""

@@ -89,7 +89,7 @@ def load(home: str, name: str, up: Vector) -> Samples:
         with path.open(newline="", encoding="utf-8") as file:
             return _read(name, list(islice(csv.reader(file), MOST + 1)), up)
     except FileNotFoundError as err:
-        raise InputError(f"there is no {path}; {_offer(path.parent)}") from err
+        raise InputError(f"there is no {path}; {_offer(path.parent)}", "unknown_name") from err
     except (OSError, UnicodeDecodeError, csv.Error) as err:
         raise InputError(f"{path} cannot be read: {err}") from err
 

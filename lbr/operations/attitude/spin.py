@@ -3,8 +3,9 @@
 from typing import Literal
 
 from lbr.capability.context import Asked, Context
+from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
-from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.attitude.settings import AttitudeSettings
 
 RENEW_S = 0.1
@@ -27,7 +28,7 @@ class Spin:
         self._asked: Asked | None = None
         self._asked_s = 0.0
         self.began = False
-        self.ended = ""
+        self.ended: Reason | None = None
 
     def step(self, direction: Direction) -> None:
         """Take in the drive's answer, and renew the lease when it is time."""
@@ -39,12 +40,12 @@ class Spin:
         if not self.ended and self._asked is None and (not self.began or now - self._asked_s >= RENEW_S):
             self._ask(direction, now)
 
-    def halt(self, reason: str) -> None:
+    def halt(self, reason: Reason) -> None:
         """Stop, if it still turns by this lease; a motion of somebody else's is left alone."""
         if not self.ended:
             self.ended = reason
             if self.began or self._asked is not None:
-                self._ctx.ask("halt", StopCommand(reason=reason[:200]), timeout_s=ANSWER_S)
+                self._ctx.ask("halt", StopCommand(reason=reason.text[:200]), timeout_s=ANSWER_S)
 
     def _ask(self, direction: Direction, now: float) -> None:
         angle_deg = CLOCKWISE_DEG if direction > 0 else ANTICLOCKWISE_DEG
@@ -55,15 +56,15 @@ class Spin:
         answers = asked.answers()
         if answers is None:
             if now - self._asked_s > 2 * ANSWER_S:
-                self.ended = "the drive does not answer"
+                self.ended = Reason("unreachable", "the drive does not answer")
             return
         self._asked = None
         if not answers:
-            self.ended = "nothing that drives is wired to its request 'motion'"
+            self.ended = Reason("wiring", "nothing that drives is wired to its request 'motion'")
         for name, answer in answers.items():
             if not isinstance(answer, CommandReply):
-                self.ended = f"'{name}' does not answer"
+                self.ended = Reason("unreachable", f"'{name}' does not answer")
             elif not answer.accepted:
-                self.ended = answer.reason.removeprefix(DEAD_LEASE) or f"'{name}' refused"
+                self.ended = answer.why
             else:
                 self._lease, self.began = answer.lease, True

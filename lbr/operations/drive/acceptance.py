@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from math import isfinite
 
+from lbr.messages.codes import Code, Reason
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.operations.drive import travelling, turning
 from lbr.operations.drive.asked import Motion, moves, power_of, towards_deg, what
@@ -15,7 +16,7 @@ from lbr.operations.drive.state import Command, State, motors_trouble
 from lbr.operations.leasing import acceptance
 from lbr.operations.leasing.state import LATE_S, Ask, confirmed
 
-Link = Callable[[State, Command, Ask, float], str]
+Link = Callable[[State, Command, Ask, float], Reason | None]
 
 
 def asks(event: Command, settings: DriveSettings) -> Ask:
@@ -46,10 +47,10 @@ def to_be_checked(state: State, event: Command, now: float) -> bool:
     return not refusal(state, event, ask, now, checked=False)
 
 
-def refusal(state: State, event: Command, ask: Ask, now: float, *, checked: bool = True) -> str:
+def refusal(state: State, event: Command, ask: Ask, now: float, *, checked: bool = True) -> Reason | None:
     """Return why a command is refused, or nothing; `checked` false leaves out the user's own checks."""
     links = CHAIN if checked else CHAIN[:-1]
-    return next((why for link in links if (why := link(state, event, ask, now))), "")
+    return next((why for link in links if (why := link(state, event, ask, now))), None)
 
 
 def limited_by_rules(state: State, command: Motion, now: float) -> Limit:
@@ -58,9 +59,9 @@ def limited_by_rules(state: State, command: Motion, now: float) -> Limit:
     return limit(state, wheels, now)
 
 
-def notes(state: State, command: Motion, now: float) -> str:
+def notes(state: State, command: Motion, now: float) -> Reason | None:
     """Return what the asker of an accepted command should know: how far it is limited, and by what."""
-    found = []
+    found: list[str] = []
     if isinstance(command, DriveCommand) and command.power > state.settings.max_power:
         found.append(f"limited to {state.settings.max_power:g}")
     rule = limited_by_rules(state, command, now)
@@ -69,17 +70,18 @@ def notes(state: State, command: Motion, now: float) -> str:
     elif rule.scale < 1.0:
         power = power_of(command, state.settings) * rule.scale
         found.append(f"slowed to {power:.2f} by {rule.text}")
-    return ", ".join(found)
+    code: Code = rule.code if rule.scale < 1.0 else "limit"
+    return Reason(code, ", ".join(found)) if found else None
 
 
-def _form(state: State, event: Command, ask: Ask, now: float) -> str:
+def _form(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """Numbers are finite and within their bounds, as decoding saw to, and the command has not lain about."""
     command = event.command
     for name, value, low, high in _bounds(command):
         if not (isfinite(value) and low <= value <= high):
-            return f"{name} {value:g} is outside {low:g} to {high:g}"
+            return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")
     if isinstance(command, DriveCommand) and command.sensor not in SENSORS:
-        return f"sensor '{command.sensor}' is none of {', '.join(SENSORS)}"
+        return Reason("unknown_name", f"sensor '{command.sensor}' is none of {', '.join(SENSORS)}")
     return acceptance.form(state.holding, ask, now)
 
 
@@ -98,51 +100,53 @@ def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
     )
 
 
-def _holder(state: State, event: Command, ask: Ask, now: float) -> str:
+def _holder(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """One holder."""
     del event
     return acceptance.holder(state.holding, ask, now)
 
 
-def _state(state: State, event: Command, ask: Ask, now: float) -> str:
+def _state(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """Nothing but standing still while the emergency stop is latched or the motors would not follow."""
     del event
     return acceptance.at_rest(state.holding, ask, now, motors_trouble(state, now))
 
 
-def _limits(state: State, event: Command, ask: Ask, now: float) -> str:
+def _limits(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """Bounds make sense: a range within the sensor's reach and not there yet, a time within the longest run.
 
     What turns or goes a distance needs to know how it lies or how far it came.
     """
     command = event.command
     if not ask.moves or _renews(state, ask):
-        return ""
+        return None
     if not isinstance(command, DriveCommand):
         return turning.not_possible(command, state.bearing, state.settings, now)
     if command.interval_s > state.settings.max_run_s:
-        return f"interval_s {command.interval_s:g} is longer than max_run_s {state.settings.max_run_s:g}"
+        longest_s = state.settings.max_run_s
+        return Reason("limit", f"interval_s {command.interval_s:g} is longer than max_run_s {longest_s:g}")
     why = travelling.not_possible(command, state.mileage, now)
     return why or not_plausible(command, state.views, state.settings, now)
 
 
-def _rules(state: State, event: Command, ask: Ask, now: float) -> str:
+def _rules(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """A new motion towards an obstacle does not start."""
     if not ask.moves or _renews(state, ask):
-        return ""
+        return None
     found = limited_by_rules(state, event.command, now)
-    return "" if found.scale > 0.0 else found.detail
+    return None if found.scale > 0.0 else Reason(found.code, found.detail)
 
 
-def _checks(state: State, event: Command, ask: Ask, now: float) -> str:
+def _checks(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """The user's own checks all agree."""
     del state, ask, now
     for name, verdict in event.checks.items():
         if verdict is None:
-            return f"check {name} did not answer"
+            return Reason("check", f"check {name} did not answer")
         if not verdict.accepted:
-            return f"check {name}: {verdict.reason or 'refused without a reason'}"
-    return ""
+            why = verdict.reason or "refused without a reason"
+            return Reason("check", f"check {name}: {why}", cause=verdict.code)
+    return None
 
 
 def _renews(state: State, ask: Ask) -> bool:

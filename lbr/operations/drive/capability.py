@@ -79,14 +79,14 @@ class Drive(Capability[DriveSettings]):
         elif call.name in MOTIONS:
             self._command(call)
         else:
-            call.refuse(f"{call.name} is not understood here")
+            call.refuse(f"{call.name} is not understood here", "unknown_command")
         self._report()
 
     def close(self) -> None:
         """Publish zero; end what was going on."""
         self.ctx.publish("setpoint", MotorSetpoint(left=0.0, right=0.0))
         while self._waiting:
-            self._waiting.popleft().call.refuse("drive operations end")
+            self._waiting.popleft().call.refuse("drive operations end", "shutting_down")
         now = self.ctx.clock()
         self._decide(Stop(source=self.ctx.name, received=now, reason="drive operations end"))
         self._report()
@@ -142,7 +142,7 @@ class Drive(Capability[DriveSettings]):
         if not to_be_checked(self._state, event, self.ctx.clock()):
             self._decide(event, call)
         elif len(self._waiting) >= MOST_WAITING:
-            call.refuse("too many commands wait for checks; send fewer")
+            call.refuse("too many commands wait for checks; send fewer", "busy")
         else:
             self._ask(call, event.command)
             self._settle()
@@ -172,7 +172,14 @@ class Drive(Capability[DriveSettings]):
                 case Result(message=result):
                     self.ctx.publish("result", result)
                 case Happened():
-                    self.ctx.event(output.kind, output.text, level=output.level, data=dict(output.data))
+                    self.ctx.event(
+                        output.kind,
+                        output.text,
+                        level=output.level,
+                        data=dict(output.data),
+                        code=output.code,
+                        about=output.about,
+                    )
                 case Reply(message=reply, late=late):
                     if call is not None:
                         call.reply(reply, quiet=late)

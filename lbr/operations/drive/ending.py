@@ -4,6 +4,7 @@ from math import isnan
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals
 from lbr.operations.drive.state import Course, Outputs, Result, Setpoint, State, motors_trouble
@@ -64,7 +65,7 @@ def _kind(ended: Ended[Course]) -> str:
     return "turned" if ended.how == "reached" and goal is not None and goal.turn is not None else ""
 
 
-def _what_is_over(state: State, trouble: str, now: float) -> tuple[Ending, str] | None:
+def _what_is_over(state: State, trouble: Reason | None, now: float) -> tuple[Ending, Reason] | None:
     """Return how the hold ends by itself and why, or None while it lives."""
     hold = state.hold
     if hold is None:
@@ -74,15 +75,16 @@ def _what_is_over(state: State, trouble: str, now: float) -> tuple[Ending, str] 
     goal = hold.motion.goal
     if goal is not None and (ended := goals.ending(goal, state.settings, now)):
         return ended
-    worn = _worn_out(state, hold, now) if hold.motion.power > 0.0 else ""
+    worn = _worn_out(state, hold, now) if hold.motion.power > 0.0 else None
     return ("stopped", worn) if worn else None
 
 
-def _worn_out(state: State, hold: Hold[Course], now: float) -> str:
+def _worn_out(state: State, hold: Hold[Course], now: float) -> Reason | None:
     """Return why a motion that nobody ended is over: it ran unattended, or a rule has held the base still."""
     settings = state.settings
     if not now - hold.changed < settings.max_run_s:
-        return f"it ran for {settings.max_run_s:g} s unattended"
+        return Reason("limit", f"it ran for {settings.max_run_s:g} s unattended")
     if not isnan(state.blocked_since) and not now - state.blocked_since < settings.blocked_s:
-        return f"held still for {settings.blocked_s:g} s: {state.limited.detail}"
-    return ""
+        why = f"held still for {settings.blocked_s:g} s: {state.limited.detail}"
+        return Reason(state.limited.code, why)
+    return None

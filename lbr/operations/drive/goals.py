@@ -5,6 +5,7 @@ from math import inf, isfinite, isnan, nan
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult, Sensor
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive import travelling, turning
@@ -27,18 +28,21 @@ def bounded(command: Motion) -> bool:
     return moves(command) and (command.range_cm > 0.0 or command.interval_s > 0.0 or command.distance_cm > 0.0)
 
 
-def not_plausible(command: DriveCommand, views: Mapping[Sensor, View], settings: DriveSettings, now: float) -> str:
+def not_plausible(
+    command: DriveCommand, views: Mapping[Sensor, View], settings: DriveSettings, now: float
+) -> Reason | None:
     """Return why a range cannot be driven to, or nothing."""
     if not command.range_cm > 0.0:
-        return ""
+        return None
     if not NEAREST_CM <= command.range_cm <= FARTHEST_CM:
-        return f"range_cm {command.range_cm:g} is outside {NEAREST_CM:g} to {FARTHEST_CM:g}"
+        return Reason("bad_value", f"range_cm {command.range_cm:g} is outside {NEAREST_CM:g} to {FARTHEST_CM:g}")
     view = views.get(command.sensor)
     if view is None or not now - view.seen <= LOST_AFTER_S or isnan(view.raw_m):
-        return f"sensor {command.sensor} has no reading to watch"
+        return Reason("stale_sensor", f"sensor {command.sensor} has no reading to watch")
     goal = _to_range(command, "", views, settings, now)
     if _reached(goal, view.raw_m):
-        return f"{command.sensor} is {_words(view.raw_m)} already, range_cm is {command.range_cm:g}"
+        there = f"{command.sensor} is {_words(view.raw_m)} already, range_cm is {command.range_cm:g}"
+        return Reason("done", there)
     return _out_of_reach(goal, command, settings)
 
 
@@ -78,7 +82,7 @@ def watch(goal: Goal, ranges: Ranges, now: float) -> Goal:
     return goal if overtaken or isnan(value_m) else replace(goal, last_m=value_m, last_seen=now)
 
 
-def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, str] | None:
+def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, Reason] | None:
     """Return how a goal ends now and why, or None while it goes on."""
     if goal.turn is not None:
         return _turned(goal, goal.turn, settings, now)
@@ -86,21 +90,23 @@ def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, str
         return ended
     if not isnan(goal.target_m):
         if _reached(goal, goal.last_m):
-            return "reached", f"{goal.sensor} is {_words(goal.last_m)}"
+            return "reached", Reason("done", f"{goal.sensor} is {_words(goal.last_m)}")
         if not now - goal.last_seen <= LOST_AFTER_S:
-            return "fault", f"sensor {goal.sensor} was lost"
+            return "fault", Reason("stale_sensor", f"sensor {goal.sensor} was lost")
     if not now < goal.ends:
-        return "interval", f"the {goal.ends - goal.started:g} s are over"
+        return "interval", Reason("time_over", f"the {goal.ends - goal.started:g} s are over")
     return None
 
 
-def result(goal: Goal, how: Ending, why: str, now: float) -> GoalResult:
+def result(goal: Goal, how: Ending, why: Reason, now: float) -> GoalResult:
     """Return the message that says how a goal ended."""
     known = goal.last_m < inf and not isnan(goal.target_m)
     return GoalResult(
         goal=goal.goal,
         result=how,
-        reason=why,
+        reason=why.text,
+        code=why.code,
+        cause=why.cause,
         range_cm=round(goal.last_m * 100, 1) if known else None,
         elapsed_s=round(now - goal.started, 3),
         turned_deg=_known(goal.turn.turned_deg, 2) if goal.turn else None,
@@ -129,16 +135,18 @@ def driven(goal: Goal | None, left: float, elapsed_s: float, settings: DriveSett
     return replace(goal, turn=turning.driven(goal.turn, left, elapsed_s, settings))
 
 
-def _turned(goal: Goal, turn: turning.Turn, settings: DriveSettings, now: float) -> tuple[Ending, str] | None:
+def _turned(goal: Goal, turn: turning.Turn, settings: DriveSettings, now: float) -> tuple[Ending, Reason] | None:
     if why := turning.fault(turn, settings, now):
         return "fault", why
-    return ("reached", turning.ended(turn, now - goal.started)) if turning.is_over(turn, settings) else None
+    done = turning.is_over(turn, settings)
+    return ("reached", Reason("done", turning.ended(turn, now - goal.started))) if done else None
 
 
-def _travelled(goal: Goal, way: travelling.Way, now: float) -> tuple[Ending, str] | None:
+def _travelled(goal: Goal, way: travelling.Way, now: float) -> tuple[Ending, Reason] | None:
     if why := travelling.fault(way, now):
         return "fault", why
-    return ("reached", travelling.ended(way, now - goal.started)) if travelling.is_over(way) else None
+    done = travelling.is_over(way)
+    return ("reached", Reason("done", travelling.ended(way, now - goal.started))) if done else None
 
 
 def _known(value: float, digits: int) -> float | None:
@@ -157,15 +165,16 @@ def _reached(goal: Goal, value_m: float) -> bool:
     return value_m <= goal.target_m if goal.closing else value_m >= goal.target_m
 
 
-def _out_of_reach(goal: Goal, command: DriveCommand, settings: DriveSettings) -> str:
+def _out_of_reach(goal: Goal, command: DriveCommand, settings: DriveSettings) -> Reason | None:
     if not goal.closing:
-        return ""
+        return None
     parts = towards(*mix(command.power, command.angle_deg, settings))
     for rule in settings.rules:
         if rule.sensor == goal.sensor and parts[rule.direction] > 0.0 and goal.target_m < rule.stop_m:
             stop_cm = rule.stop_m * 100
-            return f"range_cm {command.range_cm:g} is out of reach: the {rule.direction} rule stops at {stop_cm:g} cm"
-    return ""
+            why = f"range_cm {command.range_cm:g} is out of reach: the {rule.direction} rule stops at {stop_cm:g} cm"
+            return Reason("limit", why)
+    return None
 
 
 def _words(value_m: float) -> str:

@@ -56,7 +56,7 @@ def drive(state: State, now: float) -> Decision:
 
 def _yes(state: State, event: Command, hold: Hold[Course] | None, now: float) -> Reply:
     assert hold is not None
-    reason = notes(state, event.command, now) if moves(event.command) else ""
+    reason = notes(state, event.command, now) if moves(event.command) else None
     goal = hold.motion.goal
     return holding.accepted(hold, reason, goal.goal if goal else "")
 

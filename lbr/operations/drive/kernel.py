@@ -4,6 +4,7 @@ from math import inf, isfinite, nan
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveState, LoopStatistics
 from lbr.operations.drive import bearing, goals, holding, memory, mileage, rules, travelling, turning
 from lbr.operations.drive.ending import Decision, end_what_is_over, still
@@ -26,7 +27,7 @@ from lbr.operations.leasing import ending
 from lbr.operations.leasing import holding as leases
 from lbr.operations.leasing.state import EstopChanged, Happened, Stop, Words, first
 
-BACK = "the clock went back"
+BACK = Reason("clock", "the clock went back")
 WORDS = Words(
     noun="the base",
     rest="send power 0, or pause, before driving again",
@@ -53,6 +54,7 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
     """Return what the world may know."""
     hold = state.hold
     goal = _goal(state)
+    why = _why_at_rest(state, now)
     return DriveState(
         moving=state.left != 0.0 or state.right != 0.0,
         power=hold.motion.power if hold else 0.0,
@@ -62,10 +64,12 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
         holder=hold.source if hold else None,
         goal=goal.goal if goal else None,
         limited_by=state.limited.text,
-        reason=_why_at_rest(state, now),
+        reason=why.text if why else "",
+        code=why.code if why else "",
         estop=state.holding.estop,
         loop=loop,
         stopped_s=state.holding.stopped if isfinite(state.holding.stopped) else None,
+        stopped_by=state.holding.stopped_by,
     )
 
 
@@ -137,7 +141,7 @@ def _odometry(state: State, event: OdometrySeen, now: float) -> Decision:
 
 def _slips(source: str) -> Outputs:
     text = f"{source}: the wheels slip: they turn otherwise than the base does, so the distance is not sure"
-    return (Happened(kind="slip", text=text, level="warning"),)
+    return (Happened(kind="slip", text=text, level="warning", code="not_followed", about=source),)
 
 
 def _goal(state: State) -> Goal | None:
@@ -171,11 +175,13 @@ def _lose_time(state: State, now: float) -> Decision:
     return still(forgotten, ending.lose_time(state.holding, BACK, state.clock, now), now)
 
 
-def _why_at_rest(state: State, now: float) -> str:
+def _why_at_rest(state: State, now: float) -> Reason | None:
     held = state.holding
     if held.estop:
-        return f"emergency stop: {held.estop_reason or 'no reason given'}"
+        return Reason("estop", f"emergency stop: {held.estop_reason or 'no reason given'}")
     if state.hold is None:
+        if trouble := motors_trouble(state, now):
+            return trouble
         waiting = ", ".join(offer.source for offer in held.offers)
-        return motors_trouble(state, now) or (f"waiting for {waiting} to confirm" if waiting else held.reason)
-    return "" if state.limited.scale > 0.0 else f"stopped by {state.limited.detail}"
+        return Reason("not_ready", f"waiting for {waiting} to confirm") if waiting else held.reason
+    return None if state.limited.scale > 0.0 else Reason(state.limited.code, f"stopped by {state.limited.detail}")

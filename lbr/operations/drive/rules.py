@@ -7,6 +7,7 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr.messages.codes import Code
 from lbr.messages.drive import Direction, Sensor
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive.settings import DriveSettings, Rule
@@ -58,13 +59,14 @@ class View(Struct, frozen=True, kw_only=True):
 class Limit(Struct, frozen=True, kw_only=True):
     """What the rules do to a motion: both wheels times `scale`; 0 stops. `text` names sensor and distance.
 
-    `direction` is the rule's: where the motion goes, or `memory` for what is only remembered.
+    `code` says whether something is there or it is not known; `direction` is the rule's: where the motion goes, or `memory` for what is only remembered.
     """
 
     scale: float = 1.0
     direction: Blocker | None = None
     text: str = ""
     detail: str = ""
+    code: Code = "obstacle"
     blocked: tuple[Blocker, ...] = ()
 
 
@@ -156,6 +158,7 @@ def _apply(
         direction=rule.direction,
         text=text,
         detail=text if trouble else f"{text} is inside {keep_m:.2f} m",
+        code="stale_sensor" if trouble else "obstacle",
     )
 
 

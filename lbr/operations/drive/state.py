@@ -6,6 +6,7 @@ from math import inf, nan
 from msgspec import Struct
 
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.codes import Reason
 from lbr.messages.drive import CheckVerdict, GoalResult, Sensor
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
@@ -146,6 +147,7 @@ class State(Struct, frozen=True, kw_only=True):
     limited: Limit = FREE
     blocked_since: float = nan
     told: str = ""
+    told_stop: bool = False
     told_at: float = nan
 
     @property
@@ -154,13 +156,13 @@ class State(Struct, frozen=True, kw_only=True):
         return self.holding.hold
 
 
-def motors_trouble(state: State, now: float) -> str:
+def motors_trouble(state: State, now: float) -> Reason | None:
     """Return why the motors would not follow, or nothing."""
     if state.motors is None:
-        return state.motors_gone
+        return Reason("unreachable", state.motors_gone)
     longest_s = state.settings.motors_max_age_s
     if not now - state.motors_at <= longest_s:
-        return f"the motor driver has been silent for more than {longest_s:g} s"
+        return Reason("unreachable", f"the motor driver has been silent for more than {longest_s:g} s")
     if not state.motors.armed:
-        return f"the motors are not armed: {state.motors.reason or 'no reason given'}"
-    return ""
+        return Reason("not_armed", f"the motors are not armed: {state.motors.reason or 'no reason given'}")
+    return None

@@ -5,6 +5,7 @@ from math import cos, isnan, nan, radians
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
 from lbr.operations.drive import mileage as mileages
 from lbr.operations.drive.asked import straight
@@ -44,14 +45,15 @@ class Way(Struct, frozen=True, kw_only=True):
         return self.asked_m - self.travelled_m
 
 
-def not_possible(command: DriveCommand, mileage: Mileage, now: float) -> str:
+def not_possible(command: DriveCommand, mileage: Mileage, now: float) -> Reason | None:
     """Return why this distance cannot be driven, or nothing."""
     if not command.distance_cm > 0.0:
-        return ""
+        return None
     if not straight(command):
-        return f"distance_cm goes straight ahead or back only (angle_deg 0 or 180), not {command.angle_deg:g}"
+        why = f"distance_cm goes straight ahead or back only (angle_deg 0 or 180), not {command.angle_deg:g}"
+        return Reason("bad_value", why)
     why = mileages.not_known(mileage, now)
-    return f"no distance can be driven: {why}" if why else ""
+    return Reason("stale_sensor", f"no distance can be driven: {why}") if why else None
 
 
 def start(command: DriveCommand, mileage: Mileage, settings: DriveSettings) -> Way:
@@ -79,17 +81,18 @@ def watch(way: Way, mileage: Mileage, pushing: float, settings: DriveSettings) -
     return replace(way, quiet=since if still and pushing == 0.0 else nan)
 
 
-def fault(way: Way, now: float) -> str:
+def fault(way: Way, now: float) -> Reason | None:
     """Return what is wrong with a way, or nothing; comparisons are such that NaN is wrong."""
     if why := mileages.not_known(way.mileage, now):
-        return why
+        return Reason("stale_sensor", why)
     if way.mileage.epoch != way.epoch:
-        return "the odometry began anew on the way"
+        return Reason("stale_sensor", "the odometry began anew on the way")
     if way.mileage.stalled:
-        return "the wheels stand although the motors push"
+        return Reason("stuck", "the wheels stand although the motors push")
     if not way.travelled_m > -way.backward_m:
-        return "the wheels turn the other way: look at the motors' and the encoders' signs"
-    return ""
+        why = "the wheels turn the other way: look at the motors' and the encoders' signs"
+        return Reason("not_followed", why)
+    return None
 
 
 def is_over(way: Way) -> bool:

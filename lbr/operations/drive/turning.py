@@ -5,6 +5,7 @@ from math import copysign, inf, isnan, nan, sqrt
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.messages.drive import HeadingCommand, TurnCommand
 from lbr.operations.drive import bearing as bearings
 from lbr.operations.drive.bearing import Bearing
@@ -78,13 +79,15 @@ class Turn(Struct, frozen=True, kw_only=True):
         return self.asked_deg - self.turned_deg
 
 
-def not_possible(command: TurnCommand | HeadingCommand, bearing: Bearing, settings: DriveSettings, now: float) -> str:
+def not_possible(
+    command: TurnCommand | HeadingCommand, bearing: Bearing, settings: DriveSettings, now: float
+) -> Reason | None:
     """Return why the base cannot turn like this, or nothing."""
     if why := bearings.not_known(bearing, settings, now):
-        return why
+        return Reason("stale_sensor", why)
     if isinstance(command, HeadingCommand) and isnan(bearing.heading_deg):
-        return f"the heading is not known: {bearing.heading_reason}"
-    return ""
+        return Reason("stale_sensor", f"the heading is not known: {bearing.heading_reason}")
+    return None
 
 
 def start(command: TurnCommand | HeadingCommand, bearing: Bearing, settings: DriveSettings, now: float) -> Turn:
@@ -135,20 +138,21 @@ def driven(turn: Turn, left: float, elapsed_s: float, settings: DriveSettings) -
     return replace(turn, flow_dps=flow_dps, given=left, tries=turn.tries + from_rest)
 
 
-def fault(turn: Turn, settings: DriveSettings, now: float) -> str:
+def fault(turn: Turn, settings: DriveSettings, now: float) -> Reason | None:
     """Return what is wrong with a turn, or nothing; comparisons are such that NaN is wrong."""
     bearing = turn.bearing
     if why := bearings.not_known(bearing, settings, now):
-        return why
+        return Reason("stale_sensor", why)
     if bearing.epoch != turn.epoch:
-        return "the attitude began anew in the middle of the turn"
+        return Reason("stale_sensor", "the attitude began anew in the middle of the turn")
     if not now < turn.ends:
-        return f"not within {turn.allowed_s:.1f} s: {words(turn)}"
+        return Reason("timeout", f"not within {turn.allowed_s:.1f} s: {words(turn)}")
     if not abs(turn.left_deg) <= turn.farthest_deg:
-        return (
-            "the base turns away from its target: it is pushed, or the motors' or the inertial unit's signs are wrong"
+        return Reason(
+            "not_followed",
+            "the base turns away from its target: it is pushed, or the motors' or the inertial unit's signs are wrong",
         )
-    return _without_effect(turn.push, bearing, settings) if turn.push is not None else ""
+    return _without_effect(turn.push, bearing, settings) if turn.push is not None else None
 
 
 def is_over(turn: Turn, settings: DriveSettings) -> bool:
@@ -218,11 +222,13 @@ def _farthest_deg(left_deg: float, bearing: Bearing) -> float:
     return left_deg + AWAY_DEG + COAST_S * abs(bearing.rate_dps)
 
 
-def _without_effect(push: Push, bearing: Bearing, settings: DriveSettings) -> str:
+def _without_effect(push: Push, bearing: Bearing, settings: DriveSettings) -> Reason | None:
     if push.idle_s < settings.turn_stuck_s:
-        return ""
+        return None
     moved_deg = abs(bearing.turned_deg - push.mark_deg)
-    return f"the base does not turn: {settings.turn_stuck_s:g} s of power turned it by {moved_deg:.1f} degrees"
+    return Reason(
+        "stuck", f"the base does not turn: {settings.turn_stuck_s:g} s of power turned it by {moved_deg:.1f} degrees"
+    )
 
 
 def _least(turn: Turn, settings: DriveSettings) -> float:

@@ -9,7 +9,7 @@ from lbr.operations.drive.limits import limit
 from lbr.operations.drive.rules import FREE, Limit
 from lbr.operations.drive.state import Outputs, State
 from lbr.operations.leasing.holding import with_motion
-from lbr.operations.leasing.state import Happened
+from lbr.operations.leasing.state import Happened, Level
 
 LONGEST_STEP_S = 0.1
 """Setpoints older than this move nothing, so no longer step counts."""
@@ -27,7 +27,7 @@ def next_wheels(state: State, now: float) -> State:
     state = replace(state, odometer=odometer, memory=remembered, ticked=now)
     hold = state.hold
     if hold is None:
-        return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="")
+        return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="", told_stop=False)
     course = hold.motion
     goal = goals.driven(course.goal, state.left, elapsed_s, settings)
     asked = goals.wheels(goal, course.power, course.angle_deg, settings, now)
@@ -58,11 +58,13 @@ def tell(state: State, now: float) -> tuple[State, Outputs]:
     limited = state.limited
     stops = limited.direction is not None and not limited.scale > 0.0
     key = f"{'stop' if stops else 'slow'} {limited.direction}" if limited.direction else ""
-    newly_stopped = stops and not state.told.startswith("stop")
+    newly_stopped = stops and not state.told_stop
     if key == state.told or not (state.told == "" or newly_stopped or now - state.told_at >= TELL_AGAIN_S):
         return state, ()
-    said = Happened(kind="rule", text=_sentence(limited, stops=stops), level="warning" if stops else "info")
-    return replace(state, told=key, told_at=now), (said,)
+    level: Level = "warning" if stops else "info"
+    code = limited.code if limited.direction else ""
+    said = Happened(kind="rule", text=_sentence(limited, stops=stops), level=level, code=code)
+    return replace(state, told=key, told_stop=stops, told_at=now), (said,)
 
 
 def _sentence(limited: Limit, *, stops: bool) -> str:

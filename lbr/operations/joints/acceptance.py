@@ -6,10 +6,11 @@ from math import isfinite
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.messages.joints import MAX_FRAMES, JointsCommand, StoredMotion
 from lbr.operations.joints import planning, stored, torque
 from lbr.operations.joints.asked import Asked, asked, empty, named, strengths
-from lbr.operations.joints.state import Command, State, joint_trouble, servos_trouble
+from lbr.operations.joints.state import NOT_ADOPTED, Command, State, joint_trouble, servos_trouble
 from lbr.operations.leasing import acceptance
 from lbr.operations.leasing.state import Ask, quoted
 
@@ -18,7 +19,7 @@ LONGEST_S = 60.0
 LONGEST_STORED_S = 600.0
 TORQUE_FIRST = "torque on first (/torque/on)"
 
-Link = Callable[[State, JointsCommand, Ask, float], str]
+Link = Callable[[State, JointsCommand, Ask, float], Reason | None]
 
 
 def asks(state: State, event: Command) -> Ask:
@@ -48,64 +49,65 @@ def command_of(ask: Ask) -> JointsCommand:
     return ask.what.command
 
 
-def refusal(state: State, ask: Ask, now: float, *, renewal: bool) -> str:
+def refusal(state: State, ask: Ask, now: float, *, renewal: bool) -> Reason | None:
     """Return why a command is refused, or nothing; what is renewed was looked at before."""
     command = command_of(ask)
     links = RENEWAL if renewal else CHAIN
-    return next((why for link in links if (why := link(state, command, ask, now))), "")
+    return next((why for link in links if (why := link(state, command, ask, now))), None)
 
 
-def _form(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+def _form(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
     """It says what is to move where, in joints that there are, within their limits, with numbers that are some."""
     del now
     if empty(command) and ask.lease:
-        return ""  # its lease is dead, as the next link says
+        return None  # its lease is dead, as the next link says
     if command.stored is not None:
         return _stored_form(state, command, command.stored)
     if not (command.positions or command.append or any(frame.positions for frame in command.frames)):
-        return "there is nothing to move: give positions or frames"
+        return Reason("bad_value", "there is nothing to move: give positions or frames")
     return _combination(command) or _numbers(command) or _several(_wrong(state, command))
 
 
-def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
     """One holder, and in time."""
     del command
     held = state.holding
     return acceptance.form(held, ask, now) or acceptance.holder(held, ask, now)
 
 
-def _busy(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+def _busy(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
     """While the controller plays, nothing else moves; whoever takes over breaks that off."""
     del command
     hold = state.holding.hold
     foreign = hold is not None and ask.lease != hold.lease
     if hold is None or (foreign and (ask.lease or ask.take_over)):
-        return ""
+        return None
     why = stored.busy(state, now)
-    return f"{why}, held by {hold.source}" if why and foreign else why
+    return Reason("busy", f"{why}, held by {hold.source}") if why and foreign else why
 
 
-def _order(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+def _order(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
     """What is appended follows something, and is not more than can be planned without being late."""
     del now
     hold = state.holding.hold
     if not command.append:
-        return ""
+        return None
     if hold is None or ask.lease != hold.lease:
-        return "append follows a motion under way: quote its lease"
+        return Reason("bad_value", "append follows a motion under way: quote its lease")
     ahead = planning.frames_ahead(hold.motion)
     if ahead + len(command.frames) > MAX_FRAMES:
-        return f"{ahead} key frames lie ahead, and {MAX_FRAMES} may: append more when some of them are passed"
-    return ""
+        why = f"{ahead} key frames lie ahead, and {MAX_FRAMES} may: append more when some of them are passed"
+        return Reason("busy", why)
+    return None
 
 
-def _rest(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+def _rest(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
     """Nothing moves while the emergency stop is latched, or no servo would follow."""
     del command
     return acceptance.at_rest(state.holding, ask, now, servos_trouble(state, now))
 
 
-def _able(state: State, command: JointsCommand, ask: Ask, now: float) -> str:
+def _able(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
     """Every joint of it has torque, is measured, and is well."""
     del ask
     if command.stored is not None or command.torque is not None or command.torques:
@@ -117,58 +119,59 @@ RENEWAL: tuple[Link, ...] = (_leases, _rest)
 CHAIN: tuple[Link, ...] = (_form, _busy, _leases, _order, _rest, _able)
 
 
-def _combination(command: JointsCommand) -> str:
+def _combination(command: JointsCommand) -> Reason | None:
     if command.positions and command.frames:
-        return "give positions or frames, not both"
+        return Reason("bad_value", "give positions or frames, not both")
     if command.append and not command.frames:
-        return "only frames can be appended"
+        return Reason("bad_value", "only frames can be appended")
     if command.join and not command.positions:
-        return "only positions can join"
+        return Reason("bad_value", "only positions can join")
     moved = command.positions.keys() | {name for frame in command.frames for name in frame.positions}
     idle = ", ".join(name for name in command.torques if name not in moved)
-    return f"torques names what does not move: {idle}" if idle else ""
+    return Reason("bad_value", f"torques names what does not move: {idle}") if idle else None
 
 
-def _stored_form(state: State, command: JointsCommand, motion: StoredMotion) -> str:
+def _stored_form(state: State, command: JointsCommand, motion: StoredMotion) -> Reason | None:
     other = command.positions or command.frames or command.append or command.join
     if other or command.mirror or command.torque is not None or command.torques:
-        return f"the controller plays slot {motion.slot} as it is, and nothing beside it"
+        return Reason("bad_value", f"the controller plays slot {motion.slot} as it is, and nothing beside it")
     if not 0.0 < motion.duration_s <= LONGEST_STORED_S:
-        return f"duration_s {motion.duration_s:g} is outside 0 to {LONGEST_STORED_S:g}"
+        return Reason("bad_value", f"duration_s {motion.duration_s:g} is outside 0 to {LONGEST_STORED_S:g}")
     return _several(_wrong(state, JointsCommand(positions=motion.pose)))
 
 
-def _at_once(state: State, command: JointsCommand, now: float) -> str:
+def _at_once(state: State, command: JointsCommand, now: float) -> Reason | None:
     """What gives torque must know who has it, and the controller must have motions."""
     if not state.adopted:
-        return "servos are still being looked for; say it again"
+        return NOT_ADOPTED
     if command.stored is not None:
         stores = state.servos is not None and state.servos.stores
-        return "" if stores else "the servos' controller keeps no motions of its own"
+        return None if stores else Reason("not_possible", "the servos' controller keeps no motions of its own")
     strong = strengths(command, state.body)
     held = (why for name in strong if (why := torque.not_to_be_held(state, name, now)))
     return _several(held) or _several(_unable(state, command, now, strong))
 
 
-def _numbers(command: JointsCommand) -> str:
+def _numbers(command: JointsCommand) -> Reason | None:
     times_s = [frame.duration_s for frame in command.frames]
     if command.duration_s is not None:
         times_s.append(command.duration_s)
     for time_s in times_s:
         if not 0.0 < time_s <= LONGEST_S:  # this way round, NaN is none
-            return f"duration_s {time_s:g} is outside 0 to {LONGEST_S:g}"
+            return Reason("bad_value", f"duration_s {time_s:g} is outside 0 to {LONGEST_S:g}")
     for strength in (*([] if command.torque is None else [command.torque]), *command.torques.values()):
         if not 0.0 < strength <= 1.0:
-            return f"torque {strength:g} is outside 0 to 1; to switch it off is another command (/torque/off)"
+            why = f"torque {strength:g} is outside 0 to 1; to switch it off is another command (/torque/off)"
+            return Reason("bad_value", why)
     speed_rps = command.speed_rps
     if speed_rps is not None and not (isfinite(speed_rps) and speed_rps > 0.0):
-        return f"speed_rps {speed_rps:g} is no speed; leave it out or give radians a second"
-    return ""
+        return Reason("bad_value", f"speed_rps {speed_rps:g} is no speed; leave it out or give radians a second")
+    return None
 
 
-def _wrong(state: State, command: JointsCommand) -> Iterator[str]:
+def _wrong(state: State, command: JointsCommand) -> Iterator[Reason]:
     """Say what is wrong with each joint that is named; a mirror's joint has limits of its own."""
-    body, told = state.body, set()
+    body, told = state.body, set[Reason]()
     for positions in (command.positions, *(frame.positions for frame in command.frames)):
         for name, angle_rad in positions.items():
             why = body.refusal(name, angle_rad)
@@ -179,14 +182,14 @@ def _wrong(state: State, command: JointsCommand) -> Iterator[str]:
                 yield why
 
 
-def _not_mirrored(state: State, name: str, angle_rad: float) -> str:
+def _not_mirrored(state: State, name: str, angle_rad: float) -> Reason | None:
     if not state.body.partner(name):
-        return f"{name} has no joint on the other side to mirror it"
+        return Reason("not_possible", f"{name} has no joint on the other side to mirror it")
     ((partner, mirrored_rad),) = state.body.mirrored({name: angle_rad}).items()
     return state.body.refusal(partner, mirrored_rad)
 
 
-def _unable(state: State, command: JointsCommand, now: float, strong: Collection[str] = ()) -> Iterator[str]:
+def _unable(state: State, command: JointsCommand, now: float, strong: Collection[str] = ()) -> Iterator[Reason]:
     joints = [name for name in named(command, state.body) if name not in strong]
     without = [name for name in joints if name not in state.on]
     troubles = {name: joint_trouble(state, name, now) for name in joints}
@@ -194,9 +197,10 @@ def _unable(state: State, command: JointsCommand, now: float, strong: Collection
     idle = [name for name in without if not troubles[name]]
     if idle:
         some = ", ".join(idle[:MOST_TOLD]) + (f" and {len(idle) - MOST_TOLD} more" if len(idle) > MOST_TOLD else "")
-        yield f"{some} {'has' if len(idle) == 1 else 'have'} no torque: {TORQUE_FIRST}"
+        yield Reason("no_torque", f"{some} {'has' if len(idle) == 1 else 'have'} no torque: {TORQUE_FIRST}")
 
 
-def _several(whys: Iterator[str]) -> str:
-    """Say the first few of what is wrong."""
-    return "; ".join(islice(whys, MOST_TOLD))
+def _several(whys: Iterator[Reason]) -> Reason | None:
+    """Say the first few of what is wrong; the code is that of the first."""
+    told = list(islice(whys, MOST_TOLD))
+    return Reason(told[0].code, "; ".join(why.text for why in told)) if told else None

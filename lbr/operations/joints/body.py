@@ -6,6 +6,7 @@ from math import degrees, isfinite
 from msgspec import Struct
 
 from lbr.capability.near import near
+from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint
 
 TURNING_OVER = ("_yaw", "_roll")
@@ -37,24 +38,25 @@ class Body(Struct, frozen=True):
         """Return how far an angle is beyond the limits of its joint; 0 within them."""
         return abs(joint_rad - self.within(name, joint_rad))
 
-    def refusal(self, name: str, joint_rad: float) -> str:
+    def refusal(self, name: str, joint_rad: float) -> Reason | None:
         """Return why a joint cannot be given an angle, or nothing."""
         if why := self.unknown(name):
             return why
         if not isfinite(joint_rad):
-            return f"{name} is to go to {joint_rad}, which is no angle"
+            return Reason("bad_value", f"{name} is to go to {joint_rad}, which is no angle")
         joint = self.joints[name]
         if joint.lower_rad <= joint_rad <= joint.upper_rad:
-            return ""
+            return None
         limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad, {degrees(joint.lower_rad):.0f} to {degrees(joint.upper_rad):.0f} degrees"
-        return f"{name} {joint_rad:g} rad ({degrees(joint_rad):.0f} degrees) is outside its limits ({limits})"
+        outside = f"{name} {joint_rad:g} rad ({degrees(joint_rad):.0f} degrees) is outside its limits ({limits})"
+        return Reason("limit", outside)
 
-    def unknown(self, name: str) -> str:
+    def unknown(self, name: str) -> Reason | None:
         """Return that there is no such joint, and which may be meant; or nothing."""
         if name in self.joints:
-            return ""
+            return None
         shown = name[:LONGEST_NAME]
-        return f"there is no joint {shown!r}; {near(shown, self.joints)}"
+        return Reason("unknown_name", f"there is no joint {shown!r}; {near(shown, self.joints)}")
 
     def partner(self, name: str) -> str:
         """Return which joint a mirror shows this one as; nothing if it has none."""

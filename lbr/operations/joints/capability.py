@@ -93,13 +93,13 @@ class Joints(Capability[JointsSettings]):
             case "recover":
                 self._recover(call, call.message)
             case _:
-                call.refuse(f"{call.name} is not understood here")
+                call.refuse(f"{call.name} is not understood here", "unknown_command")
         self._report()
 
     def close(self) -> None:
         """Hold every joint and say that their mover is gone; end what was going on."""
         while self._waiting:
-            self._waiting.popleft().call.refuse("joints operation ends")
+            self._waiting.popleft().call.refuse("joints operation ends", "shutting_down")
         now = self.ctx.clock()
         self._decide(Stop(source=self.ctx.name, received=now, reason="joints operation ends"))
         self._state = replace(self._state, lost=True)
@@ -152,11 +152,11 @@ class Joints(Capability[JointsSettings]):
 
     def _recover(self, call: Call, command: RecoverCommand) -> None:
         joints = self._state.body.joints
-        wrong = next((why for name in command.joints if (why := self._state.body.unknown(name))), "")
+        wrong = next((why for name in command.joints if (why := self._state.body.unknown(name))), None)
         if wrong:
             call.refuse(wrong)
         elif len(self._waiting) >= MOST_WAITING:
-            call.refuse("too many commands wait for the servo driver; send fewer")
+            call.refuse("too many commands wait for the servo driver; send fewer", "busy")
         else:
             ids = tuple(joints[name].device_id for name in command.joints or joints)
             answer = self.ctx.ask("servos_recover", RecoverServos(ids=ids), timeout_s=RECOVER_S)
@@ -180,7 +180,14 @@ class Joints(Capability[JointsSettings]):
                 case Result(message=result):
                     self.ctx.publish("result", result)
                 case Happened():
-                    self.ctx.event(output.kind, output.text, level=output.level, data=dict(output.data))
+                    self.ctx.event(
+                        output.kind,
+                        output.text,
+                        level=output.level,
+                        data=dict(output.data),
+                        code=output.code,
+                        about=output.about,
+                    )
                 case Reply(message=reply, late=late):
                     if call is not None:
                         call.reply(reply, quiet=late)
@@ -246,7 +253,8 @@ def _pass_on(call: Call, answers: list[object]) -> None:
     """Answer with what the servo driver said."""
     found = [answer for answer in answers if isinstance(answer, CommandReply)]
     if not found or len(found) < len(answers):
-        call.refuse("the servo driver did not answer; is it running?")
+        call.refuse("the servo driver did not answer; is it running?", "unreachable")
         return
     reasons = "; ".join(answer.reason for answer in found if answer.reason)
-    call.reply(CommandReply(accepted=all(answer.accepted for answer in found), reason=reasons))
+    code = next((answer.code for answer in found if not answer.accepted), "")
+    call.reply(CommandReply(accepted=all(answer.accepted for answer in found), reason=reasons, code=code))

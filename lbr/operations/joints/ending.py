@@ -58,7 +58,7 @@ def setpoint(state: State) -> Outputs:
 def _unremarkable(ended: Ended[Move]) -> bool:
     """Say whether joints that joined just arrived: whoever moves them in small steps would flood people with that."""
     move = ended.hold.motion
-    return ended.how == "reached" and move.trajectory is None and move.stored is None and moving.BUT not in ended.why
+    return ended.how == "reached" and move.trajectory is None and move.stored is None and not ended.why.note
 
 
 def _let_be(state: State, ended: Ended[Move], now: float) -> State:
@@ -74,4 +74,15 @@ def _let_be(state: State, ended: Ended[Move], now: float) -> State:
 def _result(ended: Ended[Move], now: float) -> Result:
     move = ended.hold.motion
     elapsed_s = round(max(0.0, now - move.begun), 3)
-    return Result(message=GoalResult(goal=move.goal, result=ended.how, reason=ended.why, elapsed_s=elapsed_s))
+    why = ended.why
+    return Result(
+        message=GoalResult(
+            goal=move.goal,
+            result=ended.how,
+            reason=why.text,
+            code=why.code,
+            cause=why.cause,
+            note=why.note,
+            elapsed_s=elapsed_s,
+        )
+    )

@@ -4,6 +4,7 @@ from math import nan
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.operations.joints import moving, planning, servos, stored, torque
 from lbr.operations.joints.acceptance import asks, command_of, refusal
 from lbr.operations.joints.asked import strengths
@@ -24,7 +25,7 @@ from lbr.operations.leasing import ending, holding
 from lbr.operations.leasing.acceptance import intent
 from lbr.operations.leasing.state import Ask, Ended, EstopChanged, Reply, Stop, confirmed
 
-BACK = "the clock went back"
+BACK = Reason("clock", "the clock went back")
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
@@ -136,12 +137,13 @@ def _idle_s(state: State, now: float) -> float:
 def _yes(state: State, ask: Ask) -> Reply:
     hold, move = state.holding.hold, state.move
     assert move is not None
-    return holding.accepted(hold, planning.note(state, move, command_of(ask)), move.goal)
+    note = planning.note(state, move, command_of(ask))
+    return holding.accepted(hold, Reason("limit", note) if note else None, move.goal)
 
 
 def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:
     """The mover is lost; what it was offered it will not confirm."""
-    hold, why = state.holding.hold, f"the process of {event.source} is gone"
+    hold, why = state.holding.hold, Reason("holder_gone", f"the process of {event.source} is gone")
     if hold is None or hold.source != event.source:
         return state, ()
     return take(state, ending.end(state.holding, "lapsed", why, now), now)

@@ -4,6 +4,7 @@ from math import inf, isnan
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 from lbr.operations.joints import stored
 from lbr.operations.joints.move import Move
@@ -23,7 +24,6 @@ LONGEST_STEP_S = 0.05
 """A loop that was held up goes on from where it was, it does not jump."""
 MARGIN_RAD = 0.1
 FRESH_S = 0.05
-BUT = ", but "
 FOLLOWING_S = 0.3
 """The driver says within this time that the servos follow."""
 
@@ -39,14 +39,14 @@ def advance(state: State, now: float) -> State:
     return replace(state, holding=holding, goals={**state.goals, **move.positions()})
 
 
-def ending(state: State, trouble: str, now: float) -> tuple[Ending, str] | None:
+def ending(state: State, trouble: Reason | None, now: float) -> tuple[Ending, Reason] | None:
     """Return how the motion ends now and why, or None while it goes on; `trouble` is that of all servos."""
     move = state.move
     if move is None or move.offered:
         return None
     if move.stored is not None:
         return ("fault", trouble) if trouble else stored.ending(state, move.stored, now)
-    why = trouble or next((why for name in move.joints if (why := _fault(state, name, now))), "")
+    why = trouble or next((why for name in move.joints if (why := _fault(state, name, now))), None)
     if why or (why := _not_followed(state, move, now)):
         return "fault", why
     return _arrival(state, move, now) if move.over and not move.stay else None
@@ -114,18 +114,20 @@ def interrupted(state: State) -> State:
     return freeze(state) if state.move is not None and state.move.stored is not None else state
 
 
-def _fault(state: State, name: str, now: float) -> str:
-    return joint_trouble(state, name, now) or ("" if name in state.on else f"{name} has no torque any more")
+def _fault(state: State, name: str, now: float) -> Reason | None:
+    limp = None if name in state.on else Reason("no_torque", f"{name} has no torque any more")
+    return joint_trouble(state, name, now) or limp
 
 
-def _not_followed(state: State, move: Move, now: float) -> str:
+def _not_followed(state: State, move: Move, now: float) -> Reason | None:
     """Say that the driver holds the servos, although it is told otherwise."""
     servos = state.servos
     if servos is None or servos.phase == "following" or waits(state):
-        return ""
+        return None
     if not (move.followed or now - max(move.told, state.waited) > FOLLOWING_S):
-        return ""
-    return f"the servos do not follow: {servos.reason or f'their driver says {servos.phase}'}"
+        return None
+    said = servos.reason or f"their driver says {servos.phase}"
+    return Reason("not_followed", f"the servos do not follow: {said}")
 
 
 def _further(move: Move, elapsed_s: float, now: float) -> Move:
@@ -144,16 +146,17 @@ def _further(move: Move, elapsed_s: float, now: float) -> Move:
     return replace(move, elapsed_s=gone_s, arrived=arrived)
 
 
-def _arrival(state: State, move: Move, now: float) -> tuple[Ending, str] | None:
+def _arrival(state: State, move: Move, now: float) -> tuple[Ending, Reason] | None:
     """Return that every joint is where it was to be, or that the time for it is over."""
     away = ((_away_rad(state, name, target), name) for name, target in move.targets.items())
     worst_rad, name = max(away, default=(0.0, ""))
     if worst_rad <= state.settings.tolerance_rad:
-        return "reached", f"reached in {now - move.begun:.2f} s"
+        return "reached", Reason("done", f"reached in {now - move.begun:.2f} s")
     if now - move.over_since < state.settings.settle_s:
         return None
-    late = f"over after {now - move.begun:.2f} s"
-    return "reached", f"{late}{BUT}{name} is {worst_rad:.2f} rad away from its goal"
+    off = f"{name} is {worst_rad:.2f} rad away from its goal"
+    text = f"over after {now - move.begun:.2f} s, but {off}"
+    return "reached", Reason("done", text, cause="off_goal", note=off)
 
 
 def _here_rad(state: State, name: str, goal: float | None) -> float | None:

@@ -125,7 +125,12 @@ def _without_torque(state: State, now: float) -> Decision:
     if not gone:
         return state, ()
     told: Outputs = tuple(
-        Happened(kind="let_go", text=f"{name} is without torque: {why or 'its servo let go'}", level="warning")
+        Happened(
+            kind="let_go",
+            text=f"{name} is without torque: {why or 'its servo let go'}",
+            level="warning",
+            code="latched" if state.seen[name].latched else "no_torque",
+        )
         for name, why in gone.items()
     )
     return _off(state, frozenset(gone), now), told

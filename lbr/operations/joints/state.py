@@ -5,6 +5,7 @@ from math import inf, nan
 
 from msgspec import Struct
 
+from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, TorqueCommand
 from lbr.messages.servos import ServoSetpoint, ServosState, ServoState
@@ -134,6 +135,7 @@ class State(Struct, frozen=True, kw_only=True):
         return self.holding.hold.motion if self.holding.hold is not None else None
 
 
+NOT_ADOPTED = Reason("not_ready", "servos are still being looked for; say it again")
 WORDS = Words(
     noun="the joints",
     rest="stop, or pause, before moving again",
@@ -171,28 +173,29 @@ def waits(state: State) -> bool:
     return state.servos is not None and state.servos.mode not in PASSES_ON
 
 
-def servos_trouble(state: State, now: float) -> str:
+def servos_trouble(state: State, now: float) -> Reason | None:
     """Return why no servo would follow, or nothing."""
     if state.servos is None:
-        return state.servos_gone
+        return Reason("unreachable", state.servos_gone)
     longest_s = state.settings.servos_max_age_s
     if not now - state.servos_at <= longest_s:
-        return f"the servo driver has been silent for more than {longest_s:g} s"
+        return Reason("unreachable", f"the servo driver has been silent for more than {longest_s:g} s")
     if not (state.servos.armed or state.lost):
-        return f"the servos are not armed: {state.servos.reason or 'no reason given'}"
-    return ""
+        return Reason("not_armed", f"the servos are not armed: {state.servos.reason or 'no reason given'}")
+    return None
 
 
-def joint_trouble(state: State, name: str, now: float) -> str:
+def joint_trouble(state: State, name: str, now: float) -> Reason | None:
     """Return why one joint would not follow, or nothing."""
     servo = state.seen.get(name)
     if servo is None:
-        return f"{name}: the servo driver does not know servo {state.body.joints[name].device_id}"
+        unknown = f"{name}: the servo driver does not know servo {state.body.joints[name].device_id}"
+        return Reason("unreachable", unknown)
     if servo.latched:
-        return f"{name} has latched {', '.join(servo.latched)}: remove the cause, then recover it"
+        return Reason("latched", f"{name} has latched {', '.join(servo.latched)}: remove the cause, then recover it")
     if unmeasured(state, name, now) and not state.settings.open_loop:
-        return f"{name} is not measured: {servo.reason or _silent(servo)}"
-    return ""
+        return Reason("stale_sensor", f"{name} is not measured: {servo.reason or _silent(servo)}")
+    return None
 
 
 def _silent(servo: ServoState) -> str:

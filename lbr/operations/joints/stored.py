@@ -4,6 +4,7 @@ from math import isnan
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.messages.joints import StoredMotion
 from lbr.messages.servos import StoredPlay, StoredState
 from lbr.operations.joints.move import Move, Stored
@@ -48,22 +49,25 @@ def heard(state: State, now: float) -> State:
     return replace(state, holding=holding.with_motion(state.holding, begun))
 
 
-def ending(state: State, told: Stored, now: float) -> tuple[Ending, str] | None:
+def ending(state: State, told: Stored, now: float) -> tuple[Ending, Reason] | None:
     """Return how it ended and why, or None while it is played."""
     found, slot = _said(state, told), told.motion.slot
     if found is None:
         servos = state.servos
         said = servos.reason or f"their driver says {servos.phase}" if servos is not None else state.servos_gone
-        return ("fault", f"the controller does not play slot {slot}: {said}") if now - told.told > TAKEN_S else None
+        why = Reason("not_followed", f"the controller does not play slot {slot}: {said}")
+        return ("fault", why) if now - told.told > TAKEN_S else None
     if found.phase == "failed":
-        return "fault", found.reason or f"the controller did not play slot {slot}"
+        return "fault", Reason("failed", found.reason or f"the controller did not play slot {slot}")
     if found.phase == "over":
-        return "reached", f"slot {slot} was played in {now - _since(told):.2f} s"
+        return "reached", Reason("done", f"slot {slot} was played in {now - _since(told):.2f} s")
     if now - _since(told) < told.motion.duration_s + GRACE_S:
         return None
     if isnan(told.playing):
-        return "fault", f"the controller did not begin to play slot {slot}: {found.reason or 'it waits'}"
-    return "reached", f"slot {slot} was played, as far as its time tells: nobody said that it was over"
+        why = Reason("timeout", f"the controller did not begin to play slot {slot}: {found.reason or 'it waits'}")
+        return "fault", why
+    text = f"slot {slot} was played, as far as its time tells: its end was not told"
+    return "reached", Reason("done", text, cause="time_over")
 
 
 def after(state: State, told: Stored, now: float) -> State:
@@ -79,13 +83,13 @@ def left_s(told: Stored, now: float) -> float:
     return max(0.0, told.motion.duration_s - max(0.0, now - _since(told)))
 
 
-def busy(state: State, now: float) -> str:
+def busy(state: State, now: float) -> Reason | None:
     """Return why nothing else moves, or nothing."""
     hold = state.holding.hold
     if hold is None or hold.motion.stored is None:
-        return ""
+        return None
     told = hold.motion.stored
-    return f"busy: the controller plays slot {told.motion.slot} for {left_s(told, now):.1f} s more"
+    return Reason("busy", f"busy: the controller plays slot {told.motion.slot} for {left_s(told, now):.1f} s more")
 
 
 def _since(told: Stored) -> float:

@@ -4,11 +4,12 @@ from collections.abc import Iterable, Mapping
 
 from msgspec.structs import replace
 
-from lbr.messages.leases import DEAD_LEASE, CommandReply
+from lbr.messages.codes import Reason
+from lbr.messages.leases import CommandReply, refused
 from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint
-from lbr.operations.joints.state import State, Torque, joint_trouble, position_rad, servos_trouble
-from lbr.operations.leasing.acceptance import why_dead
+from lbr.operations.joints.state import NOT_ADOPTED, State, Torque, joint_trouble, position_rad, servos_trouble
+from lbr.operations.leasing.acceptance import STOP_CAME, dead, latched
 from lbr.operations.leasing.state import LATE_S, Happened, Reply
 
 MOST_TOLD = 3
@@ -17,7 +18,7 @@ MOST_TOLD = 3
 def switch(state: State, event: Torque, now: float) -> Decision:
     """Refuse to switch the torque, or do it, and say so."""
     if why := _refusal(state, event, now):
-        return state, (_reply(why, accepted=False),)
+        return state, (Reply(message=refused(why)),)
     names = event.command.joints or tuple(state.body.joints)
     return _on(state, event, names, now) if event.command.on else _off(state, event, names, now)
 
@@ -25,17 +26,18 @@ def switch(state: State, event: Torque, now: float) -> Decision:
 def _on(state: State, event: Torque, names: tuple[str, ...], now: float) -> Decision:
     troubles = {name: why for name in names if (why := not_to_be_held(state, name, now))}
     fit = frozenset(names) - troubles.keys()
-    told = "; ".join(list(troubles.values())[:MOST_TOLD])
+    told = "; ".join(why.text for why in list(troubles.values())[:MOST_TOLD])
     more = f" (and {len(troubles) - MOST_TOLD} more)" if len(troubles) > MOST_TOLD else ""
     if not fit:
-        return state, (_reply(told + more, accepted=False),)
+        first = next(iter(troubles.values()))
+        return state, (Reply(message=refused(Reason(first.code, told + more))),)
     state = moving.held_again(state)
     new = fit - state.on
     goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}
     strength = {name: one for name, one in state.strength.items() if name not in fit}
     unread = state.unread - fit
     state = replace(state, on=state.on | fit, goals=goals, strength=strength, unread=unread, switched=now)
-    outputs = (*setpoint(state), *_told(state, event.source, new, on=True), _reply(told + more))
+    outputs = (*setpoint(state), *_told(state, event.source, new, on=True), _reply(told + more, *troubles.values()))
     return state, outputs
 
 
@@ -62,65 +64,66 @@ def strengthen(state: State, source: str, strengths: Mapping[str, float], now: f
     return state, _told(state, source, new, on=True)
 
 
-def not_to_be_held(state: State, name: str, now: float) -> str:
+def not_to_be_held(state: State, name: str, now: float) -> Reason | None:
     """Say why a joint cannot be held where it is, or nothing."""
     if why := joint_trouble(state, name, now):
         return why
     here = position_rad(state, name)
     joint = state.body.joints[name]
     if here is None or state.body.beyond_rad(name, here) <= moving.MARGIN_RAD or name in state.on:
-        return ""
+        return None
     limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad"
-    return f"{name} is at {here:.2f} rad, outside its limits ({limits}): bring it there by hand first"
+    return Reason("limit", f"{name} is at {here:.2f} rad, outside its limits ({limits}): bring it there by hand first")
 
 
-def _refusal(state: State, event: Torque, now: float) -> str:
+def _refusal(state: State, event: Torque, now: float) -> Reason | None:
     command = event.command
     links = (
         _form(state, event, now),
         _holder(state, event),
-        _rest(state, event, now) if command.on else "",
-        stored.busy(state, now) if command.on else "",
+        _rest(state, event, now) if command.on else None,
+        stored.busy(state, now) if command.on else None,
         _known(state, now),
     )
-    return next((why for why in links if why), "")
+    return next((why for why in links if why), None)
 
 
-def _form(state: State, event: Torque, now: float) -> str:
+def _form(state: State, event: Torque, now: float) -> Reason | None:
     if event.remote and not event.answerable:
-        return "switching torque from another machine is a query, not a put"
+        return Reason("query_first", "switching torque from another machine is a query, not a put")
     if not now - event.received <= LATE_S:
-        return f"this command came {now - event.received:.1f} s after it was sent; send it again"
+        return Reason("late", f"this command came {now - event.received:.1f} s after it was sent; send it again")
     named = event.command.joints
-    if why := "; ".join(why for name in named[:MOST_TOLD] if (why := state.body.unknown(name))):
-        return why
+    if unknown := "; ".join(why.text for name in named[:MOST_TOLD] if (why := state.body.unknown(name))):
+        return Reason("unknown_name", unknown)
     everything = not named or state.body.joints.keys() <= set(named)
     if everything and not event.command.on and not event.command.confirmed:
-        return "without torque the robot falls: hold it, then say that all of it is meant (confirmed)"
-    return ""
+        falls = "without torque the robot falls: hold it, then say that all of it is meant (confirmed)"
+        return Reason("confirm", falls)
+    return None
 
 
-def _holder(state: State, event: Torque) -> str:
+def _holder(state: State, event: Torque) -> Reason | None:
     hold, lease = state.holding.hold, event.command.lease
     if hold is not None and (lease == hold.lease or (event.source == hold.source and not lease)):
-        return ""
+        return None
     if lease:
-        return f"{DEAD_LEASE}{why_dead(state.holding, lease)}"
-    return f"held by {hold.source}; stop it first" if hold is not None else ""
+        return dead(state.holding, lease)
+    return Reason("held", f"held by {hold.source}; stop it first") if hold is not None else None
 
 
-def _rest(state: State, event: Torque, now: float) -> str:
+def _rest(state: State, event: Torque, now: float) -> Reason | None:
     held = state.holding
     if held.estop:
-        return f"emergency stop: {held.estop_reason or 'no reason given'}; 'reset' releases it"
+        return latched(held)
     if not event.received > held.stopped:
-        return "a stop came after this command"
+        return STOP_CAME
     return servos_trouble(state, now)
 
 
-def _known(state: State, now: float) -> str:
+def _known(state: State, now: float) -> Reason | None:
     """Until it is known which servos have torque, nothing is told to any."""
-    return "" if state.adopted else servos_trouble(state, now) or "servos are still being looked for; say it again"
+    return None if state.adopted else servos_trouble(state, now) or NOT_ADOPTED
 
 
 def _told(state: State, source: str, names: Iterable[str], *, on: bool) -> tuple[Happened, ...]:
@@ -129,8 +132,9 @@ def _told(state: State, source: str, names: Iterable[str], *, on: bool) -> tuple
         return ()
     which = "all joints" if len(changed) == len(state.body.joints) else ", ".join(changed)
     verb = "on" if on else "off"
-    return (Happened(kind="torque", text=f"{source} switched the torque of {which} {verb}"),)
+    return (Happened(kind="torque", text=f"{source} switched the torque of {which} {verb}", about=source),)
 
 
-def _reply(reason: str = "", *, accepted: bool = True) -> Reply:
-    return Reply(message=CommandReply(accepted=accepted, reason=reason))
+def _reply(reason: str = "", *troubles: Reason) -> Reply:
+    """Return that it was done, but for what there is trouble with."""
+    return Reply(message=CommandReply(accepted=True, reason=reason, code=troubles[0].code if troubles else ""))

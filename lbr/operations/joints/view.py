@@ -2,6 +2,7 @@
 
 from math import isfinite
 
+from lbr.messages.codes import Reason
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.servos import ServoState
@@ -18,6 +19,7 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
     move = hold.motion if hold is not None else None
     told = move.stored if move is not None else None
     targets = move.under_way() if move is not None else {}
+    why = None if hold is not None else _why_at_rest(state, now)
     return JointsState(
         sequence=servos.sweep if servos else 0,
         measured_s=servos.measured_s if servos else 0.0,
@@ -30,7 +32,9 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
         stored=told.motion.slot if told is not None else None,
         left_s=round(stored.left_s(told, now), 2) if told is not None else None,
         stopped_s=state.holding.stopped if isfinite(state.holding.stopped) else None,
-        reason="" if hold is not None else _why_at_rest(state, now),
+        stopped_by=state.holding.stopped_by,
+        reason=why.text if why else "",
+        code=why.code if why else "",
         estop=state.holding.estop,
         loop=loop,
     )
@@ -83,11 +87,12 @@ def _age_s(state: State, servo: ServoState, now: float) -> float | None:
     return None if servo.age_s is None else round(servo.age_s + max(0.0, now - state.servos_at), 4)
 
 
-def _why_at_rest(state: State, now: float) -> str:
+def _why_at_rest(state: State, now: float) -> Reason:
     held = state.holding
     if held.estop:
-        return f"emergency stop: {held.estop_reason or 'no reason given'}"
-    waiting = ", ".join(offer.source for offer in held.offers)
-    if why := servos_trouble(state, now) or (f"waiting for {waiting} to confirm" if waiting else ""):
-        return why
-    return f"{held.reason}; {LETS_GO}" if state.lost and state.on else held.reason
+        return Reason("estop", f"emergency stop: {held.estop_reason or 'no reason given'}")
+    if trouble := servos_trouble(state, now):
+        return trouble
+    if held.offers:
+        return Reason("not_ready", f"waiting for {', '.join(offer.source for offer in held.offers)} to confirm")
+    return Reason(held.reason.code, f"{held.reason}; {LETS_GO}") if state.lost and state.on else held.reason

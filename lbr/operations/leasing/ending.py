@@ -3,6 +3,7 @@
 from msgspec.structs import replace
 
 from lbr.capability.halts import Halts
+from lbr.messages.codes import Reason
 from lbr.operations.leasing.freshness import INSISTING_S
 from lbr.operations.leasing.state import (
     TELLINGS,
@@ -25,7 +26,7 @@ DEAD_LEASES_KEPT = 32
 UNPLANNED = ("lapsed", "fault")
 
 
-def end(holding: Holding[M], how: Ending, why: str, now: float, *, heir: str = "") -> Decision[M]:
+def end(holding: Holding[M], how: Ending, why: Reason, now: float, *, heir: str = "") -> Decision[M]:
     """End the hold, if there is one; its holder is told why. `heir` takes it over."""
     hold = holding.hold
     if hold is None:
@@ -38,7 +39,7 @@ def end(holding: Holding[M], how: Ending, why: str, now: float, *, heir: str = "
     return still, (ended, *told)
 
 
-def end_all(holding: Holding[M], how: Ending, why: str, now: float) -> Decision[M]:
+def end_all(holding: Holding[M], how: Ending, why: Reason, now: float) -> Decision[M]:
     """End the hold and every offer: nothing that was asked for earlier may move anything afterwards."""
     holding, ended = end(holding, how, why, now)
     holding, dropped = drop_offers(holding, holding.offers, how, why)
@@ -50,15 +51,17 @@ def lapse(holding: Holding[M], now: float) -> Decision[M]:
     said: Said[M] = ()
     lapsed = tuple(offer for offer in holding.offers if not now < offer.expires)
     if lapsed:
-        holding, said = drop_offers(holding, lapsed, "lapsed", f"not confirmed within {lapsed[0].ttl_s:g} s")
+        why = Reason("lapsed", f"not confirmed within {lapsed[0].ttl_s:g} s")
+        holding, said = drop_offers(holding, lapsed, "lapsed", why)
     hold = holding.hold
     if hold is None or now < hold.expires:
         return holding, said
-    holding, ended = end(holding, "lapsed", f"it lapsed, not renewed within {hold.ttl_s:g} s", now)
+    why = Reason("lapsed", f"it lapsed, not renewed within {hold.ttl_s:g} s")
+    holding, ended = end(holding, "lapsed", why, now)
     return holding, said + ended
 
 
-def drop_offers(holding: Holding[M], offers: tuple[Hold[M], ...], how: Ending, why: str) -> Decision[M]:
+def drop_offers(holding: Holding[M], offers: tuple[Hold[M], ...], how: Ending, why: Reason) -> Decision[M]:
     """Take offers back."""
     said: Said[M] = ()
     for offer in offers:
@@ -68,21 +71,29 @@ def drop_offers(holding: Holding[M], offers: tuple[Hold[M], ...], how: Ending, w
     return holding, said
 
 
-def lose_time(holding: Holding[M], why: str, clock: float, now: float) -> Decision[M]:
+def lose_time(holding: Holding[M], why: Reason, clock: float, now: float) -> Decision[M]:
     """End everything and forget every date: none of it means anything on a clock that went back from `clock`."""
     recent = {name: found for name, found in holding.insisting.items() if not clock >= found.until}
     insisting = {name: Insisting(until=now + INSISTING_S, how=found.how) for name, found in recent.items()}
-    forgotten = replace(holding, stopped=now, begun=now, halts=Halts(at=now), insisting=insisting)
+    forgotten = replace(holding, stopped=now, stopped_by="", begun=now, halts=Halts(at=now), insisting=insisting)
     return end_all(forgotten, "fault", why, now)
 
 
 def happened(ended: Ended[M], kind: str = "") -> Happened:
     """Return how people are told that a hold ended; its kind is how it did, unless given."""
     level: Level = "warning" if ended.how in UNPLANNED else "info"
-    return Happened(kind=kind or ended.how, text=f"{ended.hold.source}: {ended.why}", level=level)
+    return Happened(
+        kind=kind or ended.how,
+        text=f"{ended.hold.source}: {ended.why}",
+        level=level,
+        code=ended.why.code,
+        about=ended.hold.source,
+    )
 
 
-def tell_holder(holding: Holding[M], now: float, *, took: str = "", lost: str = "", why: str = "") -> Decision[M]:
+def tell_holder(
+    holding: Holding[M], now: float, *, took: str = "", lost: str = "", why: Reason | None = None
+) -> Decision[M]:
     """Say who has it from now on and who has not; in a flood of changes, how many were not said."""
     tally, noun = holding.tally, holding.words.noun
     refilled = tally.left + TELLINGS_PER_S * max(0.0, now - tally.at)  # this way round, NaN is no time
@@ -92,11 +103,17 @@ def tell_holder(holding: Holding[M], now: float, *, took: str = "", lost: str = 
     text = f"{lost} lost {noun}: {why}" if not took else f"{took} took {noun}" + (f" from {lost}" if lost else "")
     if tally.untold:
         text += f" (and {tally.untold} changes of holder before that)"
-    data = {"took": took, "lost": lost, "why": why}
-    told = Happened(kind="holder", text=text, data={name: said for name, said in data.items() if said})
+    data = {"took": took, "lost": lost, "why": str(why or "")}
+    told = Happened(
+        kind="holder",
+        text=text,
+        data={name: said for name, said in data.items() if said},
+        code=why.code if why else "",
+        about=lost or took,
+    )
     return replace(holding, tally=Tally(left=left - 1.0, at=now)), (told,)
 
 
-def bury(holding: Holding[M], lease: str, why: str) -> Holding[M]:
+def bury(holding: Holding[M], lease: str, why: Reason) -> Holding[M]:
     """Return the holding with this lease dead for ever."""
     return replace(holding, dead=(*holding.dead, (lease, why))[-DEAD_LEASES_KEPT:])

@@ -4,13 +4,17 @@ from math import inf, isfinite
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason
 from lbr.operations.leasing.state import Ask, Hold, Holding, Insisting, M, quoted
 
 INSISTING_S = 0.25
 MOST_INSISTING = 64
 EVERYBODY = ""
-ASK_FIRST = "a motion from another machine begins with a query: its answer has the lease that the command then quotes"
-TWICE = "this command came twice, or after a newer one"
+ASK_FIRST = Reason(
+    "query_first",
+    "a motion from another machine begins with a query: its answer has the lease that the command then quotes",
+)
+TWICE = Reason("repeated", "this command came twice, or after a newer one")
 
 
 def dated(holding: Holding[M], ask: Ask) -> float:
@@ -31,16 +35,16 @@ def offset_s(ask: Ask, hold: Hold[M] | None) -> float:
     return seen_s if hold is None or hold.source != ask.source else min(seen_s, hold.offset_s)
 
 
-def not_fresh(holding: Holding[M], ask: Ask, now: float) -> str:
+def not_fresh(holding: Holding[M], ask: Ask, now: float) -> Reason | None:
     """Return why a command is too old to move anything, or nothing; standing still is never too old."""
     if not ask.moves:
-        return ""
+        return None
     age_s = now - min(ask.received, dated(holding, ask))  # by rounding, a date may lie after the arrival
     if not age_s >= 0.0:
-        return "this command has no date that makes sense"
+        return Reason("late", "this command has no date that makes sense")
     if not age_s <= ask.patience_s:
-        return f"this command came {age_s:.1f} s after it was sent; send it again"
-    return ASK_FIRST if ask.remote and not (ask.lease or ask.answerable) else ""
+        return Reason("late", f"this command came {age_s:.1f} s after it was sent; send it again")
+    return ASK_FIRST if ask.remote and not (ask.lease or ask.answerable) else None
 
 
 def insists(holding: Holding[M], source: str, now: float) -> str:

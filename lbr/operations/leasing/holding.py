@@ -4,10 +4,12 @@ from math import inf, isnan
 
 from msgspec.structs import replace
 
-from lbr.messages.leases import CommandReply
+from lbr.messages.codes import Reason
+from lbr.messages.leases import CommandReply, refused
 from lbr.operations.leasing.ending import Decision, Said, drop_offers, end, end_all, tell_holder
 from lbr.operations.leasing.freshness import dated, forget_insisting, insists, note_insisting, offset_s
 from lbr.operations.leasing.state import (
+    IDLE,
     Ask,
     Ended,
     EstopChanged,
@@ -23,21 +25,22 @@ from lbr.operations.leasing.state import (
 )
 
 MOST_OFFERS = 8
-ANOTHER = "another command came"
+ANOTHER = Reason("superseded", "another command came")
 STOPPED = Reply(message=CommandReply(accepted=True, reason="stopped"))
 
 
-def refuse(holding: Holding[M], ask: Ask, why: str, now: float) -> tuple[Holding[M], Reply]:
+def refuse(holding: Holding[M], ask: Ask, why: Reason, now: float) -> tuple[Holding[M], Reply]:
     """Answer with the reason; whoever goes on when it should not is remembered for it."""
     if ask.moves and (how := _insisting(holding, ask, now)):
         holding = note_insisting(holding, ask.source, how, now)
-    return holding, Reply(message=CommandReply(accepted=False, reason=why), late=bool(ask.lease))
+    return holding, Reply(message=refused(why), late=bool(ask.lease))
 
 
-def accepted(hold: Hold[M] | None, reason: str = "", goal: str = "") -> Reply:
+def accepted(hold: Hold[M] | None, note: Reason | None = None, goal: str = "") -> Reply:
     """Answer with the lease of a hold or an offer, what its holder should know, and the name of its goal."""
     assert hold is not None
-    message = CommandReply(accepted=True, reason=reason, lease=hold.lease, ttl_s=hold.ttl_s, goal=goal)
+    reason, code = (note.text, note.code) if note else ("", "")
+    message = CommandReply(accepted=True, reason=reason, code=code, lease=hold.lease, ttl_s=hold.ttl_s, goal=goal)
     return Reply(message=message)
 
 
@@ -61,7 +64,7 @@ def begin(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
     """Hold it from now on; whoever held it does so no more."""
     before, offer = holding.hold, offered(holding, ask.lease)
     source = offer.source if offer else ask.source
-    why = f"taken over by {source}" if before else ""
+    why = Reason("taken_over", f"taken over by {source}") if before else None
     hold = _new_hold(holding, ask, motion, now)
     replaced: Said[M] = ()
     if offer is not None:
@@ -69,7 +72,7 @@ def begin(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
         if confirmed(holding, ask) is None:
             replaced = (Ended(hold=offer, how="superseded", why=ANOTHER, held=False),)
         holding = replace(holding, offers=tuple(one for one in holding.offers if one is not offer))
-    holding, ended = end(holding, "superseded", why, now, heir=source) if before else (holding, ())
+    holding, ended = end(holding, "superseded", why, now, heir=source) if why else (holding, ())
     holding = _keep(replace(holding, begun=max(holding.begun, hold.said)), hold, now)
     holding, told = tell_holder(holding, now, took=source, lost=before.source if before else "", why=why)
     return holding, ended + replaced + told
@@ -94,20 +97,25 @@ def stop(holding: Holding[M], event: Stop, now: float) -> Decision[M]:
     own = holding.hold is not None and holding.hold.source == event.source
     if event.whole or not own:
         holding = replace(holding, halts=holding.halts.heard(sent, event.source))
-    holding = forget_insisting(replace(holding, stopped=max(holding.stopped, sent)), event.source)
+    if sent >= holding.stopped:
+        holding = replace(holding, stopped=sent, stopped_by=event.source)
+    holding = forget_insisting(holding, event.source)
     if event.lost and holding.hold is not None and holding.hold.source == event.source:
-        return end_all(holding, "lapsed", event.reason or "whoever wanted it is gone", now)
+        return end_all(
+            holding, "lapsed", Reason("holder_gone", event.reason or "the sender that wanted it is gone"), now
+        )
     why = f"stopped by {event.source}" + (f": {event.reason}" if event.reason else "")
-    return end_all(holding, "stopped", why, now)
+    return end_all(holding, "stopped", Reason("stopped", why), now)
 
 
 def latch(holding: Holding[M], event: EstopChanged, now: float) -> Decision[M]:
     """Latch or release the emergency stop; what was sent before either begins nothing any more."""
-    holding = replace(holding, estop=event.engaged, estop_reason=event.reason, stopped=max(holding.stopped, now))
+    stopped = max(holding.stopped, now)
+    holding = replace(holding, estop=event.engaged, estop_reason=event.reason, stopped=stopped, stopped_by="")
     by = "the emergency stop" if event.engaged else "the emergency stop's reset"
     holding = replace(holding, halts=holding.halts.heard(now, by))
     why = f"emergency stop: {event.reason or 'no reason given'}" if event.engaged else "the emergency stop was reset"
-    return end_all(holding, "fault", why, now)
+    return end_all(holding, "fault", Reason("estop", why), now)
 
 
 def with_motion(holding: Holding[M], motion: M) -> Holding[M]:
@@ -129,7 +137,7 @@ def _keep(holding: Holding[M], hold: Hold[M], now: float) -> Holding[M]:
     """A lease lives from when it was last quoted, or else accepted; it is over a little sooner than it says."""
     since = now if isnan(hold.renewed) else hold.renewed
     ahead_s = min(holding.ahead_s, hold.ttl_s / 5)
-    return replace(holding, hold=replace(hold, expires=since + hold.ttl_s - ahead_s), reason="")
+    return replace(holding, hold=replace(hold, expires=since + hold.ttl_s - ahead_s), reason=IDLE)
 
 
 def _quoting(holding: Holding[M], hold: Hold[M], ask: Ask) -> Hold[M]:

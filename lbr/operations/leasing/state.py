@@ -7,6 +7,7 @@ from typing import Generic, Literal, TypeVar
 from msgspec import Struct
 
 from lbr.capability.halts import Halts
+from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply
 
 M = TypeVar("M")
@@ -17,6 +18,8 @@ LATE_S = 0.3
 TELLINGS = 20
 """Changes of holder told at once; more come back at `TELLINGS_PER_S`."""
 TELLINGS_PER_S = 5.0
+
+IDLE = Reason("idle", "")
 
 
 class Words(Struct, frozen=True, kw_only=True):
@@ -110,7 +113,7 @@ class Holding(Struct, Generic[M], frozen=True, kw_only=True):
     """Who has what moves. `offers` are leases that remote senders have yet to quote.
 
     Whatever was sent at or before `stopped` or `begun` begins nothing any more, nor what had waited at its sender since
-    before one of `halts`. `reason` says why nobody moves it.
+    before one of `halts`; `stopped_by` says who stopped it then, if it was a stop. `reason` says why nobody moves it.
     A lease lives for `ttl_s` if its ask says nothing, and is over up to `ahead_s` sooner, so that the motion is too.
     """
 
@@ -119,15 +122,16 @@ class Holding(Struct, Generic[M], frozen=True, kw_only=True):
     ahead_s: float = 0.0
     hold: Hold[M] | None = None
     offers: tuple[Hold[M], ...] = ()
-    dead: tuple[tuple[str, str], ...] = ()
+    dead: tuple[tuple[str, Reason], ...] = ()
     stopped: float = -inf
+    stopped_by: str = ""
     begun: float = -inf
     halts: Halts = Halts()
     estop: bool = False
     estop_reason: str = ""
     insisting: Mapping[str, Insisting] = {}
     tally: Tally = Tally()
-    reason: str = ""
+    reason: Reason = IDLE
 
 
 class Ended(Struct, Generic[M], frozen=True, kw_only=True):
@@ -135,17 +139,19 @@ class Ended(Struct, Generic[M], frozen=True, kw_only=True):
 
     hold: Hold[M]
     how: Ending
-    why: str
+    why: Reason
     held: bool = True
 
 
 class Happened(Struct, frozen=True, kw_only=True):
-    """Something people should be told."""
+    """Something people should be told; `code` is why, `about` whose motion it concerns."""
 
     kind: str
     text: str
     level: Level = "info"
     data: Mapping[str, str] = {}
+    code: str = ""
+    about: str = ""
 
 
 class Reply(Struct, frozen=True, kw_only=True):
@@ -157,8 +163,8 @@ class Reply(Struct, frozen=True, kw_only=True):
 
 def first(words: Words, ttl_s: float, ahead_s: float = 0.0, *, began: float = -inf) -> "Holding[M]":
     """Return that nobody has it yet. What was not sent after it `began` may have been stopped since, and begins nothing."""
-    halts = Halts(at=began)
-    return Holding(words=words, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=words.idle)
+    idle, halts = Reason("idle", words.idle), Halts(at=began)
+    return Holding(words=words, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=idle)
 
 
 def offered(holding: Holding[M], lease: str) -> Hold[M] | None:

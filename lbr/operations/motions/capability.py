@@ -8,6 +8,7 @@ from msgspec.structs import replace
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.messages.codes import Reason
 from lbr.messages.joints import (
     MAX_FRAMES,
     CaptureCommand,
@@ -64,7 +65,7 @@ class Motions(Capability[MotionsSettings]):
             try:
                 call.reply(CommandReply(accepted=True, reason=self._capture(call.message, call.source)))
             except InputError as err:
-                call.refuse(str(err))
+                call.refuse(str(err), err.code)
         else:
             super().command(call)
         self._report()
@@ -104,11 +105,11 @@ class Motions(Capability[MotionsSettings]):
 
     def _play(self, call: Call, command: PlayCommand) -> None:
         wanted: Programme | None = None
-        why = ""
+        why: Reason | None = None
         try:
             wanted = programme(self.ctx.motions, command)
         except InputError as err:
-            why = str(err)
+            why = Reason(err.code, str(err))
         event = Play(
             ask=_ask(call, command),
             programme=wanted,
@@ -143,7 +144,7 @@ class Motions(Capability[MotionsSettings]):
         frame = key_frame(self.ctx.joints, state, command.duration_s)
         self.ctx.keep_frame(CapturedFrame(motion=command.motion, frame=frame, help=command.help))
         text = f"key frame {len(known) + 1} of '{command.motion}' is the pose of now"
-        self.ctx.event("captured", f"{source}: {text}")
+        self.ctx.event("captured", f"{source}: {text}", about=source)
         return text
 
     def _decide(self, event: Event, call: Call | None = None) -> None:
@@ -158,7 +159,14 @@ class Motions(Capability[MotionsSettings]):
                 case Result(message=result):
                     self.ctx.publish("result", result)
                 case Happened():
-                    self.ctx.event(output.kind, output.text, level=output.level, data=dict(output.data))
+                    self.ctx.event(
+                        output.kind,
+                        output.text,
+                        level=output.level,
+                        data=dict(output.data),
+                        code=output.code,
+                        about=output.about,
+                    )
                 case _:
                     self._move(output, call)
 

@@ -6,6 +6,7 @@ from typing import Protocol
 
 from lbr.capability.context import Asked, Received
 from lbr.capability.loan import Asking, Lender, Loan
+from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
 from lbr.messages.leases import CommandReply
@@ -45,11 +46,11 @@ class Follower:
         self._stopped_s = -inf
 
     @property
-    def trouble(self) -> str:
+    def trouble(self) -> Reason | None:
         """Why the joints would not follow, or nothing."""
         names = self._ctx.targets("move")
         gone = names and not any(self._ctx.alive(name) for name in names)
-        return f"joints operation ({', '.join(names)}) is not running" if gone else ""
+        return Reason("unreachable", f"joints operation ({', '.join(names)}) is not running") if gone else None
 
     def follow(self, command: JointsCommand) -> None:
         """Go this way from now on; `Granted` or `Lost` follows."""
@@ -91,20 +92,22 @@ class Follower:
         loan.step()
         if loan.ended or self.trouble:
             self.let_go()
-            self._happened(Lost(why=loan.ended or f"{self.trouble}; the joints hold by themselves"))
+            self._happened(
+                Lost(why=loan.ended or Reason("unreachable", f"{self.trouble}; the joints hold by themselves"))
+            )
         elif self._first is not None and loan.granted is not None:
             self._granted_first(loan, loan.granted)
         elif self._asked is not None and (answers := self._asked.answers()) is not None:
             self._asked = None
             reply = next(iter(answers.values()), None)
             if isinstance(reply, CommandReply):
-                self._happened(Granted(goal=reply.goal, reason=reply.reason))
+                self._happened(Granted(goal=reply.goal, note=_note(reply)))
 
     def _granted_first(self, loan: Loan, reply: CommandReply) -> None:
         """Tell that it is granted, or go on at once with what was wanted instead in the meantime."""
         first, self._first = self._first, None
         if self._wanted is first or self._wanted is None:
-            self._happened(Granted(goal=reply.goal, reason=reply.reason))
+            self._happened(Granted(goal=reply.goal, note=_note(reply)))
         else:
             self._asked = loan.send(self._wanted)
 
@@ -118,4 +121,12 @@ class Follower:
             self._happened(Passed(goal=state.goal, frames=state.passed))
         if state.stopped_s is not None and state.stopped_s > self._stopped_s:
             self._stopped_s = state.stopped_s
-            self._happened(JointsStopped(at=state.stopped_s, why=state.reason or "the joints were stopped"))
+            self._happened(
+                JointsStopped(
+                    at=state.stopped_s, why=heard(state.code or "stopped", state.reason or "the joints were stopped")
+                )
+            )
+
+
+def _note(reply: CommandReply) -> Reason | None:
+    return heard(reply.code, reply.reason) if reply.reason else None

@@ -4,9 +4,10 @@ from math import inf
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import MAX_FRAMES
-from lbr.messages.leases import CommandReply
+from lbr.messages.leases import refused
 from lbr.operations.leasing import acceptance, ending, holding
 from lbr.operations.leasing.state import Ended, Ending, EstopChanged, Happened, Hold, Stop, confirmed
 from lbr.operations.motions.state import (
@@ -37,9 +38,7 @@ AHEAD_FRAMES = MAX_FRAMES // 2
 """And no more than that, however short they are: the joints take no more than `MAX_FRAMES`."""
 GRACE_S = 0.2
 """How a goal of the joints ended may be heard a little later than that its lease is dead."""
-BUT = ", but "
-"""How joints operation goes on when a joint is not where it was to be."""
-BACK = "the clock went back"
+BACK = Reason("clock", "the clock went back")
 ENDINGS: dict[str, Ending] = {"stopped": "stopped", "superseded": "superseded"}
 
 
@@ -86,7 +85,8 @@ def _handle(state: State, event: Event, now: float) -> Decision:
 def _play(state: State, event: Play, now: float) -> Decision:
     wanted = acceptance.intent(state.holding, event.ask)
     why = _refusal(state, event, now, renewal=wanted == "renewal")
-    if why or event.programme is None:
+    if why is not None or event.programme is None:
+        assert why is not None
         held, reply = holding.refuse(state.holding, event.ask, why, now)
         return replace(state, holding=held), (reply,)
     if wanted == "renewal":
@@ -101,7 +101,7 @@ def _play(state: State, event: Play, now: float) -> Decision:
     return _begin(state, event, playing, now, change=wanted == "change")
 
 
-def _refusal(state: State, event: Play, now: float, *, renewal: bool) -> str:
+def _refusal(state: State, event: Play, now: float, *, renewal: bool) -> Reason | None:
     """Return why a command is refused, or nothing."""
     ask, held = event.ask, state.holding
     return (
@@ -109,15 +109,16 @@ def _refusal(state: State, event: Play, now: float, *, renewal: bool) -> str:
         or _busy(held.hold, ask.lease, take_over=ask.take_over)
         or acceptance.holder(held, ask, now)
         or acceptance.at_rest(held, ask, now, event.trouble)
-        or ("" if renewal else event.reason)
+        or (None if renewal else event.reason)
     )
 
 
-def _busy(hold: Hold[Playing] | None, lease: str, *, take_over: bool) -> str:
+def _busy(hold: Hold[Playing] | None, lease: str, *, take_over: bool) -> Reason | None:
     """One motion at a time."""
     if hold is None or lease or take_over:
-        return ""
-    return f"busy: '{hold.motion.programme.motion.name}' is played by {hold.source}; stop it, or take over"
+        return None
+    why = f"busy: '{hold.motion.programme.motion.name}' is played by {hold.source}; stop it, or take over"
+    return Reason("busy", why)
 
 
 def _begin(state: State, event: Play, playing: Playing, now: float, *, change: bool) -> Decision:
@@ -131,7 +132,7 @@ def _begin(state: State, event: Play, playing: Playing, now: float, *, change: b
     state, outputs = _told(replace(state, holding=held), said, now, goes_on=True)
     assert state.hold is not None
     if change and before is not None and before.motion.asked:
-        outputs = (*outputs, Answer(message=CommandReply(accepted=False, reason=holding.ANOTHER)))
+        outputs = (*outputs, Answer(message=refused(holding.ANOTHER)))
     send = _leg(playing, 0)
     state = _with(state, replace(playing, sent=len(send.frames) or 1), expires=now + ANSWER_S)
     return state, (*outputs, replace(send, asked_s=event.ask.received, take_over=event.ask.take_over))
@@ -142,7 +143,7 @@ def _next_leg(state: State, playing: Playing, now: float) -> Decision:
     send = replace(_leg(playing, playing.sent), asked_s=now, leg=True)
     sent = playing.sent + (len(send.frames) or 1)
     playing = replace(playing, leg=playing.sent, passed=playing.sent, sent=sent, joints_goal="")
-    return _with(state, replace(playing, lost="", lost_at=inf)), (LetGo(), send)
+    return _with(state, replace(playing, lost=None, lost_at=inf)), (LetGo(), send)
 
 
 def _leg(playing: Playing, start: int) -> Send:
@@ -159,7 +160,7 @@ def _granted(state: State, event: Granted, now: float) -> Decision:
         return _with(state, replace(hold.motion, joints_goal=event.goal)), ()
     playing = replace(hold.motion, asked=False, joints_goal=event.goal, started=now)
     state = _with(state, playing, expires=now + hold.ttl_s)
-    return state, (Answer(message=holding.accepted(hold, event.reason, playing.goal).message),)
+    return state, (Answer(message=holding.accepted(hold, event.note, playing.goal).message),)
 
 
 def _lost(state: State, event: Lost, now: float) -> Decision:
@@ -175,7 +176,9 @@ def _late(state: State, now: float, grace_s: float = GRACE_S) -> Decision:
     hold = state.hold
     if hold is None or not now - hold.motion.lost_at >= grace_s:
         return state, ()
-    return _end(state, "stopped" if hold.motion.lost.startswith("stopped by") else "fault", hold.motion.lost, now)
+    lost = hold.motion.lost
+    assert lost is not None
+    return _end(state, "stopped" if lost.code == "stopped" else "fault", lost, now)
 
 
 def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
@@ -184,14 +187,16 @@ def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
         return state, ()
     playing = hold.motion
     if result.result != "reached":
-        state = _with(state, replace(playing, lost=result.reason or result.result))
-        return _end(state, ENDINGS.get(result.result, "fault"), result.reason, now)
+        why = heard(result.code, result.reason or result.result, result.cause)
+        state = _with(state, replace(playing, lost=why))
+        return _end(state, ENDINGS.get(result.result, "fault"), why, now)
     if playing.sent < playing.programme.leg_end(playing.leg):
-        return _end(state, "fault", "the joints came to the end of what was sent before more of it was", now)
+        late = Reason("late", "the joints came to the end of what was sent before more of it was")
+        return _end(state, "fault", late, now)
     if playing.sent < playing.programme.length:
         return _next_leg(state, playing, now)
     state = _with(state, replace(playing, passed=playing.sent))
-    return _end(state, "reached", _played(playing, result.reason, now), now)
+    return _end(state, "reached", _played(playing, result, now), now)
 
 
 def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
@@ -208,13 +213,13 @@ def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
     return state, outputs + ended
 
 
-def _played(playing: Playing, reason: str, now: float) -> str:
+def _played(playing: Playing, result: GoalResult, now: float) -> Reason:
     """Say that all was played, and what the joints have to say against that."""
     programme = playing.programme
     times = f"{programme.times} times " if programme.times > 1 else ""
-    but = reason.partition(BUT)
     text = f"'{programme.motion.name}' was played {times}to its end in {now - playing.started:.1f} s"
-    return text + but[1] + but[2]
+    but = f", but {result.note}" if result.note else ""
+    return Reason("done", text + but, cause=result.cause, note=result.note)
 
 
 def _passed(state: State, event: Passed) -> State:
@@ -243,7 +248,7 @@ def _ahead_s(playing: Playing) -> float:
     return sum(playing.programme.at(index).duration_s for index in range(playing.passed, playing.sent))
 
 
-def _end(state: State, how: Ending, why: str, now: float) -> Decision:
+def _end(state: State, how: Ending, why: Reason, now: float) -> Decision:
     held, said = ending.end(state.holding, how, why, now)
     return _told(replace(state, holding=held), said, now)
 
@@ -260,11 +265,11 @@ def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
     playing = ended.hold.motion
     if not ended.held:
         return (_result(ended, now),)
-    halt = Halt(why=ended.why, lost=ended.how == "lapsed")
+    halt = Halt(why=ended.why.text, lost=ended.how == "lapsed")
     joints: Outputs = (LetGo(),) if ended.how == "reached" or playing.lost else (halt,)
     joints = () if goes_on else joints
     if playing.asked:
-        return (*joints, Answer(message=CommandReply(accepted=False, reason=ended.why)))
+        return (*joints, Answer(message=refused(ended.why)))
     kind = "played" if ended.how == "reached" else ended.how
     return (*joints, _result(ended, now), ending.happened(ended, kind))
 
@@ -272,7 +277,16 @@ def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
 def _result(ended: Ended[Playing], now: float) -> Result:
     playing = ended.hold.motion
     elapsed_s = max(0.0, now - playing.started)
-    message = GoalResult(goal=playing.goal, result=ended.how, reason=ended.why, elapsed_s=round(elapsed_s, 3))
+    why = ended.why
+    message = GoalResult(
+        goal=playing.goal,
+        result=ended.how,
+        reason=why.text,
+        code=why.code,
+        cause=why.cause,
+        note=why.note,
+        elapsed_s=round(elapsed_s, 3),
+    )
     return Result(message=message)
 
 

@@ -4,6 +4,7 @@ from math import inf
 
 from msgspec import Struct
 
+from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import KeyFrame, StoredMotion
 from lbr.messages.leases import CommandReply
@@ -22,21 +23,21 @@ class Play(Struct, frozen=True, kw_only=True):
     ask: Ask
     programme: Programme | None
     new_goal: str
-    reason: str = ""
-    trouble: str = ""
+    reason: Reason | None = None
+    trouble: Reason | None = None
 
 
 class Granted(Struct, frozen=True, kw_only=True):
     """Joints operation follows: its own goal, and what it has to say."""
 
     goal: str
-    reason: str = ""
+    note: Reason | None = None
 
 
 class Lost(Struct, frozen=True, kw_only=True):
     """Joints operation does not follow, or not any more."""
 
-    why: str
+    why: Reason
 
 
 class JointsEnded(Struct, frozen=True, kw_only=True):
@@ -49,7 +50,7 @@ class JointsStopped(Struct, frozen=True, kw_only=True):
     """Somebody stopped the joints themselves: what was asked for by `at` does not begin any more."""
 
     at: float
-    why: str
+    why: Reason
 
 
 class Passed(Struct, frozen=True, kw_only=True):
@@ -124,7 +125,7 @@ class Playing(Struct, frozen=True, kw_only=True):
     leg: int = 0
     sent: int = 0
     passed: int = 0
-    lost: str = ""
+    lost: Reason | None = None
     lost_at: float = inf
 
 

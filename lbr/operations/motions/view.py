@@ -8,7 +8,7 @@ def motions_state(state: State) -> MotionsState:
     """Return what the world may know."""
     hold = state.hold
     if hold is None or hold.motion.asked:
-        return MotionsState(playing=False, reason=state.holding.reason)
+        return MotionsState(playing=False, reason=state.holding.reason.text, code=state.holding.reason.code)
     playing = hold.motion
     place = playing.programme.place(playing.passed)
     return MotionsState(

@@ -79,7 +79,7 @@ class Power(Capability[PowerSettings]):
             return
         why_not = refusal(self._watch, event)
         if why_not:
-            call.refuse(why_not)
+            call.refuse(why_not, "not_possible")
             return
         self._happen(event)
         if isinstance(event, Arm) and event.armed:

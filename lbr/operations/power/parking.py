@@ -66,7 +66,7 @@ class Parking:
         elif loan.ended:
             self._ended_at = now if self._ended_at is None else self._ended_at
             if loan.granted is None or now - self._ended_at >= RESULT_S:
-                self._let_go(loan.ended)
+                self._let_go(loan.ended.text)
         elif now >= self._until:
             loan.release("it took too long")
             self._let_go(f"'{self._settings.park_motion}' was not over within {self._settings.park_s:g} s")

@@ -26,7 +26,9 @@ class Balls:
         """Put a ball elsewhere, back on its path, or away, and say so; raise InputError naming those that there are."""
         if request.name not in self._balls:
             known = ", ".join(self._balls) or "none"
-            raise InputError(f"there is no ball '{request.name}'; the world's setting `balls` has: {known}")
+            raise InputError(
+                f"there is no ball '{request.name}'; the world's setting `balls` has: {known}", "unknown_name"
+            )
         if request.gone:
             self._placed[request.name] = _GONE
             return f"'{request.name}' is gone"

@@ -127,9 +127,9 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         try:
             said = engine.balls.put(request)
         except InputError as err:
-            call.refuse(str(err))
+            call.refuse(str(err), err.code)
             return
-        self.ctx.event("world_changed", said)
+        self.ctx.event("world_changed", said, code="done", about=call.source)
         call.reply(BallReply(accepted=True, reason=said))
 
     def _picture(self, call: Call, request: PictureRequest) -> None:

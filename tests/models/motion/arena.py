@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import inf, isfinite, isnan, nan
 
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.codes import MEANINGS
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
@@ -234,6 +235,8 @@ class Arena:
             elif isinstance(output, Reply):
                 reply = output.message
                 self._trace.append(reply.reason)
+                if not reply.accepted and reply.code not in MEANINGS:
+                    raise self._violation(f"a refusal without a code of the list: {reply}")
             elif isinstance(output, Happened):
                 self._happened(output)
             else:
@@ -301,13 +304,15 @@ class Arena:
             self._told_holder = event.data.get("took", "")
 
     def _ended(self, result: GoalResult) -> None:
+        if result.code not in MEANINGS:
+            raise self._violation(f"a result without a code of the list: {result}")
         if result.goal not in self._goals:
             raise self._violation(f"the result of {result.goal}, which does not run")
         self._goals.remove(result.goal)
         felt = self._kind in {"attitude", "odometry"} and result.result in {"reached", "fault"}
         if felt and self.model.hold is not None and result.goal == self._held_goal:
             standing = self._wheels == (0.0, 0.0)
-            if why := self.model.ended(result.result, result.reason, standing):
+            if why := self.model.ended(result.result, result.code, standing):
                 raise self._violation(why)
 
     def _agrees(self) -> None:

@@ -65,7 +65,7 @@ class Client:
         """Learn what became of a command."""
         if reply.accepted:
             self.lease = reply.lease or self.lease
-        elif reply.reason.startswith("lease is dead"):
+        elif reply.code == "dead_lease":
             self.lease = ""
 
     def _begin(self, post: Post) -> float:

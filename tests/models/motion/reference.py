@@ -190,7 +190,7 @@ class Reference:
         return hold.asked - (sense.value - hold.begun)
 
     def ended(self, how: str, why: str, standing: bool) -> str:
-        """Take the kernel's word that what is held came to an end by itself; return why it cannot be so, or nothing."""
+        """Take the kernel's word, a code, that what is held came to an end by itself; return why it cannot be so, or nothing."""
         hold = self.hold
         if hold is None or not (hold.message.turns or self._travels(hold.message)):
             return f"nothing that could have ended: {how} {why}"
@@ -199,11 +199,11 @@ class Reference:
             past = not hold.message.turns and left * hold.asked <= 0.0
             near = TURN_TOLERANCE_DEG if hold.message.turns else WAY_TOLERANCE_M
             return "" if standing and (past or abs(left) <= near + 1e-6) else f"{left} to go: {why}"
-        if why.startswith("the base does not turn"):
+        if why == "stuck" and hold.message.turns:
             return "" if self.attitude.range_over(STUCK_S) <= STUCK_DEG else f"it turns: {why}"
-        if why.startswith("the base turns away"):
+        if why == "not_followed" and hold.message.turns:
             return "" if abs(left) > hold.nearest + AWAY_DEG - 1e-6 else f"it does not: {why}"
-        if why.startswith("the wheels turn the other way"):
+        if why == "not_followed":
             return "" if abs(left) > abs(hold.asked) + WRONG_M - 1e-6 else f"they do not: {why}"
         return f"it need not have ended: {how} {why}"
 

@@ -6,12 +6,14 @@ from typing import Any
 
 from lbr.capability.context import Received
 from lbr.messages.attitude import CalibrateCommand, ObserveCommand
+from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import CommandReply, StopCommand, refused
 from lbr.operations.attitude.capability import Attitude
 from lbr.operations.attitude.settings import AttitudeSettings
 from tests.operations.attitude.imu_bench import MadeUpImu
 from tests.operations.fakes import FakeAsked, FakeCall
+from tests.support.replies import dead
 
 TURN_DPS = 400.0
 """How fast the made-up base spins at full power."""
@@ -41,9 +43,13 @@ class FakeDrive:
             self.lease, self.power = "", 0.0
             return {"drive": CommandReply(accepted=True)}
         self.commands.append((now, message))
-        dead = message.lease and (message.lease != self.lease or now > self.until_s)
-        if self.refuses or dead:
-            return {"drive": CommandReply(accepted=False, reason=self.refuses or "lease is dead: stopped by console")}
+        lapsed = message.lease and (message.lease != self.lease or now > self.until_s)
+        if self.refuses or lapsed:
+            return {
+                "drive": refused(Reason("held", self.refuses))
+                if self.refuses
+                else dead("stopped by console", "stopped")
+            }
         if not message.lease:
             self.leases += 1
             self.lease = f"lease-{self.leases}"
@@ -107,7 +113,7 @@ class FakeContext:
     def ask(self, request, message, timeout_s):
         return FakeAsked(message, self.drive.answer(request, message, self.clock()))
 
-    def event(self, kind, text, *, level="info", data=None):
+    def event(self, kind, text, *, level="info", data=None, code="", about=""):
         self.events.append((kind, text))
 
     def keep_calibration(self, values):

@@ -3,6 +3,7 @@
 from math import nan
 
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.codes import MEANINGS
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
@@ -67,12 +68,15 @@ class Bench:
         for output in outputs:
             match output:
                 case Reply(message=message):
+                    assert message.accepted or message.code in MEANINGS, message
                     self.replies.append(message)
                 case Setpoint(message=message):
                     self.setpoints.append(message)
                 case Result(message=message):
+                    assert message.code in MEANINGS, message
                     self.results.append(message)
                 case Happened():
+                    assert output.code in MEANINGS or not {"lost", "why"} & output.data.keys(), output
                     self.events.append(output)
         return outputs
 

@@ -51,7 +51,7 @@ class FakeContext:
         self.asked.append(FakeAsked(message, self.checks))
         return self.asked[-1]
 
-    def event(self, kind, text, *, level="info", data=None):
+    def event(self, kind, text, *, level="info", data=None, code="", about=""):
         self.events.append((kind, text))
         self.data.append(data)
 

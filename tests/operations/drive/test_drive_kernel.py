@@ -60,7 +60,7 @@ def test_a_command_may_ask_for_a_longer_life(bench):
         ({"range_cm": nan}, "range_cm nan"),
         ({"interval_s": -1.0}, "interval_s -1"),
         ({"ttl_s": 1.5}, "ttl_s 1.5"),
-        ({"ttl_s": 0.0}, "ttl_s 0 is no life"),
+        ({"ttl_s": 0.0}, "ttl_s 0 lets a lease lapse at once"),
         ({"sensor": "front"}, "sensor 'front' is none of forward, back"),
     ],
 )

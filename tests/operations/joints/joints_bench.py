@@ -4,6 +4,7 @@ from math import nan
 
 from msgspec.structs import replace
 
+from lbr.messages.codes import MEANINGS
 from lbr.messages.joints import Joint, JointsCommand, KeyFrame, TorqueCommand
 from lbr.messages.servos import ServosState, ServoState, StoredState
 from lbr.operations.joints.body import body
@@ -153,6 +154,8 @@ class Bench:
             if isinstance(output, Setpoint):
                 self.setpoint = output.message
                 self.servos.obey(output.message)
+            elif isinstance(output, Result):
+                assert output.message.code in MEANINGS, output
         return outputs
 
     def hear(self):
@@ -197,6 +200,7 @@ class Bench:
 
     def answer(self, event):
         (reply,) = (output.message for output in self.give(event) if isinstance(output, Reply))
+        assert reply.accepted or reply.code in MEANINGS, reply
         return reply
 
     def estop(self, *, engaged=True):

@@ -146,7 +146,9 @@ def test_a_driver_that_does_not_answer_is_told_of(robot, answers):
     assert len(robot.ctx.asked[-1].message.ids) == len(NAMES)
     robot.ctx.asked[-1].given = answers
     robot.run(0.01)
-    assert call.answer == CommandReply(accepted=False, reason="the servo driver did not answer; is it running?")
+    assert call.answer == CommandReply(
+        accepted=False, reason="the servo driver did not answer; is it running?", code="unreachable"
+    )
 
 
 def test_an_unknown_joint_is_not_recovered(robot):

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from lbr.capability.halts import Halts
+from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE
 from lbr.operations.leasing import acceptance, ending, holding
 from lbr.operations.leasing.state import Ask, Ended, EstopChanged, Happened, Holding, Stop, Words, confirmed, first
@@ -43,7 +44,7 @@ class Hand:
         else:
             go = holding.change if wanted == "change" else holding.begin
             self._take(*go(self.holding, ask, what, self.now))
-        return why
+        return why.text if why else ""
 
     def stop(self, source: str = "phone", *, whole: bool = False) -> str:
         event = Stop(source=source, received=self.now, whole=whole)
@@ -65,7 +66,7 @@ class Hand:
     def ends(self) -> list[tuple[str, str, bool]]:
         return [(one.hold.motion, one.how, one.held) for one in self.said if isinstance(one, Ended)]
 
-    def _refusal(self, ask: Ask) -> str:
+    def _refusal(self, ask: Ask) -> Reason | None:
         held = self.holding
         return (
             acceptance.form(held, ask, self.now)
@@ -159,7 +160,7 @@ def test_the_emergency_stop_refuses_all_and_whoever_insisted_has_to_pause(hand):
 
 def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
     hand.ask()
-    hand._take(*ending.lose_time(hand.holding, "the clock went back", hand.now, 5.0))
+    hand._take(*ending.lose_time(hand.holding, Reason("clock", "the clock went back"), hand.now, 5.0))
     hand.now = 5.0
     assert not hand.motion
     hand.wait(0.01)
@@ -171,7 +172,7 @@ def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
     [
         ({"ttl_s": 2.0}, "ttl_s 2 is outside 0 to 1"),
         ({"ttl_s": nan}, "ttl_s nan is outside 0 to 1"),
-        ({"ttl_s": 0.0}, "ttl_s 0 is no life; leave it out or give up to 1"),
+        ({"ttl_s": 0.0}, "ttl_s 0 lets a lease lapse at once: leave it out, or give up to 1"),
         ({"received": nan}, "this command has no date that makes sense"),
         ({"received": 99.0}, "this command came 1.0 s after it was sent; send it again"),
         ({"received": -inf}, "this command came inf s after it was sent; send it again"),

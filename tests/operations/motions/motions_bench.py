@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from lbr.capability.context import Received
+from lbr.messages.codes import Code, Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import (
     CaptureCommand,
@@ -17,9 +18,10 @@ from lbr.messages.joints import (
     PlayCommand,
     with_frame,
 )
-from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
+from lbr.messages.leases import CommandReply, StopCommand, refused
 from lbr.operations.motions import KIND
 from tests.operations.fakes import FakeCall, FakeEstop
+from tests.support.replies import dead
 
 STEP_S = 0.02
 JOINTS = (
@@ -50,6 +52,15 @@ MOTIONS = (
 )
 
 
+HOW: dict[str, Code] = {
+    "reached": "done",
+    "stopped": "stopped",
+    "superseded": "taken_over",
+    "lapsed": "lapsed",
+    "fault": "latched",
+}
+
+
 class FakeJoints:
     """What joints operation does with key frames, without joints."""
 
@@ -57,7 +68,7 @@ class FakeJoints:
         self.refusal = ""
         self.silent = False
         self.lease = self.goal = self.holder = ""
-        self.why_dead = ""
+        self.why_dead, self.code_dead = "", HOW["stopped"]
         self.ends: list[float] = []
         self.renewed = 0.0
         self.frames: list[KeyFrame] = []
@@ -72,13 +83,13 @@ class FakeJoints:
         self.commands.append(message)
         if message.lease:
             if message.lease != self.lease:
-                return CommandReply(accepted=False, reason=f"{DEAD_LEASE}{self.why_dead}")
+                return dead(self.why_dead, self.code_dead)
         elif self.holder and not message.take_over:
-            return CommandReply(accepted=False, reason=f"held by {self.holder}")
+            return refused(Reason("held", f"held by {self.holder}"))
         if None not in (message.asked_s, self.stopped_s) and message.asked_s <= self.stopped_s:
-            return CommandReply(accepted=False, reason="a stop came after this command")
+            return refused(Reason("stopped", "a stop came after this command"))
         if self.refusal:
-            return CommandReply(accepted=False, reason=self.refusal)
+            return refused(Reason("no_torque", self.refusal))
         anew = (message.frames and not message.append) or message.stored
         if not message.lease or anew:
             number = next(self._numbers)
@@ -100,7 +111,9 @@ class FakeJoints:
         return CommandReply(accepted=True, reason="stopped")
 
     def end(self, how, why):
-        self.results.append(GoalResult(goal=self.goal, result=how, reason=why, elapsed_s=1.0))
+        self.code_dead = HOW[how]
+        note = why.partition(", but ")[2]
+        self.results.append(GoalResult(goal=self.goal, result=how, reason=why, code=HOW[how], note=note, elapsed_s=1.0))
         self.lease = self.holder = self.goal = ""
         self.why_dead = why
 
@@ -177,6 +190,7 @@ class World:
             passed=self.body.passed(self.now),
             stopped_s=self.body.stopped_s,
             reason=self.body.why_dead,
+            code=self.body.code_dead,
         )
         return Received(state, None, self.now, "joints")
 
@@ -189,7 +203,7 @@ class World:
     def publish(self, output, message):
         self.published.append((output, message))
 
-    def event(self, kind, text, *, level="info", data=None):
+    def event(self, kind, text, *, level="info", data=None, code="", about=""):
         self.events.append((kind, text))
 
     def keep_frame(self, captured):

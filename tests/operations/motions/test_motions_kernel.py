@@ -7,6 +7,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from lbr.messages.codes import MEANINGS, Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand
 from lbr.operations.leasing.state import Ask, EstopChanged, Reply, Stop
@@ -60,6 +61,10 @@ class Motions(RuleBasedStateMachine):
         self.state, outputs = decide(self.state, event, self.now)
         for output in outputs:
             self.take(event, output)
+            if isinstance(output, Reply | Answer):
+                assert output.message.accepted or output.message.code in MEANINGS
+            elif isinstance(output, Result):
+                assert output.message.code in MEANINGS
         return outputs
 
     def take(self, event, output):
@@ -103,7 +108,7 @@ class Motions(RuleBasedStateMachine):
         take_over=st.booleans(),
         remote=st.booleans(),
         late_s=st.sampled_from([0.0, 0.0, 0.05, 1.0]),
-        trouble=st.sampled_from(["", "", "joints operation is not running"]),
+        trouble=st.sampled_from([None, None, Reason("unreachable", "joints operation is not running")]),
     )
     def play(self, source, motion, times, lease, take_over, remote, late_s, trouble):
         number = next(self.numbers)
@@ -122,7 +127,7 @@ class Motions(RuleBasedStateMachine):
             sender_s=received - 50.0,
         )
         wanted = PROGRAMMES.get((motion, times))
-        reason = "" if known else "there is no such motion"
+        reason = None if known else Reason("unknown_name", "there is no such motion")
         event = Play(ask=ask, programme=wanted, new_goal=f"goal-{number}", reason=reason, trouble=trouble)
         outputs = self.happens(event)
         answered = sum(isinstance(one, Reply) for one in outputs)
@@ -155,7 +160,7 @@ class Motions(RuleBasedStateMachine):
     def joints_were_stopped(self):
         self.die()
         self.stopped = self.now + 0.001
-        self.happens(JointsStopped(at=self.stopped, why="stopped by phone"))
+        self.happens(JointsStopped(at=self.stopped, why=Reason("stopped", "stopped by phone")))
         assert self.state.holding.offers == ()
 
     @rule()
@@ -167,7 +172,7 @@ class Motions(RuleBasedStateMachine):
     @rule()
     def lost(self):
         self.dead |= {self.state.hold.lease} if self.state.hold is not None else set()
-        self.happens(Lost(why="the joints do not answer"))
+        self.happens(Lost(why=Reason("unreachable", "the joints do not answer")))
 
     @rule(how=ENDINGS, ours=st.booleans())
     def joints_ended(self, how, ours):

@@ -12,6 +12,7 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.power import ArmCommand, CancelCommand, UpsState
 from lbr.operations.power import KIND
 from tests.support.machine import Stopwatch
+from tests.support.replies import dead
 
 TICK_S = 0.05
 GOOD = UpsState(valid=True, source="external", external_v=11.5, battery_v=4.1)
@@ -57,7 +58,7 @@ class Body:
         if ctx.now < self.until:
             return CommandReply(accepted=True, lease="lease-1", ttl_s=0.3, goal="goal-1")
         ctx.results.append(GoalResult(goal="goal-1", result="reached", reason="", elapsed_s=self.takes_s))
-        return CommandReply(accepted=False, reason="lease is dead: it is over")
+        return dead("it is over", "done")
 
     def asked(self, *requests):
         return [message for _, request, message in self.log if request in requests]
@@ -95,7 +96,7 @@ class Context:
     def publish(self, output, message):
         self.published.append(message)
 
-    def event(self, kind, text, *, level="info", data=None):
+    def event(self, kind, text, *, level="info", data=None, code="", about=""):
         self.events.append((kind, text, level))
 
     def keep_calibration(self, values):
@@ -150,7 +151,7 @@ class Running:
         said = []
         call = SimpleNamespace(
             name="arm", message=message, source="console",
-            reply=lambda answer: said.append(answer.reason), refuse=lambda why: said.append(f"refused: {why}"),
+            reply=lambda answer: said.append(answer.reason), refuse=lambda why, _code: said.append(f"refused: {why}"),
         )  # fmt: skip
         self.power.command(call)
         return said

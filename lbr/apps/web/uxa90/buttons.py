@@ -30,7 +30,7 @@ class ButtonTable:
             wanted = key.lower()
             found = next((button for button in self.buttons.values() if button.name.lower() == wanted), None)
         if found is None:
-            raise Refused(409, "Motion doesn't exist")
+            raise Refused(409, "Motion doesn't exist", code="unknown_name")
         return found, by_id
 
     def all(self) -> list[MotionData]:

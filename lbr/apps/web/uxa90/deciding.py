@@ -119,7 +119,7 @@ def _item(table: MotorTable, item: Any, at: int, unit: str) -> tuple[Turn, dict[
         raise Refused(400, f'motors[{at}] must be an object such as {{"id": 23, "pos": 100, "torq": 0}}')
     wanted = item.get("id")
     if not _is_number(wanted):
-        raise Refused(409, f"Motor '{_named(wanted)}' doesn't exist")
+        raise Refused(409, f"Motor '{_named(wanted)}' doesn't exist", code="unknown_name")
     motor = table.find(of_json(wanted))
     key = next((key for key in POSITIONS if key in item), "pos")
     value = item.get(key)

@@ -19,15 +19,14 @@ from lbr.apps.web.uxa90.bodies import (
 from lbr.apps.web.uxa90.buttons import ButtonTable
 from lbr.apps.web.uxa90.counts import joint_rad
 from lbr.apps.web.uxa90.table import MotorTable
+from lbr.messages.codes import heard
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion
 
 FIRST_OWN_ID = 100
 LAST_ID = 9999
 REVISION_S = 2.0
-CHANGED = "has changed since"
 BUILT_IN = "is built in"
-KEPT = "is in a slot"
 SLACK_RAD = 1e-3
 
 
@@ -51,30 +50,34 @@ class Editor:
     async def add_motor(self, request: Request, body: NewMotorBody) -> MotorRowAnswer:
         """Make a motor of the layer that is shown."""
         if body.id in self._motors.motors:
-            raise Refused(409, f"Motor '{body.id}' exists already; PUT /motors/{body.id} changes it")
+            raise Refused(409, f"Motor '{body.id}' exists already; PUT /motors/{body.id} changes it", code="exists")
         return await self._write_motor(request, body, body.id, create=True)
 
     async def change_motor(self, request: Request, key: str, body: MotorBody) -> MotorRowAnswer:
         """Change a motor that is not built in."""
         motor = self._motor(key)
         if motor.builtin:
-            raise Refused(403, f"Motor '{motor.id}' {BUILT_IN}: give the web server a layer of your own instead")
+            raise Refused(
+                403, f"Motor '{motor.id}' {BUILT_IN}: give the web server a layer of your own instead", code="read_only"
+            )
         return await self._write_motor(request, body, motor.id, create=False)
 
     async def add_motion(self, request: Request, body: MotionBody) -> MotionRowAnswer:
         """Make a motion of key frames, and the number that it is called by."""
         number = self._free() if body.id is None else body.id
         if number in self._buttons.buttons:
-            raise Refused(409, f"Motion '{number}' exists already; PUT /motions/{number} changes it")
+            raise Refused(409, f"Motion '{number}' exists already; PUT /motions/{number} changes it", code="exists")
         if any(motion.name == body.name for motion in self._robot.motions):
-            raise Refused(409, f"A motion '{body.name}' exists already")
+            raise Refused(409, f"A motion '{body.name}' exists already", code="exists")
         return await self._write_motion(request, body, number, create=True)
 
     async def change_motion(self, request: Request, key: str, body: MotionBody) -> MotionRowAnswer:
         """Change a motion that is not built in; its name stays."""
         button = self._button(key)
         if button.builtin:
-            raise Refused(403, f"Motion '{button.id}' {BUILT_IN}: make one of your own (POST /motions)")
+            raise Refused(
+                403, f"Motion '{button.id}' {BUILT_IN}: make one of your own (POST /motions)", code="read_only"
+            )
         if body.id not in {None, button.id}:
             raise Refused(400, f"the body's id {body.id} is not that of the path, {button.id}")
         if body.name != button.motion:
@@ -126,7 +129,7 @@ class Editor:
         reply = await self._robot.edit(command)
         self._heard = max(self._heard, reply.revision)
         if not reply.accepted:
-            _refuse(reply.reason)
+            _refuse(reply)
         return reply
 
     async def _revision(self) -> int:
@@ -156,7 +159,7 @@ class Editor:
     def _free(self) -> int:
         found = next((n for n in range(FIRST_OWN_ID, LAST_ID + 1) if n not in self._buttons.buttons), None)
         if found is None:
-            raise Refused(409, "all numbers for motions are taken")
+            raise Refused(409, "all numbers for motions are taken", code="limit")
         return found
 
     def _motor_answer(self, motor: Motor, revision: int) -> MotorRowAnswer:
@@ -228,10 +231,9 @@ def _if_match(headers: Mapping[str, str]) -> int | None:
     return int(version)
 
 
-def _refuse(reason: str) -> NoReturn:
-    if CHANGED in reason:
-        raise Refused(412, reason)
-    raise Refused(403 if BUILT_IN in reason or KEPT in reason else 409, reason)
+def _refuse(reply: EditReply) -> NoReturn:
+    status = {"changed": 412, "read_only": 403}.get(reply.code, 409)
+    raise Refused(status, heard(reply.code, reply.reason))
 
 
 def _is_id(text: str) -> bool:

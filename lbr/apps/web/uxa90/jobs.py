@@ -101,7 +101,7 @@ class Jobs:
         """Have what has not begun not begin."""
         job = self._find(name)
         if job.state != "waiting":
-            raise Refused(409, f"Job '{job.id}' is over: {job.state}")
+            raise Refused(409, f"Job '{job.id}' is over: {job.state}", code="done")
         job.state, job.reason, job.left = "cancelled", "cancelled", []
         return _data(job)
 

@@ -14,9 +14,10 @@ from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot, answer_of
 from lbr.apps.web.uxa90.counts import joint_rad, strength
 from lbr.apps.web.uxa90.deciding import Turn
+from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import Joint, JointsCommand
-from lbr.messages.leases import DEAD_LEASE, CommandReply, StopCommand
+from lbr.messages.leases import CommandReply, StopCommand, refused
 
 RENEW_S = 0.1
 TTL_S = 0.5
@@ -25,9 +26,6 @@ MOST_TRIES = 20
 """Where several clients move motors a little, each lease is over as soon as it is there."""
 MOST_RENEWALS = 4
 MOST_ENDED = 64
-ARRIVED = ("reached in", "over after")
-"""How joints operation says that a lease is over because all have arrived."""
-NO_REASON = "it was refused without a reason"
 PLANNED = ("reached", "superseded")
 
 
@@ -119,7 +117,7 @@ class Mover:
     def drop(self, why: str) -> None:
         """Begin nothing of what waits to be sent."""
         while self._wishes:
-            self._wishes.popleft().promise.refuse(Refused(409, why))
+            self._wishes.popleft().promise.refuse(Refused(409, why, code="cancelled"))
 
     def _go(self) -> None:
         """Send what waits: by the lease, or the first of it to get one."""
@@ -152,25 +150,24 @@ class Mover:
         try:
             reply = answer_of("move", done.result())
         except Refused as err:
-            reply = CommandReply(accepted=False, reason=err.message)
+            reply = refused(Reason(err.code, err.message))
         if reply.accepted:
             self._accepted(hold, reply)
             wish.promise.keep(None)
         else:
-            self._refused(wish, hold, reply.reason)
+            self._refused(wish, hold, reply)
         self._go()
 
-    def _refused(self, wish: _Wish, hold: _Hold | None, reason: str) -> None:
+    def _refused(self, wish: _Wish, hold: _Hold | None, reply: CommandReply) -> None:
         """Ask anew, if the motors arrived just then; whatever else ended the lease ends what was asked by it."""
-        why = reason.removeprefix(DEAD_LEASE)
-        dead = hold is not None and why != reason
+        dead = hold is not None and reply.code == "dead_lease"
         if dead and self._hold is hold:
             self._hold = None
-        if dead and why.startswith(ARRIVED) and wish.releases == self._releases and wish.tries < MOST_TRIES:
+        if dead and reply.cause == "done" and wish.releases == self._releases and wish.tries < MOST_TRIES:
             wish.tries += 1
             self._wishes.appendleft(wish)
         else:
-            wish.promise.refuse(Refused(409, why or NO_REASON))
+            wish.promise.refuse(Refused(409, reply.why))
 
     def _accepted(self, hold: _Hold | None, reply: CommandReply) -> None:
         now = self._robot.now()

@@ -6,6 +6,7 @@ from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot
 from lbr.capability.loan import Lender, Loan
+from lbr.messages.codes import Reason, heard
 from lbr.messages.joints import PlayCommand
 
 LENDER = Lender("play", "stop_motion", "motions", "'motions' does not answer any more")
@@ -22,7 +23,7 @@ class Player:
         self._command = PlayCommand(motion="none")
         self._loan: Loan | None = None
         self._until: float | None = None
-        self._why = ""
+        self._why: Reason | None = None
 
     def busy(self, now: float) -> str:
         """Return what is being played, by whomever, and for how long; empty if nothing is."""
@@ -37,12 +38,12 @@ class Player:
     async def play(self, motion: str) -> None:
         """Play a motion; return once it was accepted, else raise Refused with the reason."""
         if why := self.busy(self._robot.now()):
-            raise Refused(409, why)
+            raise Refused(409, why, code="busy")
         self._command, self._until = PlayCommand(motion=motion), None
         loan = self._loan = Loan(self._robot.ctx, LENDER, self._command)
         await until(lambda: loan.granted is not None or self._loan is not loan)
         if loan.granted is None:
-            raise Refused(409, self._why or "it has ended")
+            raise Refused(409, self._why or "it has ended", code=None if self._why else "done")
 
     def step(self, now: float) -> None:
         """Read the answers, renew, and see the end."""
@@ -55,7 +56,7 @@ class Player:
         goal = loan.granted.goal if loan.granted is not None else None
         ended = next((result for result in self._robot.played if result.goal == goal), None)
         if ended is not None:
-            self._end("" if ended.result == "reached" else ended.reason or ended.result)
+            self._end(None if ended.result == "reached" else heard(ended.code, ended.reason or ended.result))
         elif loan.ended:
             self._end(loan.ended)
         elif loan.due:
@@ -65,12 +66,12 @@ class Player:
         """End what is played here."""
         if self._loan is not None:
             self._loan.release(why)
-            self._end(why)
+            self._end(Reason("stopped", why))
 
-    def _end(self, why: str) -> None:
+    def _end(self, why: Reason | None) -> None:
         loan, self._loan, self._why = self._loan, None, why
         if why and loan is not None and loan.granted is not None:
-            self._lost(why)
+            self._lost(why.text)
 
     def _takes_s(self) -> float:
         row = next((motion for motion in self._robot.motions if motion.name == self._command.motion), None)

@@ -43,6 +43,7 @@ def _motor_routes(handlers: Handlers) -> Sequence[Route]:
         "replies": {200: MotorAnswer},
         "refuses": REFUSED,
         "lenient": True,
+        "bare": True,
     }
     several: dict[str, Any] = {
         "handle": handlers.several,
@@ -54,6 +55,7 @@ def _motor_routes(handlers: Handlers) -> Sequence[Route]:
         "replies": {200: MultiAnswer},
         "refuses": REFUSED,
         "lenient": True,
+        "bare": True,
         "role": "operate",
     }
     return (
@@ -81,6 +83,7 @@ def _motion_routes(handlers: Handlers) -> Sequence[Route]:
         "replies": {200: PlayedAnswer},
         "within_s": MOVE_S,
         "refuses": REFUSED,
+        "bare": True,
         "role": "operate",
     }
     return (

@@ -35,7 +35,7 @@ class MotorTable:
         """Return a motor by the number that was asked for, whatever that is."""
         motor = self.motors.get(int(number)) if abs(number) < LARGEST and number == int(number) else None
         if motor is None:
-            raise Refused(409, f"Motor '{written(number)}' doesn't exist")
+            raise Refused(409, f"Motor '{written(number)}' doesn't exist", code="unknown_name")
         return motor
 
     def data(self, motor: Motor, position: Number | None = None, unit: str = "") -> MotorData:
@@ -79,7 +79,9 @@ class MotorTable:
         """Return the joint that a motor turns."""
         joint = self.joints.get(motor.id)
         if joint is None:
-            raise Refused(409, f"Motor '{motor.id}' turns no joint: no row of `joint` has device_id {motor.id}")
+            raise Refused(
+                409, f"Motor '{motor.id}' turns no joint: no row of `joint` has device_id {motor.id}", code="wiring"
+            )
         return joint
 
     def target(self, motor: Motor, position: Number) -> int:
@@ -89,5 +91,9 @@ class MotorTable:
         if lowest <= count <= highest:
             return count
         if not LOWEST <= count <= HIGHEST:
-            raise Refused(409, f"Motor '{motor.id}': {count} is no position of a servo ({LOWEST} to {HIGHEST})")
-        raise Refused(409, f"Motor '{motor.id}': {count} is beyond what {joint.name} may do ({lowest} to {highest})")
+            raise Refused(
+                409, f"Motor '{motor.id}': {count} is no position of a servo ({LOWEST} to {HIGHEST})", code="limit"
+            )
+        raise Refused(
+            409, f"Motor '{motor.id}': {count} is beyond what {joint.name} may do ({lowest} to {highest})", code="limit"
+        )

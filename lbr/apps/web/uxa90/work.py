@@ -28,7 +28,6 @@ from lbr.messages.uxa90 import TakeControlCommand
 TAKE_CONTROL_S = 3.0
 STOOD_STILL_S = 1.0
 """What is due after so long without a round would surprise everybody."""
-NO_REASON = "it was refused without a reason"
 
 
 class Work:
@@ -151,7 +150,7 @@ class Work:
         """Have the main board taken over; what motors do goes on."""
         reply = await self._robot.ask("take_control", TakeControlCommand(), timeout_s=TAKE_CONTROL_S)
         if not reply.accepted:
-            raise Refused(409, reply.reason or NO_REASON)
+            raise Refused(409, reply.why)
 
     def _joint(self, turn: Turn) -> Joint:
         return self.motors.joint(turn.motor)
@@ -162,17 +161,17 @@ class Work:
 
     def _refuse_busy(self) -> None:
         if why := self._player.busy(self._robot.now()):
-            raise Refused(409, why)
+            raise Refused(409, why, code="busy")
 
     def _refuse_given_up(self, before: tuple[int, str]) -> None:
         """Refuse to go on with what was asked for before everything was given up."""
         if self._given_up != before:
-            raise Refused(409, self._given_up[1])
+            raise Refused(409, self._given_up[1], code="stopped")
 
     def _refuse_stopped(self) -> None:
         joints = self._robot.snapshot.joints_state
         if joints is not None and joints.estop:
-            raise Refused(409, f"{joints.reason or 'emergency stop'}; 'reset' releases it")
+            raise Refused(409, f"{joints.reason or 'emergency stop'}; 'reset' releases it", code="estop")
 
     def _watch_stops(self) -> None:
         """Whoever stops the joints stops what waits, too."""
