@@ -386,10 +386,12 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The simulated surroundings; runs only under a simulating launch profile');
 
 -- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
--- lets in whoever has a token (`lbr token add NAME`).
+-- lets in whoever has a token (`lbr token add NAME`); the same with 'web' serves the robot over HTTP, to this machine.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('lbr', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
-     'The door to other machines: whoever has a token comes in');
+     'The door to other machines: whoever has a token comes in'),
+    ('lbr', 'web', 'web', 0, '{}',
+     'The robot over HTTP: its state, stop and emergency stop; on this machine only, unless the settings say otherwise');
 
 INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
@@ -411,7 +413,12 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'dance.halt', 'drive.stop', 1),
     ('lbr', 'dance.sound', 'speech.play', 1),
     ('lbr', 'dance.hush', 'speech.hush', 1),
-    ('lbr', 'speech.state', 'dance.speech', 1);
+    ('lbr', 'speech.state', 'dance.speech', 1),
+    ('lbr', 'drive.state', 'web.drive', 1),
+    ('lbr', 'ranges.readings', 'web.ranges', 1),
+    ('lbr', 'battery.state', 'web.battery', 1),
+    ('lbr', 'web.halt', 'drive.stop', 1),
+    ('lbr', 'web.estop_reset', 'executive.estop_reset', 1);
 
 -- What needs no more than a few messages a second gets no more.
 INSERT INTO channel (robot, source, target, rate_hz) VALUES
@@ -572,7 +579,9 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
 -- Off: nothing on the robot can be reached from other machines, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
-     'The door to other machines: whoever has a token comes in');
+     'The door to other machines: whoever has a token comes in'),
+    ('bioloid', 'web', 'web', 0, '{}',
+     'The robot over HTTP: its state, stop and emergency stop; on this machine only, unless the settings say otherwise');
 
 INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'joints.setpoint', 'servos.setpoint', 1),
@@ -587,7 +596,12 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'power.park', 'motions.play', 1),
     ('bioloid', 'power.halt', 'motions.stop', 1),
     ('bioloid', 'motions.result', 'power.parked', 4),
-    ('bioloid', 'power.let_go', 'joints.torque', 1);
+    ('bioloid', 'power.let_go', 'joints.torque', 1),
+    ('bioloid', 'joints.state', 'web.joints', 1),
+    ('bioloid', 'motions.state', 'web.motions', 1),
+    ('bioloid', 'web.halt', 'joints.stop', 1),
+    ('bioloid', 'web.stop_motion', 'motions.stop', 1),
+    ('bioloid', 'web.estop_reset', 'executive.estop_reset', 1);
 
 -- Ids as on the robot's drawing. Signs and zeros follow published descriptions of the Type A; limits are what the
 -- motions below use and 15 steps more. Confirm all of them on your robot, by hand and without torque.

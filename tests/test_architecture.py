@@ -66,6 +66,7 @@ OWNERS = {
     "linuxpy": {"drivers"},
     "picamera2": {"drivers"},
     "pyttsx3": {"apps"},
+    "packaging": {"apps"},
     "starlette": {"apps"},
     "uvicorn": {"apps"},
     "websockets": {"apps"},

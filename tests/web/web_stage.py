@@ -43,6 +43,7 @@ class Stage:
         self.events: list[tuple[str, str, str]] = []
         self.published: dict[str, Any] = {}
         self.engaged: list[str] = []
+        self.warned: list[str] = []
         self.inputs: dict[str, Received] = {}
         self.wired = set(REQUESTS)
         self.answer: Callable[[str, Any], Any] = lambda _request, _message: CommandReply(accepted=True)
@@ -71,6 +72,9 @@ class Stage:
         self, kind: str, text: str, *, level: str = "info", data: Any = None, code: str = "", about: str = ""
     ) -> None:
         self.events.append((kind, text, level))
+
+    def warn(self, reason: str) -> None:
+        self.warned.append(reason)
 
     def publish(self, output: str, message: Any) -> None:
         self.published[output] = message
@@ -146,7 +150,8 @@ def serving(
     if rows is not None:
         stage.joints, stage.motions, stage.motors, stage.buttons = rows.joints, rows.motions, rows.motors, rows.buttons
     web = Web(stage)  # type: ignore[arg-type]
-    web._faces += faces
+    for face in faces:
+        web._faces.add(face)
     ended = threading.Event()
     opened = threading.Event()
     troubles: list[BaseException] = []

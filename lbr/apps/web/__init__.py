@@ -32,7 +32,9 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
     host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50000
-    faces: tuple[Literal["uxa90"], ...] = ()
+    faces: Annotated[
+        tuple[Name, ...], Meta(description="what is shown besides states and stops, by the names of entry points")
+    ] = ()
     layer: Annotated[Name, Meta(description="which layer of the table `motor` is shown")] = "api"
     legacy: Annotated[
         Literal["off", "simulated", "on"],

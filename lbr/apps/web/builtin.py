@@ -14,7 +14,6 @@ from lbr.apps.web.bridge import until
 from lbr.apps.web.face import (
     HTML,
     SVG,
-    Face,
     Message,
     Refused,
     Request,
@@ -24,6 +23,7 @@ from lbr.apps.web.face import (
     json,
     text,
 )
+from lbr.apps.web.faces import Faces
 from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.states import State, States
@@ -54,7 +54,7 @@ class EstopAnswer(Struct, frozen=True, kw_only=True):
 class BuiltinRoutes:
     """The server's own routes."""
 
-    def __init__(self, robot: Robot, states: States, place: Place, faces: Sequence[Face]) -> None:
+    def __init__(self, robot: Robot, states: States, place: Place, faces: Faces) -> None:
         self._robot = robot
         self._states = states
         self._place = place
@@ -124,8 +124,7 @@ class BuiltinRoutes:
     async def _stop(self, request: Request) -> Response:
         """Stop whatever is wired, and say so; what moves by itself stands once it says so, whoever moved it."""
         why = f"stopped by {request.client}"
-        for face in self._faces:
-            face.stopped(why)
+        self._faces.stopped(why)
         stop = StopCommand(reason=why[:200], whole=True)
         asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
         if not asked:
@@ -146,8 +145,7 @@ class BuiltinRoutes:
         given = request.data.reason if request.data is not None else ""
         why = f"{given} ({request.client})" if given else f"by {request.client}"
         self._robot.ctx.engage_estop(why)
-        for face in self._faces:
-            face.stopped(f"emergency stop: {why}")
+        self._faces.stopped(f"emergency stop: {why}")
         end = self._robot.now() + NOTICED_S
         await until(lambda: self._robot.snapshot.is_latched or self._robot.now() >= end)
         noticed = self._robot.snapshot.is_latched

@@ -1,11 +1,9 @@
 """The server as a process: listens, carries questions between HTTP and the bus, keeps the newest states."""
 
-import importlib
 import socket
 import sys
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable
 from importlib.metadata import version
-from typing import Any
 
 from starlette.types import ASGIApp
 
@@ -18,7 +16,7 @@ from lbr.apps.web.announce import Announcer
 from lbr.apps.web.application import Gate, application
 from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.builtin import STOPS, BuiltinRoutes
-from lbr.apps.web.face import Face
+from lbr.apps.web.faces import Faces
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot, Snapshot
@@ -49,7 +47,8 @@ class Web(Capability[WebSettings]):
         sys.setswitchinterval(SWITCH_S)
         self._bridge = Bridge(ctx.wake, self._failed)
         self._robot = Robot(ctx, self._bridge)
-        self._faces = [_face(name, self._robot) for name in ctx.settings.faces]
+        self._faces = Faces(ctx.settings.faces, self._robot, f"{ctx.robot}/{ctx.name}")
+        self._told = ""
         self._counts = Counts()
         self._serving: Serving | None = None
         self._streams: Streams | None = None
@@ -59,7 +58,7 @@ class Web(Capability[WebSettings]):
 
     def open(self) -> None:
         """Listen and serve."""
-        settings = self.ctx.settings
+        settings, self._told = self.ctx.settings, ""
         try:
             sockets = listening.listen(settings.host, settings.port)
         except InputError as err:
@@ -85,8 +84,11 @@ class Web(Capability[WebSettings]):
         if self.ctx.on_tick:
             self._look(now)
         self._bridge.serve()
-        for face in self._faces:
-            face.step(now)
+        self._faces.step(now)
+        if (trouble := self._faces.trouble) != self._told:
+            self._told = trouble
+            self.ctx.event("face_refused", trouble, level="error")
+            self.ctx.warn(trouble)
         while self._counts.news:
             kind, text, level = self._counts.news.popleft()
             self.ctx.event(kind, text, level=level)
@@ -107,15 +109,14 @@ class Web(Capability[WebSettings]):
 
     def degraded(self, reason: str) -> None:
         """Say that nobody is served."""
-        self.ctx.publish("state", WebState(listening=False, faces=self.ctx.settings.faces, reason=reason))
+        self.ctx.publish("state", WebState(listening=False, faces=self._faces.names, reason=reason))
 
     def close(self) -> None:
         """Serve nobody any more; what was asked for by now is refused."""
         self._bridge.close(ENDS)
         if self._streams is not None:
             self._streams.close(ENDS)
-        for face in self._faces:
-            face.stopped(ENDS)
+        self._faces.stopped(ENDS)
         if self._serving is not None:
             self._serving.stop()
             self._serving = None
@@ -126,7 +127,8 @@ class Web(Capability[WebSettings]):
         gate = Gate(Access(settings.trusted, self.ctx.users, legacy=self._legacy), pages)
         self._streams = Streams(self._robot, states, gate)
         builtin = BuiltinRoutes(self._robot, states, self._place, self._faces)
-        routes = [*builtin.routes(), *(route for face in self._faces for route in face.routes())]
+        routes = builtin.routes()
+        routes += self._faces.open(routes)
         builtin.describe(routes, version("lbr"))
         return application(
             routes,
@@ -160,7 +162,7 @@ class Web(Capability[WebSettings]):
         self._robot.snapshot = Snapshot(
             at=now,
             **{name: self.ctx.latest(name) for name in HEARD},
-            faces={face.name: dict(face.state()) for face in self._faces},
+            faces=self._faces.states(),
         )
         if self._place.open and now >= self._look_at:
             self._look_at = now + LOOK_S
@@ -172,19 +174,18 @@ class Web(Capability[WebSettings]):
             WebState(
                 listening=True,
                 urls=self._place.urls,
-                faces=self.ctx.settings.faces,
+                faces=self._faces.names,
                 announced=self._announcer.said if self._announcer is not None else "",
                 clients=self._serving.connections if self._serving is not None else 0,
                 requests=self._counts.requests,
                 refused=self._counts.refused,
-                jobs=sum(face.jobs for face in self._faces),
-                reason=self._announcer.trouble if self._announcer is not None else "",
+                jobs=self._faces.jobs,
+                reason=self._faces.trouble or (self._announcer.trouble if self._announcer is not None else ""),
             ),
         )
 
     def _stop(self, why: str) -> None:
-        for face in self._faces:
-            face.stopped(why)
+        self._faces.stopped(why)
         for request in STOPS:
             self.ctx.ask(request, StopCommand(reason=why[:200], whole=True), 1.0)
 
@@ -209,10 +210,3 @@ class Web(Capability[WebSettings]):
         if trusted:
             text = f"whoever is in {', '.join(trusted)} may move the robot without a token"
             self.ctx.event("exposed", text, level="warning")
-
-
-def _face(name: str, robot: Robot) -> Face:
-    """Return a face out of its package; ImportError names what is missing."""
-    made: Mapping[str, Any] = vars(importlib.import_module(f"lbr.apps.web.{name}"))
-    face: Face = made["face"](robot)
-    return face
