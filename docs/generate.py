@@ -15,9 +15,8 @@ import click
 import msgspec
 from msgspec import Struct, inspect
 
-from lbr import simulation
 from lbr.bus import keys
-from lbr.capability import registry
+from lbr.capability import registry, twins
 from lbr.capability.kind import Kind
 from lbr.console.fields import Message
 from lbr.console.verbs import Vocabulary
@@ -345,7 +344,10 @@ def settings_page(known: list[Kind]) -> str:
         "its twin is built, and what is wrong with it; the command `fault` of the simulated world changes the faults "
         "while it runs. Any device can be unplugged.\n"
     )
-    for device, row in simulation.KIND.device_settings.items():
+    for device in twins.names():
+        found = twins.find(device)
+        assert found is not None
+        row = found.row
         parts.append(f"### Type `{device}`\n\n{_doc(row)}\n\n{struct_table(row)}")
         parts += [f"#### `{one.__name__}`\n\n{_doc_with_bases(one)}\n\n{struct_table(one)}" for one in nested(row)]
     parts.append(f"## Launch profiles\n\nA TOML file. {_doc(Profile)}\n\n{struct_table(Profile)}")

@@ -7,7 +7,7 @@ from typing import Any, get_args
 import msgspec
 from msgspec import Struct
 
-from lbr.capability.kind import Emulation, Family, Kind, Table
+from lbr.capability.kind import Emulation, Family, Kind, Line, Table
 from lbr.capability.program import ProgramSettings
 from lbr.messages.system import Role
 
@@ -36,13 +36,15 @@ def _words(kind: Kind) -> Iterator[str]:
     for field in ("summary", "device", "calibrates", "extra", "package"):
         if not isinstance(getattr(kind, field), str):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
-    for field in ("moves", "serves"):
+    for field in ("moves", "serves", "emulates"):
         if not isinstance(getattr(kind, field), bool):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be True or False"
     if kind.family not in FAMILIES and not _is_struct(kind.settings, ProgramSettings):
         yield f"'family' is {_shown(kind.family)}, and must be one of {', '.join(FAMILIES)}"
     if kind.emulated not in get_args(Emulation):
         yield f"'emulated' is {_shown(kind.emulated)}, and must be one of {', '.join(get_args(Emulation))}"
+    if kind.line not in get_args(Line):
+        yield f"'line' is {_shown(kind.line)}, and must be one of {', '.join(map(repr, get_args(Line)))}"
     if not isinstance(kind.rows, tuple) or any(table not in get_args(Table) for table in kind.rows):
         yield f"'rows' is {_shown(kind.rows)}, and must be a tuple of {', '.join(get_args(Table))}"
 

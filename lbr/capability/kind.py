@@ -16,6 +16,7 @@ from lbr.messages.system import Role
 STOP = "stop"
 Family = Literal["driver", "operation", "app", "simulation", "program"]
 Emulation = Literal["tty", "socket", "folder"]
+Line = Literal["", "serial", "polled"]
 Table = Literal["phrase", "choreography", "joint", "motion", "motor", "button", "user_token"]
 
 
@@ -39,7 +40,10 @@ class Kind:
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
     `serves` marks a way by which people move and stop the robot: it ranks with what moves.
     `device` is the type of the device row that the setting `device` must name; empty if it owns none.
-    `device_settings` is what rows of a type of device may set for it.
+    `device_settings` is what rows of a type of device may set for it; a world that `emulates` every device that has a
+    twin (see `lbr.capability.twins`) gets theirs.
+    `line` says that its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is
+    asked many times a second, so that what an adapter holds back matters.
     `emulated` is what stands in for its device in a simulation: a tty, a socket (`unix:PATH`) or a folder.
     `calibrates` is the setting that names the device row whose calibration it gets, and may write back.
     `rows` are the tables whose rows it gets.
@@ -63,7 +67,9 @@ class Kind:
     serves: bool = False
     device: str = ""
     device_settings: Mapping[str, type[Struct]] = field(default_factory=dict)
+    emulates: bool = False
     emulated: Emulation = "tty"
+    line: Line = ""
     calibrates: str = ""
     rows: tuple[Table, ...] = ()
     extra: str = ""

@@ -8,9 +8,12 @@ import os
 import re
 import shutil
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
+from lbr.capability import registry
 from lbr.capability.context import Device
+from lbr.capability.kind import KindError
 from lbr.commands.finding import Finding, Level
 from lbr.database.rows import DeviceRow
 from lbr.drivers import access
@@ -21,12 +24,10 @@ from lbr.errors import DeviceError
 Judgement = tuple[Level, str, str]
 """How it stands, in words, and what to type."""
 
+NOWHERE = Path("/nowhere")
+"""There are no capability files: what installed kinds drive is enough to know a line."""
 USB_SERIAL = Path("/sys/bus/usb-serial/devices")
 TUNED_MS = "1"
-ASKED_AND_ANSWERED = frozenset({"uxa90", "dynamixel"})
-"""Types of devices that are asked many times a second, and answer in a few bytes each time."""
-SERIAL = ASKED_AND_ANSWERED | {"roboteq", "ultrasonic_ring", "riox"}
-"""Types of devices on serial lines, whose address may be `usb:VID:PID` or `by-id:GLOB`."""
 NUMBERED = re.compile(r"/dev/(ttyACM|ttyUSB|video)\d+")
 BY_NAME = {"ttyACM": "/dev/serial/by-id", "ttyUSB": "/dev/serial/by-id", "video": "/dev/v4l/by-id"}
 """Where a device has a name that stays, by what its number stands after."""
@@ -57,7 +58,7 @@ def numbered(row: DeviceRow) -> Iterator[Finding]:
 
 def latency(row: DeviceRow) -> Iterator[Finding]:
     """Look how long a USB adapter holds answers back, where a device is asked many times a second."""
-    if row.type not in ASKED_AND_ANSWERED:
+    if _line(row.type) != "polled":
         return
     try:
         timer = USB_SERIAL / Path(_resolved(row)).resolve().name / "latency_timer"
@@ -96,12 +97,23 @@ def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:
 
 
 def _serial(row: DeviceRow, _rest: str) -> Judgement:
-    if row.type not in SERIAL:
+    if not _line(row.type):
         return "good", f"looked for at its start: {row.address}", ""
     try:
         return _at(Path(_resolved(row)), "ls /dev/serial/by-id")
     except DeviceError as err:
         return "hint", str(err), "ls -l /dev/serial/by-id"
+
+
+@cache
+def _line(device_type: str) -> str:
+    """Return which line a type of device is on, as the kinds say that drive it; one that is broken says nothing."""
+    for name in registry.names(NOWHERE):
+        with contextlib.suppress(KindError):
+            kind = registry.find(name, NOWHERE)
+            if kind.device == device_type:
+                return kind.line
+    return ""
 
 
 def _resolved(row: DeviceRow) -> str:

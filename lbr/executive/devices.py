@@ -4,26 +4,45 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from msgspec import Struct
+
+from lbr.capability import twins
 from lbr.capability.kind import Kind
 from lbr.capability.settings import faults
+from lbr.capability.twins import TwinError
 from lbr.database.rows import CapabilityRow, DeviceRow, Problem, RobotRows
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 
 
-def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind]) -> list[Problem]:
-    """Return what is wrong with what device rows set, for every kind that reads it."""
+def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulated: bool) -> list[Problem]:
+    """Return what is wrong with what device rows set, for every kind that reads it, and with their twins if `simulated`."""
     devices = [(device, f"{rows.robot.name}/{device.name}") for device in rows.devices]
     devices += [
         (one.row, one.label) for one in rows.faulty if one.table == "device" and not one.columns & {"type", "settings"}
     ]
-    return [
-        Problem("device", label, "settings", f"{fault} (for kind '{kind.name}')")
-        for device, label in devices
-        for kind in {id(kind): kind for kind in kinds.values()}.values()
-        if (of_type := kind.device_settings.get(device.type)) is not None
-        for fault in faults(of_type, device.settings)
-    ]
+    problems = []
+    for device, label in devices:
+        for kind in {id(kind): kind for kind in kinds.values()}.values():
+            of_type, wrong = _settable(kind, device.type)
+            if of_type is not None:
+                said = [f"{fault} (for kind '{kind.name}')" for fault in faults(of_type, device.settings)]
+                problems += [Problem("device", label, "settings", one) for one in said]
+            elif wrong and simulated:
+                problems.append(Problem("device", label, "type", wrong))
+    return problems
+
+
+def _settable(kind: Kind, device_type: str) -> tuple[type[Struct] | None, str]:
+    """Return what a device row of a type may set for a kind, or why that is not known."""
+    of_type = kind.device_settings.get(device_type)
+    if of_type is not None or not kind.emulates:
+        return of_type, ""
+    try:
+        twin = twins.find(device_type)
+    except TwinError as err:
+        return None, str(err)
+    return (twin.row, "") if twin is not None else (None, "")
 
 
 def check_devices(
@@ -53,9 +72,10 @@ def check_devices(
 
 
 def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: Site, robot: str) -> str:
-    """Return where a device is in this run: its emulated twin's place, the profile's word, or the row's."""
-    if not profile.simulate:
+    """Return where a device is in this run: its emulated twin's place if it has a twin, the profile's word, or the row's."""
+    driver = next((kind for kind in kinds if kind.device == device.type), None)
+    emulated = driver.emulated if driver is not None else "tty"
+    if not profile.simulate or not (emulated == "folder" or device.type in twins.names()):
         return profile.devices.get(device.name, device.address)
     place = str(Path(site.home) / "run" / f"{robot}-devices" / device.name)
-    emulated = next((kind.emulated for kind in kinds if kind.device == device.type), "tty")
     return f"unix:{place}" if emulated == "socket" else place

@@ -85,7 +85,7 @@ def make(
     problems += check_verbs(rows, kinds, settings)
     chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
     problems += check_devices(rows, chosen, kinds, settings)
-    problems += check_device_settings(rows, kinds)
+    problems += check_device_settings(rows, kinds, simulated=profile.simulate)
     problems += _check_profile(rows, profile)
     problems += placement.problems(rows, kinds, profile)
     problems += machine.problems(rows.robot.name, chosen, kinds, profile, on)

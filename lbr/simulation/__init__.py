@@ -11,7 +11,6 @@ from lbr.simulation.requests import (
     RemoveRequest,
     ThingsReply,
 )
-from lbr.simulation.rows import DEVICE_ROWS
 from lbr.simulation.settings import WorldSettings
 
 KIND = Kind(
@@ -25,6 +24,6 @@ KIND = Kind(
     outputs={"pose": WorldPose, "scene": WorldScene},
     commands={"picture": PictureRequest, "fault": FaultRequest, "place": PlaceRequest, "remove": RemoveRequest},
     roles={"picture": "admin", "fault": "admin", "place": "admin", "remove": "admin"},
-    device_settings=DEVICE_ROWS,
+    emulates=True,
     replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},
 )

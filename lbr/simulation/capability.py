@@ -67,7 +67,7 @@ class World(Capability[WorldSettings]):
         physics = self._physics = WheeledPhysics(engine, plugged.twins, cameras)
         self._loop = WorldLoop(physics, plugged.twins, self.ctx.clock)
         self._loop.open()
-        plugged.warn_of_missing()
+        plugged.tell_of_missing()
 
     def step(self) -> None:
         """Publish what is due; raise what ended the world's thread."""

@@ -7,7 +7,7 @@ import struct
 from collections.abc import Mapping
 from random import Random
 
-from lbr.simulation.faults import InfraredFaults
+from lbr.simulation.devices.infrared import InfraredFaults
 from lbr.simulation.measured import Beam
 from lbr.simulation.wire import noise
 

@@ -12,7 +12,7 @@ from random import Random
 from lbr.messages.units import Vector
 from lbr.simulation.ak8975 import ADDRESS as COMPASS_ADDRESS
 from lbr.simulation.ak8975 import SENSITIVITY, Ak8975
-from lbr.simulation.faults import Mpu9150Faults
+from lbr.simulation.devices.mpu9150 import Mpu9150Faults
 from lbr.simulation.i2c import I2cDevice, RegisterDevice
 from lbr.simulation.measured import ImuReading
 

@@ -9,7 +9,7 @@ import json
 import struct
 from math import degrees, inf
 
-from lbr.simulation.faults import PhidgetSpatialFaults
+from lbr.simulation.devices.phidget_spatial import PhidgetSpatialFaults
 from lbr.simulation.measured import AT_REST, ImuReading
 
 RECORD = struct.Struct("<10d")

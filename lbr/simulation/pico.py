@@ -6,7 +6,7 @@ keeps its state without power, all else begins anew; its registers can be read i
 
 from collections.abc import Mapping
 
-from lbr.simulation.faults import PicoFaults
+from lbr.simulation.devices.pico import PicoFaults
 from lbr.simulation.i2c import I2cDevice, RegisterDevice
 
 ADDRESS = 0x69

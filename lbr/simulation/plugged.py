@@ -3,11 +3,13 @@
 import json
 from collections.abc import Iterable
 
-from lbr.capability.context import Call, Context
+from lbr.capability import twins
+from lbr.capability.context import Call, Context, Device
+from lbr.capability.twins import TwinError
 from lbr.errors import InputError
 from lbr.simulation.cameras.orders import Drawing
 from lbr.simulation.requests import FaultReply, FaultRequest
-from lbr.simulation.twins import TWINS, WITHOUT_TWIN, Surroundings, Twin
+from lbr.simulation.twins import Surroundings, Twin, make
 
 _LOCAL = ("/", "unix:/")
 
@@ -23,22 +25,41 @@ def tell_of_drawing(ctx: Context, said: Iterable[Drawing]) -> None:  # type: ign
 
 
 class Plugged:
-    """The twins by name; those of devices elsewhere, and of types without one, are not there."""
+    """The twins by name; those of devices elsewhere, of types without one and of broken packages are not there."""
 
     def __init__(self, ctx: Context, around: Surroundings) -> None:  # type: ignore[type-arg]  # any world's
         self._ctx = ctx
-        here = [device for device in ctx.devices if device.address.startswith(_LOCAL)]
-        self._by_name = {device.name: TWINS[device.type](device, around) for device in here if device.type in TWINS}
+        self._by_name: dict[str, Twin] = {}
+        self._refused: list[str] = list(twins.refused())
+        for device in ctx.devices:
+            if device.type in twins.names() and device.address.startswith(_LOCAL):
+                self._plug(device, around)
         self.twins: tuple[Twin, ...] = tuple(self._by_name.values())
 
-    def warn_of_missing(self) -> None:
-        """Say which devices have no twin."""
-        wanted = (device for device in self._ctx.devices if device.type not in WITHOUT_TWIN)
-        devices = (device for device in wanted if device.name not in self._by_name)
-        without = [f"{device.name} ({device.type} at {device.address or 'no address'})" for device in devices]
-        if without:
-            allowed = f"devices of type {', '.join(TWINS)} whose address is a path"
-            self._ctx.warn(f"no emulated twin for {', '.join(without)}; there are twins for {allowed}")
+    def _plug(self, device: Device, around: Surroundings) -> None:
+        try:
+            self._by_name[device.name] = make(device, around)
+        except InputError:
+            raise
+        except Exception as err:  # noqa: BLE001  a twin of somebody else's package must not take the world with it
+            why = str(err) if isinstance(err, TwinError) else f"{type(err).__name__}: {err}"
+            self._refused.append(f"device '{device.name}' ({device.type}) is not emulated: {why}")
+
+    def tell_of_missing(self) -> None:
+        """Say which devices have no twin, and which twins were refused."""
+        for said in self._refused:
+            self._ctx.warn(said)
+            self._ctx.event("twin_refused", said, level="warning")
+        others = [device for device in self._ctx.devices if device.name not in self._by_name]
+        stand_ins = f"/{self._ctx.robot}-devices/"
+        alone = (one for one in others if one.type not in twins.names() and stand_ins not in one.address)
+        own = [_placed(device) for device in alone]
+        if own:
+            self._ctx.event("no_twin", f"without a twin, and so used at their own address: {', '.join(own)}")
+        away = [_placed(one) for one in others if one.type in twins.names() and not one.address.startswith(_LOCAL)]
+        if away:
+            text = f"no emulated twin for {', '.join(away)}: there are twins for addresses that are paths"
+            self._ctx.warn(text)
 
     def fault(self, call: Call, request: FaultRequest) -> None:
         """Set a fault of a device, and answer."""
@@ -58,3 +79,7 @@ class Plugged:
         said = f"{request.device}: {request.name} is now {now}"
         self._ctx.event("fault_injected", said, level="warning", code="done", about=call.source)
         call.reply(FaultReply(accepted=True, reason=said, faults=faults))
+
+
+def _placed(device: Device) -> str:
+    return f"{device.name} ({device.type} at {device.address or 'no address'})"

@@ -10,9 +10,8 @@ from math import degrees
 
 from lbr.simulation.ahrs import Orientation, angles_deg
 from lbr.simulation.ascii_device import AsciiDevice
-from lbr.simulation.faults import RioxFaults
+from lbr.simulation.devices.riox import RioxFaults, RioxRow
 from lbr.simulation.measured import ImuReading
-from lbr.simulation.rows import RioxRow
 
 G_MPS2 = 9.80665
 

@@ -9,7 +9,7 @@ while the emergency stop is latched, motor commands are answered `+` and remembe
 from collections.abc import Callable, Sequence
 
 from lbr.simulation.ascii_device import AsciiDevice
-from lbr.simulation.faults import RoboteqFaults
+from lbr.simulation.devices.roboteq import RoboteqFaults
 from lbr.simulation.measured import Measured
 from lbr.simulation.power_stage import DEFAULT_WATCHDOG_MS, FULL, PowerStage
 

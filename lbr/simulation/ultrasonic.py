@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from random import Random
 
-from lbr.simulation.faults import Side, UltrasonicFaults
-from lbr.simulation.rows import Board
+from lbr.simulation.devices.ultrasonic_ring import Board, Side, UltrasonicFaults
 from lbr.simulation.wire import Outbox, noise
 
 ORDER: tuple[Side, ...] = ("forward", "left", "right", "back")

@@ -6,7 +6,7 @@ from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine
 from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.model import TIMESTEP_S
-from lbr.simulation.twins import RoboteqTwin, Twin
+from lbr.simulation.twins import Twin, WheelDrive
 
 
 class WheeledPhysics:
@@ -17,7 +17,7 @@ class WheeledPhysics:
     def __init__(self, engine: Engine, twins: Sequence[Twin], cameras: CameraHost) -> None:
         self.pose, self.ranges_m = engine.pose(), engine.ranges_m
         self._engine = engine
-        self._motors = next((twin for twin in twins if isinstance(twin, RoboteqTwin)), None)
+        self._motors = next((twin for twin in twins if isinstance(twin, WheelDrive)), None)
         self._cameras = cameras
 
     def advance(self, now: float, dt_s: float) -> None:

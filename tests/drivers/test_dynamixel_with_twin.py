@@ -16,8 +16,8 @@ from lbr.drivers.dynamixel.setup import Setup
 from lbr.drivers.servos.poller import Poller
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint
+from lbr.simulation.devices.dynamixel import DynamixelFaults
 from lbr.simulation.dynamixel import AxServo, DynamixelBus, Usb2Ax
-from lbr.simulation.faults import DynamixelFaults
 from lbr.simulation.twins import Surroundings
 from lbr.simulation.twins.dynamixel import DynamixelTwin
 from tests.drivers.peers import FakeContext, until

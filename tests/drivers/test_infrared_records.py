@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from lbr.drivers.infrared import KIND, InfraredSettings, decoders
 from lbr.drivers.infrared.heard import Heard
 from lbr.drivers.infrared.records import RecordParser, Scancode, read_event, read_scancode
-from lbr.simulation.rows import BeamCodes
+from lbr.simulation.devices.infrared import BeamCodes
 
 SONY = 0x400021
 MSC_SCAN = (4, 4)

@@ -1,8 +1,11 @@
 """Rows to a plan: what is wrong is said at once, and an edit touches only what it touches."""
 
+from importlib.metadata import EntryPoint
+
 import pytest
 from msgspec.structs import replace
 
+from lbr.capability import twins
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
 from lbr.executive import plan as plans
@@ -40,6 +43,10 @@ def edited(rows, table, name, **fields):
     return replace(rows, **{table: changed})
 
 
+def with_device(rows, device):
+    return replace(rows, devices=(*rows.devices, device))
+
+
 def test_the_shipped_robot_starts_world_drivers_then_drive(rows):
     order = list(planned(rows).units)
     assert order.index("world") < order.index("motors") < order.index("drive")
@@ -55,6 +62,27 @@ def test_the_real_robot_has_no_world_and_its_own_addresses(rows):
 def test_a_profile_may_name_another_address_for_a_device(rows):
     profile = Profile(robot="lbr", devices={"motor_controller": "/dev/ttyACM1"})
     assert planned(rows, profile).units["motors"].config.devices[0].address == "/dev/ttyACM1"
+
+
+def test_in_simulation_a_device_without_a_twin_keeps_its_own_address_and_the_others_get_their_twins_place(rows):
+    arm = DeviceRow(name="arm", type="servo_bus", address="/dev/serial/by-id/usb-arm")
+    places = {one.name: one.address for one in planned(with_device(rows, arm)).units["world"].config.devices}
+    assert places["arm"] == "/dev/serial/by-id/usb-arm"
+    assert places["motor_controller"] == "/nowhere/run/lbr-devices/motor_controller"
+    assert places["speaker"] == "/nowhere/run/lbr-devices/speaker"
+
+
+def test_a_twin_that_does_not_load_refuses_the_simulated_robot_that_has_it_and_no_other(rows, monkeypatch):
+    monkeypatch.setattr(
+        twins, "_brought", lambda: {"servo_bus": (EntryPoint("servo_bus", "no_arm:TWIN", twins.GROUP),)}
+    )
+    new = with_device(rows, DeviceRow(name="arm", type="servo_bus", address="/dev/arm"))
+    (said,) = problems(new)
+    assert "lbr/arm" in said
+    assert "the twin of 'servo_bus' from 'no_arm:TWIN'" in said
+    assert "ModuleNotFoundError" in said
+    planned(new, REAL)
+    planned(rows)
 
 
 def test_a_setpoint_travels_sealed_on_its_targets_key(rows):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from lbr.bus import wire
-from lbr.simulation.faults import UltrasonicFaults
+from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.port import PtyPort
 from lbr.simulation.roboteq import RoboteqDevice
 from lbr.simulation.ultrasonic import UltrasonicBoard

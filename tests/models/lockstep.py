@@ -19,8 +19,8 @@ from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, Event, MotorsSeen, RangesSeen, Setpoint, Tick
 from lbr.operations.leasing.state import Reply
+from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.engine import Engine
-from lbr.simulation.faults import UltrasonicFaults
 from lbr.simulation.model import TIMESTEP_S
 from lbr.simulation.settings import WorldSettings
 from lbr.simulation.ultrasonic import UltrasonicBoard

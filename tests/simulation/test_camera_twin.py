@@ -17,8 +17,8 @@ from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.cameras.orders import Drawing
 from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
+from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.engine import Engine
-from lbr.simulation.faults import CameraFaults
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import PlaceRequest, RemoveRequest
 from lbr.simulation.settings import WorldSettings

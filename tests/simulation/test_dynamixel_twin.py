@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
+from lbr.simulation.bus_timing import Rhythm
+from lbr.simulation.devices.dynamixel import DynamixelFaults
 from lbr.simulation.dynamixel import AxServo, BusTiming, DynamixelBus, Usb2Ax
 from lbr.simulation.dynamixel.packets import Code, Fault, status
 from lbr.simulation.dynamixel.servo import OVERLOAD_S
-from lbr.simulation.dynamixel.timing import Rhythm
-from lbr.simulation.faults import DynamixelFaults, changed
+from lbr.simulation.faults import changed
 from lbr.simulation.measured import ServoFelt
-from lbr.simulation.twins import TWINS, ServoBus, Surroundings
+from lbr.simulation.twins import ServoBus, Surroundings, make
 
 STEP = radians(300 / 1023)
 NO_DELAY = BusTiming(ping_us=0, read_us=0, write_us=0, write_byte_us=0, interrupt_us=0, usb_us=0)
@@ -526,7 +527,7 @@ def test_no_packet_ever_raises_nor_moves_a_limp_servo(packets):
 @pytest.fixture
 def twin(tmp_path):
     device = Device(name="servo_bus", type="dynamixel", address=str(tmp_path / "bus"), settings={"usb2ax": None})
-    twin = TWINS["dynamixel"](device, Surroundings(seed=1, now=0.0))
+    twin = make(device, Surroundings(seed=1, now=0.0))
     twin.service(100.0)
     yield twin
     twin.close()

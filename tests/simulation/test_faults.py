@@ -3,7 +3,9 @@
 import pytest
 
 from lbr.errors import InputError
-from lbr.simulation.faults import RoboteqFaults, UltrasonicFaults, changed
+from lbr.simulation.devices.roboteq import RoboteqFaults
+from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
+from lbr.simulation.faults import changed
 
 
 @pytest.mark.parametrize(

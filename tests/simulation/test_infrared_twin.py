@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
-from lbr.simulation.faults import InfraredFaults
+from lbr.simulation.devices.infrared import InfraredFaults
 from lbr.simulation.infrared import InfraredReceiver
 from lbr.simulation.measured import Sensed
 from lbr.simulation.twins.infrared import InfraredTwin

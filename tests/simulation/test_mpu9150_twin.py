@@ -10,7 +10,7 @@ import pytest
 
 from lbr.capability.context import Device
 from lbr.errors import DeviceError, InputError
-from lbr.simulation.faults import Mpu9150Faults
+from lbr.simulation.devices.mpu9150 import Mpu9150Faults
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.mpu9150 import Mpu9150

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
+from lbr.simulation.devices.pico import PicoFaults
 from lbr.simulation.dynamixel import AxServo, DynamixelBus
-from lbr.simulation.faults import PicoFaults, changed
+from lbr.simulation.faults import changed
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import Sensed
 from lbr.simulation.pico import ADDRESS, Pico

@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.simulation.ahrs import angles_deg, facing, from_angles
-from lbr.simulation.faults import RioxFaults
+from lbr.simulation.devices.riox import RioxFaults, RioxRow
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.riox import RioxDevice
-from lbr.simulation.rows import RioxRow
 from lbr.simulation.twins.riox import RioxTwin
 from tests.simulation.world_bench import AROUND
 

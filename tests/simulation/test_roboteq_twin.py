@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.simulation.faults import RoboteqFaults
+from lbr.simulation.devices.roboteq import RoboteqFaults
 from lbr.simulation.measured import Measured
 from lbr.simulation.roboteq import REBOOT_S, RoboteqDevice
 from lbr.simulation.wire import BYTE_S

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.simulation.faults import UltrasonicFaults
+from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.ultrasonic import UltrasonicBoard
 
 FACED = {"forward": 1.234, "left": 0.5, "right": 2.0, "back": None}

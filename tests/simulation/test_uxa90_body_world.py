@@ -11,7 +11,7 @@ from PIL import Image
 from lbr.capability.context import Device
 from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
-from lbr.simulation.faults import CameraFaults
+from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.humanoid.settings import Ball
 from lbr.simulation.physics import unpacked

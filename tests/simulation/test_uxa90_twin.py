@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
+from lbr.simulation.devices.uxa90 import Uxa90Row
 from lbr.simulation.faults import changed
 from lbr.simulation.measured import ImuReading, Sensed, ServoFelt
-from lbr.simulation.rows import Uxa90Row
-from lbr.simulation.twins import TWINS, ServoBus, Surroundings
+from lbr.simulation.twins import ServoBus, Surroundings, make
 from lbr.simulation.uxa90 import packets
 from lbr.simulation.uxa90.board import MainBoard
 from lbr.simulation.uxa90.firmware import Frame, Programme, shipped
@@ -343,7 +343,7 @@ def test_every_shipped_motion_plays_to_its_end_and_every_button_of_the_phone_has
 def test_a_row_s_motion_replaces_the_main_board_s():
     nod = {"frames": [{"figure": "nod", "times": 2}], "figures": {"nod": [{"duration_s": 0.5, "counts": {"24": 140}}]}}
     device = Device("main_board", "uxa90", "/nowhere/main_board", {"programmes": {"4": nod}})
-    board = TWINS["uxa90"](device, Surroundings(seed=1, now=0.0)).board
+    board = make(device, Surroundings(seed=1, now=0.0)).board
     assert board.press(4, 1.0)
     board.poll(1.5)
     assert board.servos[24].counts == 140
@@ -471,16 +471,16 @@ def test_a_pause_within_a_packet_ends_it():
 
 def test_a_row_that_makes_no_sense_is_refused():
     with pytest.raises(InputError, match=r"device 'main_board' .*aborts"):
-        TWINS["uxa90"](Device("main_board", "uxa90", "/nowhere", {"aborts": 3}), Surroundings(seed=1, now=0.0))
+        make(Device("main_board", "uxa90", "/nowhere", {"aborts": 3}), Surroundings(seed=1, now=0.0))
     programmes = {"4": {"frames": [{"figure": "jump"}]}}
     device = Device("main_board", "uxa90", "/nowhere", {"programmes": programmes})
     with pytest.raises(InputError, match="figure 'jump', which is not one of its figures"):
-        TWINS["uxa90"](device, Surroundings(seed=1, now=0.0))
+        make(device, Surroundings(seed=1, now=0.0))
 
 
 def test_speaks_on_a_tty_and_traces_every_byte(tmp_path):
     device = Device("main_board", "uxa90", str(tmp_path / "main_board"), {"trace": True, "settle_ms": 0.0})
-    twin = TWINS["uxa90"](device, Surroundings(seed=1, now=0.0))
+    twin = make(device, Surroundings(seed=1, now=0.0))
     assert isinstance(twin, ServoBus)
     twin.service(monotonic())
     twin.sense(Sensed(battery_v=18.5))

@@ -3,16 +3,17 @@
 import json
 import sys
 import time
+from pathlib import Path
 
 import msgspec
 import pytest
 import serial
 
+from lbr.capability import twins
 from lbr.capability.context import Device
 from lbr.simulation import KIND
 from lbr.simulation.capability import World
 from lbr.simulation.requests import FaultRequest, PictureRequest
-from lbr.simulation.twins import TWINS
 from tests.simulation.world_bench import Bench, Client
 from tests.support import programs
 from tests.support.machine import Stopwatch
@@ -187,23 +188,49 @@ def test_a_device_without_a_twin_is_named(tmp_path):
     bench.ctx.devices = (*bench.ctx.devices, Device("arm", "servo_bus", str(tmp_path / "arm"), {}))
     bench.world.open()
     bench.world.close()
-    assert "no emulated twin for arm (servo_bus" in bench.ctx.warnings[0]
+    assert bench.ctx.warnings == []
+    assert ("no_twin", f"without a twin, and so used at their own address: arm (servo_bus at {tmp_path / 'arm'})") in [
+        event[:2] for event in bench.ctx.events
+    ]
+
+
+def test_a_device_that_has_a_twin_but_is_elsewhere_is_named(tmp_path):
+    bench = Bench(tmp_path)
+    bench.ctx.devices = (*bench.ctx.devices, Device("arm", "dynamixel", "usb:1a86:55d3", {}))
+    bench.world.open()
+    bench.world.close()
+    assert "no emulated twin for arm (dynamixel at usb:1a86:55d3)" in bench.ctx.warnings[0]
+
+
+def test_a_twin_that_breaks_is_refused_in_words_and_the_others_are_there(tmp_path, monkeypatch):
+    bench = Bench(tmp_path)
+
+    def broken(*_):
+        raise ZeroDivisionError("no axle")
+
+    monkeypatch.setattr("lbr.simulation.twins.riox.RioxTwin.__init__", broken)
+    bench.ctx.devices = (*bench.ctx.devices, Device("ahrs", "riox", str(tmp_path / "ahrs"), {}))
+    bench.world.open()
+    here = [Path(device.address).exists() for device in bench.ctx.devices if device.name != "ahrs"]
+    bench.world.close()
+    assert all(here)
+    assert "device 'ahrs' (riox) is not emulated: ZeroDivisionError: no axle" in bench.ctx.warnings
 
 
 def test_every_type_of_device_can_be_unplugged_and_one_without_a_twin_needs_none(tmp_path):
     bench = Bench(tmp_path)
     bench.ctx.devices = (
-        *(Device(kind, kind, str(tmp_path / kind), {}) for kind in TWINS),
+        *(Device(kind, kind, str(tmp_path / kind), {}) for kind in twins.names()),
         Device("speaker", "speaker", str(tmp_path / "speaker"), {}),
     )
     bench.world.open()
-    paths = [tmp_path / kind for kind in TWINS]
+    paths = [tmp_path / kind for kind in twins.names()]
     try:
         assert all(path.exists() for path in paths)
-        for kind in TWINS:
+        for kind in twins.names():
             bench.fault(kind, "unplug")
         assert bench.until(lambda: not any(path.is_symlink() or path.exists() for path in paths))
-        for kind in TWINS:
+        for kind in twins.names():
             bench.fault(kind, "replug")
         assert bench.until(lambda: all(path.exists() for path in paths))
     finally:

@@ -45,4 +45,5 @@ KIND = Kind(
     settings=RioxSettings,
     outputs={"sample": ImuSample},
     device="riox",
+    line="serial",
 )

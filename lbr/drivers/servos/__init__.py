@@ -89,5 +89,6 @@ def servos_kind(
         roles=roles,
         moves=True,
         device=device or name,
+        line="polled",
         rows=("joint",),
     )

@@ -38,4 +38,5 @@ KIND = Kind(
     settings=UltrasonicSettings,
     outputs={"readings": Ranges},
     device="ultrasonic_ring",
+    line="serial",
 )

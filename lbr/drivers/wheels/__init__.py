@@ -57,4 +57,5 @@ def wheels_kind(name: str, summary: str, entry: str | type, settings: type[Wheel
         replies={"enable": CommandReply},
         moves=True,
         device=device or name,
+        line="serial",
     )

@@ -14,7 +14,7 @@ from lbr.simulation.cameras.orders import LONGEST_BYTES, Begin, Drawing, Order, 
 from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.cameras.viewer import Viewer
-from lbr.simulation.faults import CameraFaults
+from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.physics import unpacked
 
 _NICENESS = 15

@@ -14,7 +14,7 @@ import msgspec
 from lbr.capability.tether import tethered
 from lbr.simulation.cameras.orders import LONGEST_BYTES, Begin, Drawing, Order, SetFaults, Watch
 from lbr.simulation.cameras.view import SharedView
-from lbr.simulation.faults import CameraFaults
+from lbr.simulation.devices.camera import CameraFaults
 
 _AGAIN_S = 2.0
 _AGAIN_AFTER_FAILURE_S = 30.0

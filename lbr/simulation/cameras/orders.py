@@ -2,7 +2,7 @@
 
 from msgspec import Struct
 
-from lbr.simulation.faults import CameraFaults
+from lbr.simulation.devices.camera import CameraFaults
 
 LONGEST_BYTES = 200_000
 

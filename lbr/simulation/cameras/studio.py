@@ -10,7 +10,7 @@ import numpy as np
 from lbr.errors import LbrError
 from lbr.simulation.cameras.renderers import GlRenderer, Image, RayRenderer, Renderer
 from lbr.simulation.cameras.view import SharedView, show
-from lbr.simulation.faults import CameraFaults
+from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.physics import mujoco
 
 _QUALITY = 75

@@ -8,11 +8,11 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from random import Random
 
+from lbr.simulation.bus_timing import BusTiming
+from lbr.simulation.devices.dynamixel import DynamixelFaults
 from lbr.simulation.dynamixel.dongle import NUMBER, STRAY, Usb2Ax
 from lbr.simulation.dynamixel.packets import BROADCAST, Instruction, InstructionReader
 from lbr.simulation.dynamixel.servo import AxServo
-from lbr.simulation.dynamixel.timing import BusTiming
-from lbr.simulation.faults import DynamixelFaults
 from lbr.simulation.wire import flip_one_bit, noise
 
 LATE_S = 0.012

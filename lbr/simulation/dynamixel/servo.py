@@ -8,10 +8,10 @@ mode) it does not turn; switched on, it goes to whatever its goal register holds
 
 from collections.abc import Callable, Mapping
 
+from lbr.simulation.bus_timing import STEADY, Rhythm
 from lbr.simulation.dynamixel import registers as reg
 from lbr.simulation.dynamixel.motion import MIDDLE, NO_LOAD_RPS, SPEED_RPS, STEP_RAD, as_position, as_signed
 from lbr.simulation.dynamixel.packets import BROADCAST, RECEIVE_BYTES, Code, Fault, Instruction, status
-from lbr.simulation.dynamixel.timing import STEADY, Rhythm
 from lbr.simulation.measured import ServoDrive, ServoFelt
 from lbr.simulation.turning import moved
 

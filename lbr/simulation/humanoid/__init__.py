@@ -13,7 +13,6 @@ from lbr.simulation.requests import (
     PictureReply,
     PictureRequest,
 )
-from lbr.simulation.rows import DEVICE_ROWS
 
 KIND = Kind(
     name="humanoid_world",
@@ -26,7 +25,7 @@ KIND = Kind(
     outputs={"pose": HumanoidPose},
     commands={"picture": PictureRequest, "fault": FaultRequest, "pick_up": PickUpRequest, "ball": BallRequest},
     roles={"picture": "admin", "fault": "admin"},
-    device_settings=DEVICE_ROWS,
+    emulates=True,
     replies={"picture": PictureReply, "fault": FaultReply, "pick_up": PickUpReply, "ball": BallReply},
     rows=("joint",),
 )

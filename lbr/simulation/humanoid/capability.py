@@ -55,7 +55,7 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         self._physics = HumanoidPhysics(engine, self._plugged.twins, cameras)
         self._loop = WorldLoop(self._physics, self._plugged.twins, self.ctx.clock)
         self._loop.open()
-        self._plugged.warn_of_missing()
+        self._plugged.tell_of_missing()
 
     def step(self) -> None:
         """Publish what is due; raise what ended the world's thread."""

@@ -1,6 +1,6 @@
-"""What all emulated devices on ports have in common."""
+"""What all emulated devices on ports have in common; a package of your own builds its twins with this, too."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 from zlib import crc32
@@ -8,6 +8,7 @@ from zlib import crc32
 import msgspec
 from msgspec import Struct
 
+from lbr.capability import twins
 from lbr.capability.context import Device
 from lbr.errors import InputError
 from lbr.simulation.cameras.host import CameraHost
@@ -101,15 +102,20 @@ class ServoBus(Protocol):
 
 
 @runtime_checkable
+class WheelDrive(Protocol):
+    """A twin that turns the wheels of a robot."""
+
+    def wheels(self, now: float) -> tuple[float, float]:
+        """Return the power of the left and the right wheel, forward positive."""
+
+
+@runtime_checkable
 class PowerSwitch(Protocol):
     """A twin that gives the servos their power, or not."""
 
     @property
     def motors_on(self) -> bool:
         """Say whether they have power."""
-
-
-Factory = Callable[[Device, Surroundings], Twin]
 
 
 class PortTwin(Generic[P, F]):
@@ -143,6 +149,15 @@ def plug(port: Port, *, present: bool) -> bool:
     else:
         port.unplug()
     return present
+
+
+def make(device: Device, around: Surroundings) -> Twin:
+    """Return the twin of a device row; raise InputError for its row, and TwinError for the package that brings it."""
+    found = twins.find(device.type)
+    if found is None:
+        raise InputError(f"device '{device.name}': there is no twin for type '{device.type}'")
+    twin: Twin = found.load()(device, around)
+    return twin
 
 
 def row(device: Device, kind: type[S]) -> S:

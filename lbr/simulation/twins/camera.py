@@ -4,9 +4,9 @@ from typing import Any
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
-from lbr.simulation.faults import CameraFaults, FaultValue
+from lbr.simulation.devices.camera import CameraFaults, CameraRow
+from lbr.simulation.faults import FaultValue
 from lbr.simulation.measured import Sensed
-from lbr.simulation.rows import CameraRow
 from lbr.simulation.socket_port import SocketPort
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 

@@ -4,13 +4,12 @@ from collections.abc import Mapping
 from random import Random
 
 from lbr.capability.context import Device
+from lbr.simulation.bus_timing import rhythm
+from lbr.simulation.devices.dynamixel import DynamixelFaults, DynamixelRow
 from lbr.simulation.dynamixel import AxServo, DynamixelBus, Usb2Ax
 from lbr.simulation.dynamixel.bus import Heard
-from lbr.simulation.dynamixel.timing import rhythm
-from lbr.simulation.faults import DynamixelFaults
 from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
 from lbr.simulation.port import PtyPort
-from lbr.simulation.rows import DynamixelRow
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 LEAST_SUPPLY_V = 5.0

@@ -1,11 +1,10 @@
 """The emulated infrared receiver on its port."""
 
 from lbr.capability.context import Device
-from lbr.simulation.faults import InfraredFaults
+from lbr.simulation.devices.infrared import InfraredFaults, InfraredRow
 from lbr.simulation.infrared import InfraredReceiver
 from lbr.simulation.measured import Sensed
 from lbr.simulation.port import PtyPort
-from lbr.simulation.rows import InfraredRow
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 

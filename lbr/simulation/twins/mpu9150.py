@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 
 from lbr.capability.context import Device
-from lbr.simulation.faults import Mpu9150Faults
+from lbr.simulation.devices.mpu9150 import Mpu9150Faults, Mpu9150Row
 from lbr.simulation.i2c import I2cDevice
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.mpu9150 import Mpu9150
-from lbr.simulation.rows import Mpu9150Row
 from lbr.simulation.twins.base import Surroundings, row
 from lbr.simulation.twins.i2c import I2cTwin
 

@@ -1,10 +1,9 @@
 """The emulated PhidgetSpatial at its socket."""
 
 from lbr.capability.context import Device
-from lbr.simulation.faults import PhidgetSpatialFaults
+from lbr.simulation.devices.phidget_spatial import PhidgetSpatialFaults, PhidgetSpatialRow
 from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.phidget_spatial import PhidgetSpatial
-from lbr.simulation.rows import PhidgetSpatialRow
 from lbr.simulation.socket_port import SocketPort
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 

@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 
 from lbr.capability.context import Device
-from lbr.simulation.faults import PicoFaults
+from lbr.simulation.devices.pico import PicoFaults, PicoRow
 from lbr.simulation.i2c import I2cDevice
 from lbr.simulation.measured import Sensed
 from lbr.simulation.pico import Pico
-from lbr.simulation.rows import PicoRow
 from lbr.simulation.twins.base import Surroundings, row
 from lbr.simulation.twins.i2c import I2cTwin
 

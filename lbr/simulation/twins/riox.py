@@ -1,11 +1,10 @@
 """The emulated RIOX on its port."""
 
 from lbr.capability.context import Device
-from lbr.simulation.faults import RioxFaults
+from lbr.simulation.devices.riox import RioxFaults, RioxRow
 from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.riox import RioxDevice
-from lbr.simulation.rows import RioxRow
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 

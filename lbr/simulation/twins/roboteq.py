@@ -3,11 +3,10 @@
 from typing import TypeVar
 
 from lbr.capability.context import Device
-from lbr.simulation.faults import RoboteqFaults
+from lbr.simulation.devices.roboteq import RoboteqFaults, RoboteqRow
 from lbr.simulation.measured import Measured, Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.roboteq import RoboteqDevice
-from lbr.simulation.rows import RoboteqRow
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 Pair = tuple[float, float]

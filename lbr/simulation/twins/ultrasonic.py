@@ -1,10 +1,9 @@
 """The emulated ring of ultrasonic sensors on its port."""
 
 from lbr.capability.context import Device
-from lbr.simulation.faults import UltrasonicFaults
+from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults, UltrasonicRow
 from lbr.simulation.measured import Sensed
 from lbr.simulation.port import PtyPort
-from lbr.simulation.rows import UltrasonicRow
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 from lbr.simulation.ultrasonic import UltrasonicBoard
 

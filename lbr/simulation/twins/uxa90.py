@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 
 from lbr.capability.context import Device
-from lbr.simulation.faults import Uxa90Faults
+from lbr.simulation.devices.uxa90 import Uxa90Faults, Uxa90Row
 from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
 from lbr.simulation.port import PtyPort
-from lbr.simulation.rows import Uxa90Row
 from lbr.simulation.trace import TraceFile
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 from lbr.simulation.uxa90.board import MainBoard

@@ -7,9 +7,8 @@ on, except while a motion plays. What a packet does to a servo is computed when 
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
-from lbr.simulation.faults import Uxa90Faults
+from lbr.simulation.devices.uxa90 import Uxa90Faults, Uxa90Row
 from lbr.simulation.measured import ImuReading, ServoDrive, ServoFelt
-from lbr.simulation.rows import Uxa90Row
 from lbr.simulation.uxa90.firmware import Player, Programme, shipped
 from lbr.simulation.uxa90.packets import Frame, Packet, Reader, framed
 from lbr.simulation.uxa90.replies import Replies

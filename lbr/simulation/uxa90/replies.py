@@ -3,7 +3,7 @@
 from collections import deque
 from random import Random
 
-from lbr.simulation.faults import Uxa90Faults
+from lbr.simulation.devices.uxa90 import Uxa90Faults
 from lbr.simulation.wire import flip_one_bit, noise
 
 BABBLE_S = 0.004

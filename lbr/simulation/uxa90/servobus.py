@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from lbr.simulation.rows import Uxa90Row
+from lbr.simulation.devices.uxa90 import Uxa90Row
 from lbr.simulation.uxa90.packets import EXTENDED, Packet
 from lbr.simulation.uxa90.registers import BAUD_115200, SAVING
 from lbr.simulation.uxa90.replies import Replies
