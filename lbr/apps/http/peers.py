@@ -9,7 +9,7 @@ import struct
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from lbr.apps.http import names
+from lbr.apps.http import listening, names
 
 TABLES = (Path("/proc/self/net/tcp"), Path("/proc/self/net/tcp6"))
 ESTABLISHED, NOBODY = "01", 65534
@@ -52,6 +52,18 @@ def is_owners(client: tuple[str, int], server: tuple[str, int], tables: Iterable
     """Say whether a program of this process's own user holds the other end of a connection; reads files."""
     uid = os.geteuid()
     return uid != NOBODY and uid_of(client, server, tables) == uid
+
+
+def whose(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> str | None:
+    """Return whose program is at the other end: a user of this machine's, or empty for another machine's; reads files.
+
+    None where it is of this machine and the kernel does not say whose.
+    """
+    ip = names.plain(client[0])
+    if ip is None or not listening.is_here(str(ip) if "%" not in client[0] else client[0]):
+        return None if ip is None else ""
+    uid = uid_of(client, server, tables)
+    return None if uid in {None, NOBODY} else f"user {uid}"
 
 
 def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> int | None:
