@@ -13,28 +13,48 @@ from lbr.apps.http import listening, names
 
 TABLES = (Path("/proc/self/net/tcp"), Path("/proc/self/net/tcp6"))
 ESTABLISHED, NOBODY = "01", 65534
-_RELAYS = (
-    "forwarded",
-    "via",
-    "client-ip",
-    "true-client-ip",
-    "remote-addr",
-    "x-real-ip",
-    "x-client-ip",
-    "x-remote-addr",
+_PASSED_ON = frozenset(
+    [
+        "forward",
+        "forwarded",
+        "forwards",
+        "proxy",
+        "proxied",
+        "via",
+        "ip",
+        "clientip",
+        "remote",
+        "original",
+        "originating",
+        "rewrite",
+        "gateway",
+    ]
 )
-_RELAYS_OF = (
-    "x-forwarded",
-    "x-original-",
-    "x-cluster-",
-    "x-envoy-",
-    "x-proxy",
-    "cf-",
-    "fastly-",
-    "fly-",
-    "ngrok-",
-    "tailscale-",
+_PASSED_ON_BY = frozenset(
+    [
+        "appengine",
+        "amzn",
+        "arr",
+        "azure",
+        "cdn",
+        "cf",
+        "client",
+        "cloudfront",
+        "cluster",
+        "envoy",
+        "fastly",
+        "fly",
+        "fwd",
+        "ngrok",
+        "sucuri",
+        "tailscale",
+        "traefik",
+        "vercel",
+    ]
 )
+_PASSED_ON_WHOLE = frozenset({"x-host", "x-proto", "x-scheme", "x-http-host-override"})
+"""What the headers of proxies and tunnels are called, by the words of their names. Neither browsers nor programs that ask for
+themselves send such: what is not here is a proxy that leaves no trace."""
 
 
 def is_relayed(headers: Mapping[str, str], port: int) -> bool:
@@ -42,10 +62,16 @@ def is_relayed(headers: Mapping[str, str], port: int) -> bool:
 
     Whoever passes on what others ask and leaves no trace of it is taken for the one who asks.
     """
-    if any(name in _RELAYS or name.startswith(_RELAYS_OF) for name in headers):
+    if any(_tells_of_a_relay(name) for name in headers):
         return True
     asked = names.parsed(headers.get("host", ""))
     return asked is not None and asked[1] not in {None, port}
+
+
+def _tells_of_a_relay(header: str) -> bool:
+    name = header.lower().replace("_", "-")
+    words = name.removeprefix("x-").split("-")
+    return name in _PASSED_ON_WHOLE or words[0] in _PASSED_ON_BY or not _PASSED_ON.isdisjoint(words)
 
 
 def is_owners(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> bool:
