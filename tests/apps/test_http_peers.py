@@ -55,6 +55,18 @@ def test_a_connection_of_our_own_is_its_owners_until_it_is_closed(family, host):
         assert not peers.is_owners(*ends)
 
 
+def test_another_machine_is_nobodys_here_and_what_the_kernel_does_not_know_is_nothing(tmp_path):
+    rows = table(tmp_path / "tcp", ("0100007F:9C40", "0100007F:C350", "01", OTHER, 77))
+    assert peers.whose(*ENDS, [rows]) == f"user {OTHER}"
+    assert peers.whose(("127.0.0.1", 40001), ENDS[1], [rows]) is None
+    assert peers.whose(("::ffff:127.0.0.1", 40000), ENDS[1], [rows]) == f"user {OTHER}"
+    assert peers.whose(("192.0.2.7", 40000), ENDS[1], [rows]) == ""
+    assert peers.whose(("2001:db8::7", 40000), ENDS[1], [rows]) == ""
+    assert peers.whose(("", 40000), ENDS[1], [rows]) is None
+    unmapped = table(tmp_path / "other", ("0100007F:9C40", "0100007F:C350", "01", peers.NOBODY, 77))
+    assert peers.whose(*ENDS, [unmapped]) is None
+
+
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can be somebody else")
 def test_another_users_connection_is_not_the_owners():
     with socket.create_server(("127.0.0.1", 0)) as server:

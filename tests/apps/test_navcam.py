@@ -430,3 +430,28 @@ def test_what_others_hold_open_denies_nobody(page, sent):
             with suppress(ConnectionError):
                 held.sendall(sent)
         assert page.get("/cameras")[0] == 200
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can be somebody else")
+def test_a_cookie_is_good_for_the_user_alone_whose_browser_was_given_it(page):
+    cookie = cookie_of(page)
+    os.seteuid(1234)
+    try:
+        other = page.connect()
+        other.connect()
+    finally:
+        os.seteuid(0)
+    try:
+        for method, path in (
+            ("GET", "/cameras"),
+            ("GET", "/stream.mjpg"),
+            ("DELETE", "/session"),
+            ("DELETE", "/sessions"),
+        ):
+            other.request(method, path, headers={"Cookie": cookie})
+            with other.getresponse() as response:
+                assert response.status == (204 if path == "/session" else 401)  # it ends nothing that is not his own
+                response.read()
+    finally:
+        other.close()
+    assert page.get("/cameras", token="", Cookie=cookie)[0] == 200

@@ -3,6 +3,7 @@ import pytest
 from lbr.apps.navcam.sessions import LIFE_S, MOST, Sessions
 
 KEY = "k" * 43
+ME, OTHER, ELSEWHERE = "user 1000", "user 1001", ""
 
 
 class Clock:
@@ -10,6 +11,14 @@ class Clock:
 
     def __call__(self) -> float:
         return self.now
+
+
+def knows(sessions: Sessions, cookie: str, whose: str = ME) -> bool:
+    return sessions.knows(sessions.mark(cookie, whose))
+
+
+def end(sessions: Sessions, cookie: str, whose: str = ME) -> None:
+    sessions.end(sessions.mark(cookie, whose))
 
 
 @pytest.fixture
@@ -24,34 +33,34 @@ def path(tmp_path):
 
 def test_a_session_goes_on_until_it_is_ended_also_over_a_restart(path, clock):
     sessions = Sessions(path, KEY, clock)
-    first, second = sessions.begin(), sessions.begin()
-    assert sessions.knows(first)
-    assert Sessions(path, KEY, clock).knows(second)
-    sessions.end(first)
+    first, second = sessions.begin(ME), sessions.begin(ME)
+    assert knows(sessions, first)
+    assert knows(Sessions(path, KEY, clock), second)
+    end(sessions, first)
     for known in (sessions, Sessions(path, KEY, clock)):
-        assert not known.knows(first)
-        assert known.knows(second)
+        assert not knows(known, first)
+        assert knows(known, second)
     sessions.end_all()
-    assert not Sessions(path, KEY, clock).knows(second)
+    assert not knows(Sessions(path, KEY, clock), second)
 
 
 def test_a_session_ends_by_itself(path, clock):
     sessions = Sessions(path, KEY, clock)
-    cookie = sessions.begin()
+    cookie = sessions.begin(ME)
     clock.now += LIFE_S - 1
-    assert sessions.knows(cookie)
+    assert knows(sessions, cookie)
     clock.now += 2
-    assert not sessions.knows(cookie)
-    assert not Sessions(path, KEY, clock).knows(cookie)
+    assert not knows(sessions, cookie)
+    assert not knows(Sessions(path, KEY, clock), cookie)
 
 
 def test_another_token_knows_no_session_and_the_file_is_no_way_in(path, clock):
-    cookie = Sessions(path, KEY, clock).begin()
-    assert not Sessions(path, "x" * 43, clock).knows(cookie)
+    cookie = Sessions(path, KEY, clock).begin(ME)
+    assert not knows(Sessions(path, "x" * 43, clock), cookie)
     assert cookie not in path.read_text()
     assert path.stat().st_mode & 0o777 == 0o600
     for mark in Sessions(path, KEY, clock)._ends:
-        assert not Sessions(path, KEY, clock).knows(mark)
+        assert not knows(Sessions(path, KEY, clock), mark)
 
 
 @pytest.mark.parametrize("content", [b"", b"{", b"[]", b'{"x": "y"}', b'{"x": 9e999}', b"\xff"])
@@ -59,14 +68,14 @@ def test_a_file_that_is_broken_holds_no_session(path, clock, content):
     path.write_bytes(content)
     sessions = Sessions(path, KEY, clock)
     assert sessions._ends == {}
-    assert sessions.knows(sessions.begin())
+    assert knows(sessions, sessions.begin(ME))
 
 
 def test_a_file_makes_no_session_longer_than_one_may_be(path, clock):
     sessions = Sessions(path, KEY, clock)
-    cookie = sessions.begin()
+    cookie = sessions.begin(ME)
     clock.now -= 10 * LIFE_S  # the clock was ahead when it began
-    assert not Sessions(path, KEY, clock).knows(cookie)
+    assert not knows(Sessions(path, KEY, clock), cookie)
 
 
 def test_there_are_only_so_many(path, clock):
@@ -74,5 +83,15 @@ def test_there_are_only_so_many(path, clock):
     cookies = []
     for _ in range(MOST + 3):
         clock.now += 1
-        cookies.append(sessions.begin())
-    assert [sessions.knows(cookie) for cookie in cookies] == [False] * 3 + [True] * MOST
+        cookies.append(sessions.begin(ME))
+    assert [knows(sessions, cookie) for cookie in cookies] == [False] * 3 + [True] * MOST
+
+
+def test_a_session_is_of_the_user_alone_who_began_it(path, clock):
+    sessions = Sessions(path, KEY, clock)
+    for mine, others in ((ME, (OTHER, ELSEWHERE)), (ELSEWHERE, (ME, OTHER))):
+        cookie = sessions.begin(mine)
+        for other in others:
+            assert not knows(sessions, cookie, other)
+            end(sessions, cookie, other)
+        assert knows(sessions, cookie, mine)

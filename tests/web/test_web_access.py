@@ -71,6 +71,37 @@ def test_who_asks_has_the_role_of_its_network_or_token(address, headers, role):
         {"true-client-ip": "8.8.8.8"},
         {"x-envoy-external-address": "8.8.8.8"},
         {"tailscale-user-login": "eve"},
+        *(
+            {name: "8.8.8.8"}
+            for name in (
+                "cdn-loop",
+                "client-ip",
+                "cloudfront-viewer-address",
+                "do-connecting-ip",
+                "fly-client-ip",
+                "forwarded-for",
+                "max-forwards",
+                "proxy-client-ip",
+                "proxy-connection",
+                "wl-proxy-client-ip",
+                "x-amzn-trace-id",
+                "x-appengine-user-ip",
+                "x-arr-log-id",
+                "x-azure-fdid",
+                "x-cluster-client-ip",
+                "x-forward-for",
+                "x-from-ip",
+                "x-host",
+                "x-nginx-proxy",
+                "x-original-url",
+                "x-originating-ip",
+                "x-remote-addr",
+                "x-rewrite-url",
+                "x-scheme",
+                "x-vercel-id",
+                "x_forwarded_for",
+            )
+        ),
         {"host": "localhost:8080"},  # a tunnel that ends at another port
         {"host": "robot.example.org"},  # a proxy that passes on the name it was asked by
         {"host": ""},
@@ -80,6 +111,18 @@ def test_what_was_passed_on_is_a_strangers_at_this_machine_too(headers):
     for access in (ACCESS, LEGACY, Access(("0.0.0.0/0", "::/0"), ())):
         client = access.client("127.0.0.1", HERE | headers, port=50000, owner=True)
         assert (client.role, client.legacy) == (None, False)
+
+
+def test_what_browsers_and_programs_send_of_themselves_is_no_trace_of_a_proxy():
+    sent = (
+        "accept accept-encoding accept-language access-control-request-headers access-control-request-private-network "
+        "cache-control connection content-length content-type cookie dnt if-match if-none-match origin pragma priority range "
+        "referer save-data sec-ch-ua sec-ch-ua-mobile sec-ch-ua-platform sec-fetch-dest sec-fetch-mode sec-fetch-site sec-gpc "
+        "sec-websocket-extensions sec-websocket-key sec-websocket-protocol sec-websocket-version te transfer-encoding "
+        "upgrade upgrade-insecure-requests user-agent x-requested-with"
+    )
+    headers = HERE | dict.fromkeys(sent.split(), "x")
+    assert ACCESS.client("127.0.0.1", headers, port=50000, owner=True).role == "admin"
 
 
 @pytest.mark.parametrize(

@@ -37,11 +37,11 @@ def listen(host: str, port: int) -> list[socket.socket]:
     raise InputError(f"no port is free both at {host} and at this machine's other loopback")
 
 
-def is_here(loopback: str) -> bool:
-    """Say whether this machine has a loopback's address, which it lacks without that family of addresses."""
+def is_here(address: str) -> bool:
+    """Say whether this machine has an address; a loopback's it lacks without that family of addresses."""
     try:
-        with socket.socket(socket.AF_INET6 if ":" in loopback else socket.AF_INET, socket.SOCK_STREAM) as probe:
-            probe.bind((loopback, 0))
+        with socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET, socket.SOCK_STREAM) as probe:
+            probe.bind((address, 0))
     except OSError as err:
         return err.errno not in {errno.EAFNOSUPPORT, errno.EADDRNOTAVAIL}
     return True

@@ -9,32 +9,52 @@ import struct
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from lbr.apps.http import names
+from lbr.apps.http import listening, names
 
 TABLES = (Path("/proc/self/net/tcp"), Path("/proc/self/net/tcp6"))
 ESTABLISHED, NOBODY = "01", 65534
-_RELAYS = (
-    "forwarded",
-    "via",
-    "client-ip",
-    "true-client-ip",
-    "remote-addr",
-    "x-real-ip",
-    "x-client-ip",
-    "x-remote-addr",
+_PASSED_ON = frozenset(
+    [
+        "forward",
+        "forwarded",
+        "forwards",
+        "proxy",
+        "proxied",
+        "via",
+        "ip",
+        "clientip",
+        "remote",
+        "original",
+        "originating",
+        "rewrite",
+        "gateway",
+    ]
 )
-_RELAYS_OF = (
-    "x-forwarded",
-    "x-original-",
-    "x-cluster-",
-    "x-envoy-",
-    "x-proxy",
-    "cf-",
-    "fastly-",
-    "fly-",
-    "ngrok-",
-    "tailscale-",
+_PASSED_ON_BY = frozenset(
+    [
+        "appengine",
+        "amzn",
+        "arr",
+        "azure",
+        "cdn",
+        "cf",
+        "client",
+        "cloudfront",
+        "cluster",
+        "envoy",
+        "fastly",
+        "fly",
+        "fwd",
+        "ngrok",
+        "sucuri",
+        "tailscale",
+        "traefik",
+        "vercel",
+    ]
 )
+_PASSED_ON_WHOLE = frozenset({"x-host", "x-proto", "x-scheme", "x-http-host-override"})
+"""What the headers of proxies and tunnels are called, by the words of their names. Neither browsers nor programs that ask for
+themselves send such: what is not here is a proxy that leaves no trace."""
 
 
 def is_relayed(headers: Mapping[str, str], port: int) -> bool:
@@ -42,16 +62,34 @@ def is_relayed(headers: Mapping[str, str], port: int) -> bool:
 
     Whoever passes on what others ask and leaves no trace of it is taken for the one who asks.
     """
-    if any(name in _RELAYS or name.startswith(_RELAYS_OF) for name in headers):
+    if any(_tells_of_a_relay(name) for name in headers):
         return True
     asked = names.parsed(headers.get("host", ""))
     return asked is not None and asked[1] not in {None, port}
+
+
+def _tells_of_a_relay(header: str) -> bool:
+    name = header.lower().replace("_", "-")
+    words = name.removeprefix("x-").split("-")
+    return name in _PASSED_ON_WHOLE or words[0] in _PASSED_ON_BY or not _PASSED_ON.isdisjoint(words)
 
 
 def is_owners(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> bool:
     """Say whether a program of this process's own user holds the other end of a connection; reads files."""
     uid = os.geteuid()
     return uid != NOBODY and uid_of(client, server, tables) == uid
+
+
+def whose(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> str | None:
+    """Return whose program is at the other end: a user of this machine's, or empty for another machine's; reads files.
+
+    None where it is of this machine and the kernel does not say whose.
+    """
+    ip = names.plain(client[0])
+    if ip is None or not listening.is_here(str(ip) if "%" not in client[0] else client[0]):
+        return None if ip is None else ""
+    uid = uid_of(client, server, tables)
+    return None if uid in {None, NOBODY} else f"user {uid}"
 
 
 def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> int | None:

@@ -35,7 +35,9 @@ class Connection(H11Protocol):
     ) -> None:
         super().__init__(config, state, {"connection": self}, loop)
         self.owner: bool | None = None
-        """Whether this robot's own user is at the other end, once somebody has looked."""
+        """Whether this robot's own user is at the other end, once the server has looked."""
+        self.whose: str | None = None
+        """Whose program is at the other end, once the server has looked: see `peers.whose`."""
         self._slots = slots
         self._slot: Slot | None = None
         self._early = b""

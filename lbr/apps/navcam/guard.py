@@ -1,4 +1,4 @@
-"""Who may see: whoever shows the token, by a header or by a cookie that was given for it, and asks for us by name."""
+"""Who may see: who shows the token, by a header or by a cookie that the same user was given for it, and asks for us by name."""
 
 import asyncio
 import secrets
@@ -13,6 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from lbr import home
 from lbr.apps.http import names as hosts
+from lbr.apps.http import peers, serving
 from lbr.apps.http.pages import Pages, is_visit
 from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
@@ -22,6 +23,8 @@ from lbr.errors import InputError
 TOKEN_FILE = "navcam.token"  # noqa: S105 - a file's name
 REQUESTS_PER_S = 200.0
 TOO_OFTEN_S = 0.25
+WHOSE = "lbr.whose"
+"""Where the guard writes who asks, for those behind it."""
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; img-src 'self' data:; script-src 'self'; style-src 'self'; "
     "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
@@ -63,19 +66,21 @@ class Lock:
 
     def shows_cookie(self, request: HTTPConnection) -> bool:
         """Say whether a request shows the cookie of a session that goes on."""
-        shown = self.cookie(request)
-        return bool(shown) and self._sessions.knows(shown)
+        return self._sessions.knows(self.session(request))
 
     def shows_token(self, request: HTTPConnection) -> bool:
         """Say whether a request shows the token itself."""
         scheme, _, shown = request.headers.get("authorization", "").partition(" ")
         return scheme.lower() == "bearer" and secrets.compare_digest(shown.strip().encode(), self._secret)
 
-    def give_cookie(self, response: Response) -> None:
-        """Let a browser come in from now on without the token."""
+    def give_cookie(self, request: HTTPConnection, response: Response) -> None:
+        """Let a browser of the user who asks come in from now on without the token; none where the kernel knows no user."""
+        whose = request.scope.get(WHOSE)
+        if whose is None:
+            return
         response.set_cookie(
             self._name,
-            self._sessions.begin(),
+            self._sessions.begin(whose),
             max_age=LIFE_S,
             path="/",
             httponly=True,
@@ -83,20 +88,24 @@ class Lock:
             secure=self._tls,
         )
 
-    def knows(self, cookie: str) -> bool:
-        """Say whether a cookie is of a session that goes on."""
-        return self._sessions.knows(cookie)
+    def knows(self, session: str) -> bool:
+        """Say whether a session goes on."""
+        return self._sessions.knows(session)
 
     def take_cookie(self, request: HTTPConnection, response: Response, *, all_of_them: bool) -> None:
         """End the session whose cookie a request shows, or all there are."""
         if all_of_them:
             self._sessions.end_all()
         else:
-            self._sessions.end(self.cookie(request))
+            self._sessions.end(self.session(request))
         response.delete_cookie(self._name, path="/", httponly=True, samesite="strict", secure=self._tls)
 
-    def cookie(self, request: HTTPConnection) -> str:
-        """Return the cookie of ours that a request shows; empty without."""
+    def session(self, request: HTTPConnection) -> str:
+        """Return the mark of the session whose cookie a request shows, of the user who asks; empty without."""
+        cookie, whose = self._cookie(request), request.scope.get(WHOSE)
+        return self._sessions.mark(cookie, whose) if cookie and whose is not None else ""
+
+    def _cookie(self, request: HTTPConnection) -> str:
         found: SimpleCookie = SimpleCookie()
         try:
             found.load(request.headers.get("cookie", ""))
@@ -129,7 +138,7 @@ class Guard:
         elif self._turns.why_not(who):
             app = PlainTextResponse("Too many requests at once.\n", 503, {"Retry-After": "1", "Connection": "close"})
         else:
-            app = self._answering(HTTPConnection(scope))
+            app = self._answer
 
         async def sealed(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -141,6 +150,11 @@ class Guard:
 
         with self._turns.taken(who):
             await app(scope, receive, sealed)
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer, knowing whose program asks."""
+        scope[WHOSE] = await _whose(scope)
+        await self._answering(HTTPConnection(scope))(scope, receive, send)
 
     def _answering(self, request: HTTPConnection) -> ASGIApp:
         """Return what answers a request."""
@@ -155,3 +169,13 @@ class Guard:
         if request.scope["path"] not in self._public and not self._lock.opens(request):
             return PlainTextResponse(NO_TOKEN, 401, {"WWW-Authenticate": 'Bearer realm="lbr navcam"'})
         return self._app
+
+
+async def _whose(scope: Scope) -> str | None:
+    """Return whose program asks; looked up once for a connection, beside the server's thread."""
+    connection = serving.connection_of(scope)
+    if connection is None:
+        return None
+    if connection.whose is None:
+        connection.whose = await asyncio.to_thread(peers.whose, scope["client"], scope["server"])
+    return connection.whose

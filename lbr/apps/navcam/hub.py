@@ -21,7 +21,7 @@ CURRENT_S = 1.0
 class Viewer:
     """One open stream: a slot for the newest picture of a camera (empty: of the one that is on).
 
-    `session` is the cookie by which its viewer came in; empty for the token.
+    `session` is the mark of the session by which its viewer came in; empty for the token.
     """
 
     def __init__(self, camera: str, session: str = "") -> None:

@@ -1,5 +1,8 @@
 """The cookies that browsers were given for the token: each can be ended, and each ends by itself.
 
+Each is good for the user of this machine whose browser was given it, and for nobody else here, or for other machines alone:
+cookies know no ports, so a browser shows them to whatever else another user serves at this host.
+
 Kept in a file of the owner's, as hashes, so that a restart ends none; whoever reads the file cannot come in by it.
 """
 
@@ -29,23 +32,23 @@ class Sessions:
         self._now = now
         self._ends = self._read()
 
-    def begin(self) -> str:
-        """Return the cookie of a new session."""
+    def begin(self, whose: str) -> str:
+        """Return the cookie of a new session of a user's: as `peers.whose` says."""
         cookie = secrets.token_urlsafe(32)
         self._ends = self._living()
-        self._ends[self._mark(cookie)] = self._now() + LIFE_S
+        self._ends[self.mark(cookie, whose)] = self._now() + LIFE_S
         while len(self._ends) > MOST:
             del self._ends[min(self._ends, key=lambda mark: self._ends[mark])]
         self._write()
         return cookie
 
-    def knows(self, cookie: str) -> bool:
-        """Say whether a cookie is of a session that goes on."""
-        return self._mark(cookie) in self._living()
+    def knows(self, mark: str) -> bool:
+        """Say whether a mark is of a session that goes on."""
+        return mark in self._living()
 
-    def end(self, cookie: str) -> None:
-        """End the session of a cookie."""
-        if self._ends.pop(self._mark(cookie), None) is not None:
+    def end(self, mark: str) -> None:
+        """End the session of a mark."""
+        if self._ends.pop(mark, None) is not None:
             self._write()
 
     def end_all(self) -> None:
@@ -57,8 +60,9 @@ class Sessions:
         now = self._now()
         return {mark: end for mark, end in self._ends.items() if now < end <= now + LIFE_S}
 
-    def _mark(self, cookie: str) -> str:
-        return blake2b(cookie.encode("utf-8", "replace"), key=self._key, digest_size=32).hexdigest()
+    def mark(self, cookie: str, whose: str) -> str:
+        """Return what is kept of a cookie that a user shows; another user who shows it gets another mark."""
+        return blake2b(f"{whose}\n{cookie}".encode("utf-8", "replace"), key=self._key, digest_size=32).hexdigest()
 
     def _read(self) -> dict[str, float]:
         try:

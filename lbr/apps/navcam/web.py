@@ -60,7 +60,7 @@ class NavCam:
         if not self._lock.shows_token(request):
             return PlainTextResponse("This is not the token.\n", 401, NEVER_KEPT)
         response = Response(status_code=204, headers=NEVER_KEPT)
-        self._lock.give_cookie(response)
+        self._lock.give_cookie(request, response)
         return response
 
     async def _sign_out(self, request: Request) -> Response:
@@ -104,7 +104,7 @@ class _Stream:
         tell(f"{who} watches {what}")
         if (connection := serving.connection_of(scope)) is not None:
             connection.mark("watching")
-        session = "" if self._lock.shows_token(request) else self._lock.cookie(request)
+        session = "" if self._lock.shows_token(request) else self._lock.session(request)
         try:
             with self._hub.viewer(camera, names.who(who), session) as viewer:
                 await stream(viewer, scope, receive, send)
