@@ -40,6 +40,7 @@ FLOORS = {
     "drivers": CAPABILITY | {"drivers"},
     "operations": CAPABILITY | {"operations"},
     "apps": CAPABILITY | {"apps", "home"},
+    "testing": CAPABILITY | {"testing"},
     "simulation": CAPABILITY | {"simulation"},
     "database": GROUND | {"database", "ownership"},
     "console": BUS | {"console", "database", "home", "ownership"},

@@ -95,7 +95,6 @@ class Context(Protocol[S_co]):
     robot: str
     name: str
     simulated: bool
-    estop: EmergencyStop
     device: Device | None
     devices: tuple[Device, ...]
     home: str
@@ -112,6 +111,10 @@ class Context(Protocol[S_co]):
     @property
     def settings(self) -> S_co:
         """The row's settings, checked."""
+
+    @property
+    def estop(self) -> EmergencyStop:
+        """The emergency stop as this process knows it."""
 
     def clock(self) -> float:
         """Monotonic seconds."""

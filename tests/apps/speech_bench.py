@@ -10,8 +10,8 @@ from typing import Any
 from lbr.apps.speech import KIND
 from lbr.capability.context import Device
 from lbr.messages.speech import Phrase, SayCommand, SpeechState
+from lbr.testing import FakeCall, FakeContext
 from tests.support.machine import Stopwatch
-from tests.support.replies import refusal
 
 ENGINE = textwrap.dedent("""
     import json, os, sys, time, wave
@@ -65,53 +65,22 @@ def wav_file(path: Path, seconds: float, *, width: int = 1, value: int = 100) ->
     return path
 
 
-class FakeCall:
-    def __init__(self, message: Any) -> None:
-        self.name, self.message, self.source = "say", message, "tester"
-        self.answer: Any = None
-
-    def reply(self, answer: Any, *, quiet: bool = False) -> None:
-        assert self.answer is None, "answered twice"
-        self.answer = answer
-
-    def refuse(self, reason: str, code: str = "refused") -> None:
-        self.reply(refusal(reason, code))
-
-
-class FakeContext:
-    robot, name = "lbr", "speech"
+class SpeechContext(FakeContext):
+    """The context of speech on real time, with a folder as its speaker."""
 
     def __init__(self, home: Path, address: str, **settings: Any) -> None:
-        self.home = str(home)
-        self.device: Device | None = Device("speaker", "speaker", address, {})
-        self.settings = KIND.settings(device="speaker", **{"greets": False, **settings})
-        self.phrases = PHRASES
-        self.events: list[tuple[str, str]] = []
-        self.states: list[SpeechState] = []
-        self.phase = ""
+        chosen = KIND.settings(device="speaker", **{"greets": False, **settings})
+        speaker = Device("speaker", "speaker", address, {})
+        super().__init__(chosen, robot="lbr", name="speech", home=str(home), device=speaker, phrases=PHRASES)
 
     def clock(self) -> float:
         return time.monotonic()
-
-    def publish(self, output: str, message: SpeechState) -> None:
-        self.states.append(message)
-
-    def event(
-        self, kind: str, text: str, *, level: str = "info", data: Any = None, code: str = "", about: str = ""
-    ) -> None:
-        self.events.append((kind, text))
-
-    def ready(self, reason: str = "") -> None:
-        self.phase = "ready"
-
-    def warn(self, reason: str) -> None:
-        self.phase = reason
 
 
 class Bench:
     """A speech capability that is stepped while a test waits."""
 
-    def __init__(self, ctx: FakeContext) -> None:
+    def __init__(self, ctx: SpeechContext) -> None:
         self.ctx = ctx
         self.home = Path(ctx.home)
         self.speech = KIND.load()(ctx)
@@ -120,7 +89,7 @@ class Bench:
         return until(lambda: (self.speech.step(), look())[1], within_s)
 
     def ask(self, message: Any) -> Any:
-        call = FakeCall(message)
+        call = FakeCall("say", message, source="tester")
         self.speech.command(call)
         return call.answer
 
@@ -129,7 +98,7 @@ class Bench:
 
     @property
     def state(self) -> SpeechState:
-        return self.ctx.states[-1]
+        return self.ctx.published[-1][1]
 
     @property
     def heard(self) -> list[Path]:

@@ -9,7 +9,8 @@ from lbr.capability.context import Received
 from lbr.messages.dance import DanceCommand, DanceStep
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import PlayReply, SpeechState
-from tests.apps.speech_bench import FakeCall, wav_file
+from lbr.testing import FakeCall, FakeContext
+from tests.apps.speech_bench import wav_file
 from tests.support.replies import dead
 
 STEPS = (
@@ -20,39 +21,25 @@ STEPS = (
 BEATS = "[0.5, 1.0, 1.5, 2.0, 2.5]"
 
 
-class World:
-    """Drive and speech on the other side of the bus, and time."""
-
-    robot, name = "lbr", "dance"
+class World(FakeContext):
+    """The context of a dance: drive and speech on the other side of the bus, and time."""
 
     def __init__(self, home, **settings):
-        self.home = str(home)
-        self.settings = KIND.settings(**settings)
-        self.dance_steps = STEPS
-        self.now = 100.0
+        super().__init__(KIND.settings(**settings), robot="lbr", name="dance", home=str(home), dance_steps=STEPS)
         self.refusal = ""
         self.wired = {"motion": ("drive",), "sound": ("speech",)}
         self.silent: set[str] = set()
         self.lease, self.dead = "", ""
         self.driven: list[tuple[float, float, float]] = []
-        self.asked: list[tuple[str, object]] = []
         self.song = ""
         self.no_sound = ""
-        self.living = {"speech"}
-        self.events: list[tuple[str, str]] = []
-        self.states: list[object] = []
 
-    def clock(self):
-        return self.now
-
-    def ask(self, request, message, timeout_s):
-        self.asked.append((request, message))
+    def answer(self, request, message):
         if request in self.silent:
-            return SimpleNamespace(answers=lambda: None)
+            return None
         if request in self.wired and not self.wired[request]:
-            return SimpleNamespace(answers=dict)
-        reply = getattr(self, f"_{request}")(message)
-        return SimpleNamespace(answers=lambda: {"other": reply})
+            return {}
+        return {"other": getattr(self, f"_{request}")(message)}
 
     def latest(self, port):
         state = SpeechState(speaking=False, text="", queued=0, spoken=0, failed=0, sink="", playing=self.song)
@@ -60,15 +47,6 @@ class World:
 
     def sources(self, port):
         return ("speech",)
-
-    def alive(self, capability):
-        return capability in self.living
-
-    def publish(self, output, message):
-        self.states.append(message)
-
-    def event(self, kind, text, *, level="info", data=None, code="", about=""):
-        self.events.append((kind, text))
 
     def _motion(self, message):
         if message.lease and message.lease != self.lease:
@@ -99,7 +77,7 @@ class World:
 
     @property
     def requests(self):
-        return [request for request, _ in self.asked]
+        return [asked.request for asked in self.asked]
 
 
 @pytest.fixture
@@ -117,7 +95,7 @@ def dance(world):
 
 
 def play(capability, **command):
-    call = FakeCall(DanceCommand(**{"song": "tune", **command}))
+    call = FakeCall("dance", DanceCommand(**{"song": "tune", **command}))
     capability.command(call)
     return call
 
@@ -146,12 +124,12 @@ def test_it_moves_at_each_beat_under_one_lease_and_stops_at_the_last(dance, worl
     expected = [(0.5, 0.3, 0.0), (1.0, 0.3, 180.0), (1.5, 0.0, 0.0), (2.0, 0.3, 0.0)]
     assert [move[1:] for move in moves] == [move[1:] for move in expected]
     assert [move[0] for move in moves] == pytest.approx([move[0] for move in expected], abs=0.05)
-    assert [message.lease for request, message in world.asked if request == "motion"][1:] == ["lease-1"] * (
+    assert [one.message.lease for one in world.asked if one.request == "motion"][1:] == ["lease-1"] * (
         len(world.driven) - 1
     )
     assert world.requests[-1] == "halt"
-    assert world.states[-1].phase == "ended"
-    assert (world.states[-1].beat, world.states[-1].beats, world.states[-1].moves) == (4, 5, 4)
+    assert world.said("state")[-1].phase == "ended"
+    assert (world.said("state")[-1].beat, world.said("state")[-1].beats, world.said("state")[-1].moves) == (4, 5, 4)
     assert [kind for kind, _ in world.events] == ["dance_began", "dance_ended"]
     assert world.song == "tune"
 
@@ -170,7 +148,7 @@ def test_a_stop_of_the_base_ends_dance_and_song_also_before_the_first_beat(dance
     world.driven.clear()
     run(dance, world, 2.0)
     assert world.driven == []
-    assert world.states[-1].reason == "stopped by console"
+    assert world.said("state")[-1].reason == "stopped by console"
     assert world.song == ""
     assert "halt" not in world.requests  # whoever has the base now keeps it
 
@@ -180,7 +158,7 @@ def test_a_refused_move_ends_the_dance_and_stops_what_went_before(dance, world):
     run(dance, world, 0.7)
     world.refusal = "back is 20 cm"
     run(dance, world, 0.5)
-    assert world.states[-1].reason == "back is 20 cm"
+    assert world.said("state")[-1].reason == "back is 20 cm"
     assert world.requests[-2:] == ["halt", "hush"]
 
 
@@ -189,7 +167,7 @@ def test_a_drive_that_falls_silent_ends_the_dance(dance, world):
     run(dance, world, 0.7)
     world.silent.add("motion")
     run(dance, world, 1.0)
-    assert "does not answer" in world.states[-1].reason
+    assert "does not answer" in world.said("state")[-1].reason
 
 
 @pytest.mark.parametrize(
@@ -210,8 +188,8 @@ def test_without_sound_it_dances_silently_and_says_so(dance, world):
     call = play(dance)
     run(dance, world, 3.0)
     assert call.answer.reason == "dances to_and_fro to tune, without sound: no sound card"
-    assert any(state.reason == "no sound card" for state in world.states if state.phase == "dancing")
-    assert world.states[-1].reason == "danced to the end"
+    assert any(state.reason == "no sound card" for state in world.said("state") if state.phase == "dancing")
+    assert world.said("state")[-1].reason == "danced to the end"
 
 
 def test_speech_that_answers_too_late_is_hushed_with_the_dance(dance, world):
@@ -224,7 +202,7 @@ def test_speech_that_answers_too_late_is_hushed_with_the_dance(dance, world):
     world.ask = ask
     play(dance)
     run(dance, world, 0.7)
-    assert world.states[-1].reason == "speech does not answer"
+    assert world.said("state")[-1].reason == "speech does not answer"
     assert world.song == "tune"
     world.stop("console")
     run(dance, world, 0.2)
@@ -236,16 +214,16 @@ def test_a_song_that_is_hushed_ends_the_dance(dance, world):
     run(dance, world, 0.7)
     world.song = ""
     run(dance, world, 0.1)
-    assert world.states[-1].reason == "the song was ended"
+    assert world.said("state")[-1].reason == "the song was ended"
     assert world.lease == ""
 
 
 def test_speech_that_dies_ends_the_dance(dance, world):
     play(dance)
     run(dance, world, 0.7)
-    world.living.clear()
+    world.gone.add("speech")
     run(dance, world, 0.1)
-    assert "speech is gone" in world.states[-1].reason
+    assert "speech is gone" in world.said("state")[-1].reason
     assert world.lease == ""
 
 
@@ -253,17 +231,17 @@ def test_the_longest_dance_is_bounded(dance, world):
     world.settings = KIND.settings(max_s=1.0)
     play(dance)
     run(dance, world, 1.1)
-    assert "max_s" in world.states[-1].reason
+    assert "max_s" in world.said("state")[-1].reason
     assert world.lease == ""
 
 
 def test_its_own_stop_and_its_end_stop_the_base_and_the_song(dance, world):
     play(dance)
     run(dance, world, 0.7)
-    call = FakeCall(StopCommand(reason="enough"))
+    call = FakeCall("stop", StopCommand(reason="enough"), source="tester")
     dance.command(call)
     assert call.answer.accepted
-    assert world.states[-1].reason == "stopped by tester: enough"
+    assert world.said("state")[-1].reason == "stopped by tester: enough"
     assert world.requests[-2:] == ["halt", "hush"]
     play(dance)
     run(dance, world, 0.7)

@@ -5,7 +5,7 @@ from lbr.apps.speech import KIND
 from lbr.apps.speech.worker import Worker
 from lbr.errors import DeviceError
 from lbr.messages.speech import HushCommand, SongCommand
-from tests.apps.speech_bench import Bench, FakeContext, engine, wav_file
+from tests.apps.speech_bench import Bench, SpeechContext, engine, wav_file
 from tests.support import needs
 
 
@@ -17,11 +17,11 @@ def bench(tmp_path, monkeypatch):
     def make(*options, address="", wait=True, **settings):
         program = engine(tmp_path, *options)
         monkeypatch.setattr("lbr.apps.speech.capability.Worker", lambda clock: Worker(clock, program))
-        found = Bench(FakeContext(tmp_path / "home", address or str(tmp_path / "speaker"), **settings))
+        found = Bench(SpeechContext(tmp_path / "home", address or str(tmp_path / "speaker"), **settings))
         found.speech.open()
         opened.append(found)
         if wait:
-            found.until(lambda: found.ctx.phase == "ready")
+            found.until(lambda: found.ctx.health[-1] == "ready")
         return found
 
     yield make
@@ -48,7 +48,7 @@ def test_texts_wait_for_one_another_in_their_order(bench):
     assert found.say("one").reason == "says 'one'"
     assert found.say("two").reason == "says 'two' after 1 other"
     found.until(lambda: found.state.spoken == 2)
-    texts = [state.text for state in found.ctx.states if state.speaking]
+    texts = [state.text for state in found.ctx.said("state") if state.speaking]
     assert [text for index, text in enumerate(texts) if text not in texts[:index]] == ["one", "two"]
 
 
@@ -129,7 +129,7 @@ def test_what_the_engine_fails_at_is_told_and_the_next_text_is_heard(bench, text
 
 def test_without_an_engine_it_is_degraded_and_refuses_but_recordings_are_heard(bench):
     found = bench("none", wait=False)
-    found.until(lambda: found.ctx.phase == "there is no speech engine")
+    found.until(lambda: found.ctx.health[-1] == "there is no speech engine")
     wav_file(found.home / "sounds" / "ping.wav", 0.02)
     assert found.say("Hello").reason == "there is no speech engine"
     assert found.state.reason == "there is no speech engine"
@@ -145,13 +145,13 @@ def test_without_a_sound_card_it_is_degraded_and_refuses_but_saves(bench, tmp_pa
     monkeypatch.setenv("PATH", f"{tmp_path / 'bin'}:/usr/bin:/bin")
     found = bench(address="alsa:default", wait=False)
     found.say("said before it was known")
-    found.until(lambda: "audio open error" in found.ctx.phase and "starting" not in found.ctx.phase)
+    found.until(lambda: "audio open error" in found.ctx.health[-1] and "starting" not in found.ctx.health[-1])
     assert "no sound at alsa:default" in found.say("Hello").reason
     assert found.state.failed == 1
     assert found.say("Hello", save="kept").accepted
     found.until((found.home / "sounds" / "kept.wav").exists)
     player.write_text("#!/bin/sh\nexit 0\n")
-    found.until(lambda: found.ctx.phase == "ready")
+    found.until(lambda: found.ctx.health[-1] == "ready")
     assert found.say("Hello").accepted
     found.until(lambda: found.state.spoken == 1)
 
@@ -159,7 +159,7 @@ def test_without_a_sound_card_it_is_degraded_and_refuses_but_saves(bench, tmp_pa
 def test_it_greets_once_when_it_can_be_heard_and_bids_farewell_at_its_end(bench):
     found = bench(greets=True, language="de")
     found.until(lambda: found.state.spoken == 1)
-    assert next(state.text for state in found.ctx.states if state.speaking) == "Guten Tag."
+    assert next(state.text for state in found.ctx.said("state") if state.speaking) == "Guten Tag."
     found.until(lambda: found.speech._farewell is not None)
     found.speech.close()
     assert len(found.heard) == 2
@@ -195,11 +195,11 @@ def test_a_song_that_is_not_there_or_no_song_is_refused(bench):
 
 
 def test_an_address_that_is_no_speaker_and_a_missing_row_are_device_errors(tmp_path):
-    speech = KIND.load()(FakeContext(tmp_path, "nowhere"))
+    speech = KIND.load()(SpeechContext(tmp_path, "nowhere"))
     with pytest.raises(DeviceError, match="no place for sound"):
         speech.open()
     speech.close()
-    ctx = FakeContext(tmp_path, "/nowhere")
+    ctx = SpeechContext(tmp_path, "/nowhere")
     ctx.device = None
     with pytest.raises(DeviceError, match="no device row 'speaker'"):
         KIND.load()(ctx).open()
@@ -207,10 +207,10 @@ def test_an_address_that_is_no_speaker_and_a_missing_row_are_device_errors(tmp_p
 
 @needs.program("espeak-ng", "espeak-ng")
 def test_the_real_engine_is_heard_in_the_simulated_speaker(tmp_path):
-    found = Bench(FakeContext(tmp_path / "home", str(tmp_path / "speaker")))
+    found = Bench(SpeechContext(tmp_path / "home", str(tmp_path / "speaker")))
     found.speech.open()
     try:
-        found.until(lambda: found.ctx.phase == "ready", 9.0)
+        found.until(lambda: found.ctx.health[-1] == "ready", 9.0)
         found.say("Well.")
         found.until(lambda: found.state.speaking, 9.0)
         assert wav.peak(found.heard[0]) > wav.SILENT_PEAK

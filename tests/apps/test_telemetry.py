@@ -5,7 +5,6 @@ import pytest
 
 from lbr.apps.telemetry import KIND
 from lbr.apps.telemetry.package import package
-from lbr.capability.context import Received
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.camera import CamerasState, CameraState
@@ -15,6 +14,7 @@ from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges
 from lbr.messages.telemetry import Telemetry
+from lbr.testing import FakeContext
 
 SIDES = {"forward_m": 0.67, "left_m": 0.18, "right_m": 0.55, "back_m": None, "bottom_m": None}
 SAID: dict[str, Any] = {
@@ -34,35 +34,20 @@ SAID: dict[str, Any] = {
 }  # fmt: skip
 
 
-class FakeContext:
+class Listener(FakeContext):
+    """The context of telemetry: `hear` has ports say what they say."""
+
     def __init__(self) -> None:
-        self.settings = KIND.parse('{"rate_hz": 4}')
-        self.on_tick = True
-        self.now = 100.0
-        self.received: dict[str, Received] = {}
-        self.published: list[Telemetry] = []
-
-    def clock(self) -> float:
-        return self.now
-
-    def latest(self, port: str) -> Received | None:
-        return self.received.get(port)
-
-    def take(self, port: str) -> list[Received]:
-        return [self.received[port]] if port in self.received else []
-
-    def publish(self, output: str, message: Telemetry) -> None:
-        assert output == "package"
-        self.published.append(message)
+        super().__init__(KIND.parse('{"rate_hz": 4}'))
 
     def hear(self, *ports: str) -> None:
         for port in ports:
-            self.received[port] = Received(SAID[port], None, self.now, port)
+            self.arrive(port, SAID[port])
 
 
 @pytest.fixture
-def ctx() -> FakeContext:
-    return FakeContext()
+def ctx() -> Listener:
+    return Listener()
 
 
 def test_nothing_is_told_of_what_was_never_heard(ctx):
@@ -133,8 +118,8 @@ def test_the_compass_is_told_between_its_measurements_too_but_not_for_long(ctx):
     seen = []
     for mag_ut, later_s in (((1.0, 2.0, 3.0), 0.0), (None, 0.2), (None, 0.2), (None, 0.2)):
         ctx.now += later_s
-        ctx.received["imu"] = Received(msgspec.structs.replace(sample, mag_ut=mag_ut), None, ctx.now, "imu")
+        ctx.arrive("imu", msgspec.structs.replace(sample, mag_ut=mag_ut))
         telemetry.step()
-        assert ctx.published[-1].imu is not None
-        seen.append(ctx.published[-1].imu.mag_ut)
+        assert ctx.said("package")[-1].imu is not None
+        seen.append(ctx.said("package")[-1].imu.mag_ut)
     assert seen == [(1.0, 2.0, 3.0)] * 3 + [None]

@@ -1,6 +1,5 @@
 import threading
 from pathlib import Path
-from types import SimpleNamespace
 
 import msgspec
 import pytest
@@ -10,13 +9,13 @@ from lbr.apps.tracking import capability as module
 from lbr.apps.tracking.control import Angles
 from lbr.apps.tracking.eye import Eye, Look
 from lbr.apps.tracking.sketch import Sketch
-from lbr.capability.context import Received
 from lbr.errors import InputError
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, Seen, TrackCommand
-from tests.apps.speech_bench import FakeCall, until
+from lbr.testing import FakeCall, FakeContext
+from tests.apps.speech_bench import until
 from tests.apps.tracking_bench import Head, away_rad, project
 from tests.support.replies import dead
 
@@ -47,14 +46,11 @@ class PromptEye:
         pass
 
 
-class World:
-    """Joints operation, a camera in the head and a ball; one tick is 5 ms."""
-
-    robot, name = "uxa90", "tracking"
+class World(FakeContext):
+    """The context of tracking: joints, a camera in the head and a ball; one tick is 5 ms."""
 
     def __init__(self, **settings):
-        self.settings = KIND.settings(**settings)
-        self.joints = JOINTS
+        super().__init__(KIND.settings(**settings), robot="uxa90", name="tracking", joints=JOINTS)
         self.head = Head(delay_s=0.02)
         self.ball = None
         self.trusted = True
@@ -65,9 +61,6 @@ class World:
         self.target = None
         self.torque = {}
         self.silent = False
-        self.asked, self.events, self.states, self.phases = [], [], [], []
-        self.queues = {"joints": [], "frame": []}
-        self.newest = {}
         self.tracking = None
         self.ticks = 0
         self._tell()
@@ -77,34 +70,10 @@ class World:
     def clock(self):
         return 100.0 + self.head.now
 
-    def wake(self):
-        pass
-
-    def ask(self, request, message, timeout_s):
-        self.asked.append((request, message))
+    def answer(self, request, message):
         if self.silent:
-            return SimpleNamespace(answers=lambda: {"joints": None})
-        reply = self._halt(message) if request == "halt" else self._move(message)
-        return SimpleNamespace(answers=lambda: {"joints": reply})
-
-    def latest(self, port):
-        return self.newest.get(port)
-
-    def take(self, port):
-        found, self.queues[port] = self.queues[port], []
-        return found
-
-    def publish(self, output, message):
-        self.states.append(message)
-
-    def event(self, kind, text, *, level="info", data=None, code="", about=""):
-        self.events.append((kind, text))
-
-    def ready(self, reason=""):
-        self.phases.append("")
-
-    def warn(self, reason):
-        self.phases.append(reason)
+            return {"joints": None}
+        return {"joints": self._halt(message) if request == "halt" else self._move(message)}
 
     def _move(self, command):
         if command.lease and command.lease != self.lease:
@@ -123,7 +92,7 @@ class World:
             assert command.stay
             assert all(joint.lower_rad <= command.positions[joint.name] <= joint.upper_rad for joint in JOINTS)
             self.torque |= dict.fromkeys(command.positions, command.torque) if command.torque else {}
-            self.goal = f"goal-{len(self.asked)}"
+            self.goal = f"goal-{len(self.asked) + 1}"
             self.target = Angles(command.positions["neck_yaw"], command.positions["head_pitch"])
             self.head.aim(self.target)
         return CommandReply(accepted=True, lease=self.lease, ttl_s=command.ttl_s, goal=self.goal)
@@ -189,17 +158,15 @@ class World:
         self._put("frame", JpegFrame(msgspec.json.encode(seen)), late_s=self.camera_old_s)
 
     def _put(self, port, message, late_s=0.0):
-        received = Received(message, None, self.clock() - late_s, "camera_head" if port == "camera" else "joints")
-        self.newest[port] = received
-        self.queues.setdefault(port, []).append(received)
+        self.arrive(port, message, source="camera_head" if port == "camera" else "joints", late_s=late_s)
 
     @property
     def state(self):
-        return self.states[-1]
+        return self.said("state")[-1]
 
     @property
     def moves(self):
-        return [message for request, message in self.asked if request == "move" and message.positions]
+        return [asked.message for asked in self.asked if asked.request == "move" and asked.message.positions]
 
 
 @pytest.fixture
@@ -218,7 +185,7 @@ def begin(world, **more):
 
 
 def track(world, target="colour", asked_s=None):
-    call = FakeCall(TrackCommand(target=target))
+    call = FakeCall("track", TrackCommand(target=target))
     call.arrived = world.clock() if asked_s is None else asked_s
     world.tracking.command(call)
     return call
@@ -272,7 +239,7 @@ def test_a_stop_of_the_joints_ends_it_also_while_the_head_rests_and_it_never_res
     world.run(3.0)
     assert not world.state.following
     assert world.state.reason == "stopped by console"
-    assert all(request == "move" and message.lease for request, message in world.asked[stands:]), "all to a dead lease"
+    assert all(one.request == "move" and one.message.lease for one in world.asked[stands:]), "all to a dead lease"
     assert world.events[-1][0] == "tracking_ended"
     assert track(world).answer is None
     world.run(1.0)
@@ -283,12 +250,12 @@ def test_its_own_stop_has_the_head_hold(world):
     world.ball = Angles(0.4, 0.2)
     begin(world)
     world.run(0.15)
-    call = FakeCall(StopCommand(reason="enough"))
+    call = FakeCall("stop", StopCommand(reason="enough"), source="tester")
     world.tracking.command(call)
     assert call.answer.accepted
-    assert world.asked[-1][0] == "halt"
+    assert world.asked[-1].request == "halt"
     assert world.state.reason == "stopped by tester: enough"
-    world.tracking.command(FakeCall(StopCommand()))
+    world.tracking.command(FakeCall("stop", StopCommand(), source="tester"))
 
 
 def test_a_fault_of_the_joints_ends_it(world):
@@ -349,12 +316,12 @@ def test_without_pictures_the_head_stays_and_it_is_degraded_with_a_reason(world,
     world.run(5.0)
     assert world.head.angles == pytest.approx(looks, abs=0.01)
     expected = "the camera is off: switch camera_head on" if how == "off" else "only old ones"
-    assert expected in world.phases[-1]
+    assert expected in world.health[-1]
     assert expected in world.state.reason
     world.camera_on, world.camera_old_s = True, 0.0
     world.run(2.0)
     assert away_rad(project(world.head.angles, world.ball)) < 0.04
-    assert world.phases[-1] == ""
+    assert world.health[-1] == "ready"
 
 
 def test_joints_that_fall_silent_end_it(world):
@@ -398,7 +365,7 @@ def test_an_eye_that_opens_late_is_answered_for_in_time_and_the_stop_ends_what_h
     call = begin(world)
     world.run(1.6)
     assert call.answer == CommandReply(accepted=True, reason="the head follows a colour as soon as its eye is ready")
-    world.tracking.command(FakeCall(StopCommand()))
+    world.tracking.command(FakeCall("stop", StopCommand(), source="tester"))
     slow.clear()
     moved = len(world.moves)
     world.run(1.0)
@@ -415,7 +382,7 @@ def test_what_cannot_be_followed_is_refused_with_a_reason(world, monkeypatch):
     world.joints = JOINTS[:1]
     assert "no row for joint head_pitch" in track(world).answer.reason
     world.joints = JOINTS
-    world.newest["joints"] = None
+    world.unheard("joints")
     assert "has not told" in track(world).answer.reason
     world.run(0.1)
     monkeypatch.undo()
@@ -430,11 +397,11 @@ def test_a_look_saves_the_marked_picture_and_says_what_is_in_it(world, monkeypat
     monkeypatch.setattr(module, "sketch", lambda settings, target, data: Sketch(f"sees no {target}", data))
     world.home = str(tmp_path)
     begin(world)
-    call = FakeCall(LookCommand())
+    call = FakeCall("look", LookCommand())
     world.tracking.command(call)
     assert "no pictures come" in call.answer.reason
     world.run(0.2)
-    call = FakeCall(LookCommand())
+    call = FakeCall("look", LookCommand())
     world.tracking.command(call)
     until(lambda: world.run(0.02) or call.answer)
     assert call.answer.reason == f"sees no colour; saved as {call.answer.path}"
@@ -472,7 +439,7 @@ def test_an_eye_that_fails_refuses_and_lets_the_joints_go(world, monkeypatch):
     call = begin(world)
     world.run(0.5)
     assert call.answer.reason == "no model of a YuNet face detector"
-    assert world.asked[-1][0] == "halt"
+    assert world.asked[-1].request == "halt"
 
 
 def test_one_at_a_time(world):
@@ -486,7 +453,7 @@ def test_the_end_of_the_process_has_the_head_hold(world):
     begin(world)
     world.run(0.1)
     world.tracking.close()
-    assert world.asked[-1][0] == "halt"
+    assert world.asked[-1].request == "halt"
 
 
 def test_a_sender_that_is_killed_in_mid_move_leaves_the_head_to_the_lease(world):

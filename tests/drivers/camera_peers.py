@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any, ClassVar
 
-from tests.drivers.peers import FakeContext
+from tests.drivers.peers import DriverContext
 
 
 def jpeg(mark: int = 0, width: int = 640, height: int = 360, size: int = 400) -> bytes:
@@ -87,25 +87,14 @@ class PictureSocket:
                 self.client, self.clients = client, self.clients + 1
 
 
-class CameraContext(FakeContext):
-    """A camera's context: remembers when pictures were taken, and what a `get` would be answered."""
+class CameraContext(DriverContext):
+    """A camera's context: `woken` is an event that other threads set."""
 
     def __init__(self, settings: Any, address: str, home: Path) -> None:
         super().__init__(settings, address, "camera")
         self.name = "camera_front"
         self.home = str(home)
-        self.taken: list[float] = []
-        self.answered: dict[str, Any] = {}
         self.woken = threading.Event()
-
-    def publish(self, output: str, message: Any, *, taken_s: float | None = None) -> None:
-        super().publish(output, message)
-        self.answered[output] = message
-        if taken_s is not None:
-            self.taken.append(taken_s)
-
-    def forget(self, output: str) -> None:
-        self.answered.pop(output, None)
 
     def wake(self) -> None:
         self.woken.set()
@@ -117,22 +106,6 @@ class CameraContext(FakeContext):
     @property
     def state(self) -> Any:
         return next(message for output, message in reversed(self.published) if output == "state")
-
-
-class Call:
-    """A command and what was answered."""
-
-    def __init__(self, message: Any, source: str = "tester") -> None:
-        self.message = message
-        self.source = source
-        self.answer: Any = None
-
-    def reply(self, answer: Any, *, quiet: bool = False) -> None:
-        assert self.answer is None, "answered twice"
-        self.answer = answer
-
-    def refuse(self, reason: str, code: str = "refused") -> None:
-        self.reply(SimpleNamespace(accepted=False, reason=reason))
 
 
 MONOTONIC, ERROR = 0x2000, 0x0040

@@ -9,12 +9,11 @@ import tty
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
-from lbr.bus.stamp import sent_s
-from lbr.capability.context import Device, Received
+from lbr.capability.context import Device
 from lbr.messages.system import Stamp
+from lbr.testing import FakeContext
 from tests.support.machine import Stopwatch
 
 
@@ -154,62 +153,18 @@ class Board(Pty):
             return b""
 
 
-class FakeContext:
-    """A capability's context whose bus is a list."""
+class DriverContext(FakeContext):
+    """The context of a driver on real time, beside a `drive` that lives and is wired to it."""
 
     def __init__(self, settings: Any, address: Path | str, type_: str) -> None:
-        self.robot = "tester"
-        self.name = "under_test"
-        self.settings = settings
-        self.device = Device(settings.device, type_, str(address), {})
-        self.devices = ()
-        self.estop = SimpleNamespace(engaged=False, reason="", acknowledged=[], acknowledge=self._acknowledge)
-        self.published: list[tuple[str, Any]] = []
-        self.events: list[tuple[str, str]] = []
-        self.phases: list[str] = []
-        self.inbox: list[Received] = []
-        self.wired: tuple[str, ...] = ("drive",)
-        self.living = {"drive"}
+        super().__init__(settings, robot="tester", device=Device(settings.device, type_, str(address), {}))
+        self.wired["setpoint"] = ("drive",)
 
     def clock(self) -> float:
         return time.monotonic()
 
-    def publish(self, output: str, message: Any) -> None:
-        self.published.append((output, message))
-
-    def latest(self, port: str) -> Received | None:
-        return self.inbox[-1] if self.inbox else None
-
-    def take(self, port: str) -> list[Received]:
-        taken, self.inbox = self.inbox, []
-        return taken
-
-    def sources(self, port: str) -> tuple[str, ...]:
-        return self.wired
-
-    def alive(self, capability: str) -> bool:
-        return capability in self.living
-
-    def event(
-        self,
-        kind: str,
-        text: str,
-        *,
-        level: str = "info",
-        data: dict[str, Any] | None = None,
-        code: str = "",
-        about: str = "",
-    ) -> None:
-        self.events.append((kind, text))
-
-    def ready(self, reason: str = "") -> None:
-        self.phases.append("ready")
-
-    def warn(self, reason: str) -> None:
-        self.phases.append(f"warn: {reason}")
-
     def give(self, message: Any, *, source: str = "drive", stamp: Stamp | None = None) -> None:
-        self.inbox.append(Received(message, stamp, sent_s(stamp, self.clock()), source))
+        self.arrive("setpoint", message, source=source, stamp=stamp)
 
     @property
     def state(self) -> Any:
@@ -217,6 +172,3 @@ class FakeContext:
 
     def kinds(self) -> list[str]:
         return [kind for kind, _ in self.events]
-
-    def _acknowledge(self, *, stopped: bool, reason: str = "") -> None:
-        self.estop.acknowledged.append((stopped, reason))

@@ -8,7 +8,8 @@ from lbr.drivers.camera import KIND
 from lbr.drivers.camera.source import open_source
 from lbr.errors import DeviceError
 from lbr.messages.camera import SnapshotCommand, SwitchCommand
-from tests.drivers.camera_peers import ERROR, Call, CameraContext, PiCamera, PictureSocket, Webcam, jpeg
+from lbr.testing import FakeCall
+from tests.drivers.camera_peers import ERROR, CameraContext, PiCamera, PictureSocket, Webcam, jpeg
 from tests.drivers.peers import until
 from tests.support import needs
 
@@ -62,7 +63,7 @@ def streaming(camera, ctx, source, count=1):
 
 
 def answer(camera, message, within_s=2.0):
-    call = Call(message)
+    call = FakeCall("switch", message)
     camera.command(call)
     stepped(camera, lambda: call.answer is not None, within_s)
     return call.answer
@@ -77,7 +78,7 @@ def test_a_picture_goes_out_as_it_came_stamped_with_when_it_was_taken(started, s
     assert ctx.woken.wait(2.0)  # the loop is not to wait for its next tick
     camera.step()
     assert ctx.frames == [jpeg(0), jpeg(7)]
-    assert ctx.taken[-1] == pytest.approx(before - 0.2, abs=0.1)
+    assert ctx.taken_s[-1] == pytest.approx(before - 0.2, abs=0.1)
 
 
 def test_what_the_row_wants_is_asked_of_the_source(started, source):
@@ -91,9 +92,9 @@ def test_what_the_row_wants_is_asked_of_the_source(started, source):
 def test_the_state_tells_what_the_pictures_are_like(started, source):
     camera, ctx = started()
     assert ctx.state.phase == "opening"
-    assert ctx.phases == []  # no trouble yet
+    assert ctx.health == []  # no trouble yet
     streaming(camera, ctx, source)
-    assert ctx.phases[-1] == "ready"
+    assert ctx.health[-1] == "ready"
     until(lambda: (streaming(camera, ctx, source), (ctx.state.fps or 0) > 1)[1], 5.0)
     assert (ctx.state.on, ctx.state.phase) == (True, "streaming")
     assert ctx.state.frames > 2
@@ -127,7 +128,7 @@ def test_a_camera_that_produces_nothing_publishes_nothing_and_is_lost(started, s
     streaming(camera, ctx, source)
     stepped(camera, lambda: ctx.state.phase == "lost")
     assert "no picture has come for 1.0 s" in ctx.state.reason
-    assert ctx.phases[-1].startswith("warn: no picture has come")
+    assert ctx.health[-1].startswith("no picture has come")
     assert len(ctx.frames) == 1
     assert "frame" not in ctx.answered
 
@@ -142,7 +143,7 @@ def test_an_unplugged_camera_is_lost_and_comes_back_by_itself(started, source):
     source.replug()
     streaming(camera, ctx, source)
     assert ctx.state.phase == "streaming"
-    assert ctx.phases[-1] == "ready"
+    assert ctx.health[-1] == "ready"
 
 
 def test_noise_in_place_of_a_length_makes_it_connect_anew(started, source):
@@ -159,7 +160,7 @@ def test_off_closes_the_device_and_leaves_no_picture_behind(started, source):
     assert answer(camera, SwitchCommand(on=False)).accepted
     assert not source.connected
     assert (ctx.state.on, ctx.state.phase) == (False, "off")
-    assert ctx.phases[-1] == "ready"
+    assert ctx.health[-1] == "ready"
     assert "frame" not in ctx.answered
     seen = len(ctx.frames)
     camera.step()
@@ -175,7 +176,7 @@ def test_a_camera_that_is_off_at_the_start_opens_nothing(started, source):
 
 def test_on_is_answered_once_pictures_come(started, source):
     camera, ctx = started('{"device": "front"}')
-    call = Call(SwitchCommand(on=True))
+    call = FakeCall("switch", SwitchCommand(on=True))
     camera.command(call)
     stepped(camera, lambda: source.connected)
     assert call.answer is None
@@ -204,7 +205,7 @@ def test_a_lost_camera_can_be_switched_off(started):
 def test_the_last_of_two_switches_counts(started, source):
     camera, ctx = started()
     streaming(camera, ctx, source)
-    off, on = Call(SwitchCommand(on=False)), Call(SwitchCommand(on=True), source="somebody")
+    off, on = FakeCall("switch", SwitchCommand(on=False)), FakeCall("switch", SwitchCommand(on=True), source="somebody")
     camera.command(off)
     camera.command(on)
     assert not off.answer.accepted
@@ -288,7 +289,7 @@ def test_of_a_v4l2_buffer_only_the_used_bytes_go_out(started, webcam):
     webcam.fill(jpeg(1), junk=b"of an older picture\xff\xd9", age_s=0.1)
     stepped(camera, lambda: ctx.frames == [jpeg(1)])
     assert webcam.asked == [(640, 360, "MJPG"), 15, "clipping False", "stream on"]
-    assert time.monotonic() - ctx.taken[0] > 0.1
+    assert time.monotonic() - ctx.taken_s[0] > 0.1
 
 
 def test_a_v4l2_picture_that_the_driver_calls_broken_is_dropped(started, webcam):
@@ -296,7 +297,7 @@ def test_a_v4l2_picture_that_the_driver_calls_broken_is_dropped(started, webcam)
     webcam.fill(jpeg(1), flags=ERROR)
     webcam.fill(jpeg(2), flags=0)
     stepped(camera, lambda: ctx.frames == [jpeg(2)])
-    assert time.monotonic() - ctx.taken[0] < 1.0
+    assert time.monotonic() - ctx.taken_s[0] < 1.0
     assert camera._state().dropped == 1
 
 

@@ -4,7 +4,6 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -14,7 +13,8 @@ from lbr.drivers.dynamixel.table import position_rad
 from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
-from tests.drivers.peers import FakeContext, until
+from lbr.testing import FakeCall
+from tests.drivers.peers import DriverContext, until
 from tests.drivers.servo_peers import Chain
 from tests.support import programs
 
@@ -31,8 +31,8 @@ class Rig:
     def __init__(self, chain, settings=SETTINGS):
         self.chain = chain
         self.ahead_s = 0.0
-        self.ctx = FakeContext(KIND.parse(settings), chain.path, "dynamixel")
-        self.ctx.wired, self.ctx.living = ("joints",), {"joints"}
+        self.ctx = DriverContext(KIND.parse(settings), chain.path, "dynamixel")
+        self.ctx.wired["setpoint"] = ("joints",)
         self.ctx.joints = tuple(joint(servo) for servo in chain.servos)
         self.ctx.clock = lambda: time.monotonic() + self.ahead_s
         self.driver = Dynamixel(self.ctx)
@@ -180,7 +180,7 @@ def test_what_becomes_of_servos_that_nobody_cares_for_is_told_once_and_when_it_h
 
 def test_a_source_that_died_is_lost_at_once(rig, chain):
     rig.on()
-    rig.ctx.living.clear()
+    rig.ctx.gone.add("joints")
     rig.until(lambda: rig.ctx.state.phase == "holding")
     assert not rig.ctx.state.armed
 
@@ -228,17 +228,6 @@ def test_a_servo_that_does_not_answer_keeps_the_stop_unacknowledged(rig, chain):
     assert rig.ctx.estop.acknowledged[-1][0] is False
 
 
-class Answer:
-    def __init__(self, message):
-        self.name, self.message, self.said = "recover", message, None
-
-    def reply(self, answer, *, quiet=False):
-        self.said = answer
-
-    def refuse(self, reason, code="refused"):
-        self.said = SimpleNamespace(accepted=False, reason=reason)
-
-
 def test_an_overload_is_latched_until_it_is_recovered_and_recovering_moves_nothing(rig, chain):
     rig.on()
     chain.servos[2].trip(0x20)
@@ -247,10 +236,10 @@ def test_an_overload_is_latched_until_it_is_recovered_and_recovering_moves_nothi
     assert chain.servos[2].word(34) == 0
     assert chain.servos[1].torque
     chain.servos[2].error = 0
-    call = Answer(RecoverServos())
+    call = FakeCall("recover", RecoverServos())
     rig.driver.command(call)
-    rig.until(lambda: call.said is not None)
-    assert call.said.accepted
+    rig.until(lambda: call.answer is not None)
+    assert call.answer.accepted
     assert chain.servos[2].word(34) == 1023
     chain.log.clear()
     rig.until(lambda: len(chain.log) > 20 and rig.servo(2).latched == ())
@@ -265,10 +254,10 @@ def test_a_servo_that_is_still_hot_is_not_recovered(rig, chain):
     chain.servos[2].table[43] = 71
     chain.servos[2].trip(0x04)
     rig.until(lambda: rig.servo(2).latched == ("overheat",))
-    call = Answer(RecoverServos(ids=(2,)))
+    call = FakeCall("recover", RecoverServos(ids=(2,)))
     rig.driver.command(call)
-    rig.until(lambda: call.said is not None)
-    assert "joint_2 (servo 2) is still too hot: 71 degrees C" in call.said.reason
+    rig.until(lambda: call.answer is not None)
+    assert "joint_2 (servo 2) is still too hot: 71 degrees C" in call.answer.reason
     assert rig.servo(2).latched
 
 
@@ -277,12 +266,12 @@ def test_a_servo_without_power_is_named_and_never_comes_back_with_torque_by_itse
     chain.dead.add(2)
     rig.until(lambda: rig.servo(2).reason == "does not answer" and rig.servo(2).raw is None)
     assert rig.servo(1).raw is not None
-    assert any("joint_2 (servo 2)" in phase for phase in rig.ctx.phases)
+    assert any("joint_2 (servo 2)" in phase for phase in rig.ctx.health)
     chain.servos[2].boot()
     chain.dead.clear()
     rig.until(lambda: "lost its torque" in rig.servo(2).reason)
     assert chain.servos[2].torque == 0
-    rig.until(lambda: rig.ctx.phases[-1] == "ready")
+    rig.until(lambda: rig.ctx.health[-1] == "ready")
 
 
 @pytest.mark.parametrize("end", [{"halt": 2}, {"halt": 1, "lost": True}, "estop"])
@@ -426,14 +415,14 @@ def test_a_bad_row_says_what_is_wrong(row, complaint):
 
 DRIVER = """
 import sys, time
-from tests.drivers.peers import FakeContext
+from tests.drivers.peers import DriverContext
 from lbr.drivers.dynamixel import KIND
 from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 settings = '{"device": "servos", "hold_s": %s, "release_s": 0.3, "reply_margin_s": 0.05}' % sys.argv[2]
-ctx = FakeContext(KIND.parse(settings), sys.argv[1], "dynamixel")
-ctx.wired, ctx.living = ("joints",), {"joints"}
+ctx = DriverContext(KIND.parse(settings), sys.argv[1], "dynamixel")
+ctx.wired["setpoint"] = ("joints",)
 ctx.joints = tuple(
     Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in (1, 2, 3)
 )

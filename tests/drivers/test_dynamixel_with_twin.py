@@ -20,7 +20,7 @@ from lbr.simulation.devices.dynamixel import DynamixelFaults
 from lbr.simulation.dynamixel import AxServo, DynamixelBus, Usb2Ax
 from lbr.simulation.twins import Surroundings
 from lbr.simulation.twins.dynamixel import DynamixelTwin
-from tests.drivers.peers import FakeContext, until
+from tests.drivers.peers import DriverContext, until
 
 IDS = range(1, 19)
 WANTED = [(table.RETURN_LEVEL, 2), (table.RETURN_DELAY, 0), (table.SHUTDOWN, 36)]
@@ -187,8 +187,8 @@ def test_the_whole_driver_moves_emulated_servos_and_lets_them_go(tmp_path):
     thread.start()
     until(address.exists)
     settings = '{"device": "servos", "guard": false, "reply_margin_s": 0.05, "on_close": "release"}'
-    ctx = FakeContext(KIND.parse(settings), address, "dynamixel")
-    ctx.wired, ctx.living = ("joints",), {"joints"}
+    ctx = DriverContext(KIND.parse(settings), address, "dynamixel")
+    ctx.wired["setpoint"] = ("joints",)
     ctx.joints = tuple(Joint(name=f"j{n}", device_id=n, lower_rad=-2, upper_rad=2, speed_rps=3) for n in IDS)
     driver = Dynamixel(ctx)
     driver.open()

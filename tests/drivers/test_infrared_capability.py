@@ -10,7 +10,7 @@ from lbr.drivers.infrared import KIND, decoders
 from lbr.drivers.infrared.receiver import Receiver
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockHeard
-from tests.drivers.peers import FakeContext, Pty, until
+from tests.drivers.peers import DriverContext, Pty, until
 
 SETTINGS = '{"device": "dock_receiver", "ttl_s": 0.3, "protocols": [7]}'
 LEFT, RIGHT = 0x400021, 0x400022
@@ -30,7 +30,7 @@ def receiver(tmp_path):
 
 @pytest.fixture
 def ctx(receiver):
-    return FakeContext(KIND.parse(SETTINGS), receiver.path, "infrared")
+    return DriverContext(KIND.parse(SETTINGS), receiver.path, "infrared")
 
 
 @pytest.fixture
@@ -97,12 +97,12 @@ def test_somebody_else_may_have_seen_a_beam(infrared, ctx):
 def test_unplugged_it_is_degraded_still_hears_others_and_comes_back(infrared, ctx, receiver, monkeypatch):
     monkeypatch.setattr("lbr.drivers.infrared.capability.RETRY_S", 0.0)
     receiver.unplug()
-    until(lambda: (infrared.step(), "is missing" in ctx.phases[-1])[1])
+    until(lambda: (infrared.step(), "is missing" in ctx.health[-1])[1])
     infrared.command(SimpleNamespace(message=DockHeard(left=True), arrived=ctx.clock(), reply=lambda _answer: None))
     infrared.step()
     assert ctx.state.left
     receiver.plug()
-    until(lambda: (infrared.step(), ctx.phases[-1] == "ready")[1])
+    until(lambda: (infrared.step(), ctx.health[-1] == "ready")[1])
     os.write(receiver.master, record(RIGHT))
     until(lambda: (infrared.step(), ctx.state.right)[1])
 
@@ -121,7 +121,7 @@ def test_a_receiver_that_decodes_nothing_is_degraded_although_it_opens(receiver,
     infrared = KIND.load()(ctx)
     infrared.open()
     infrared.step()
-    assert "decodes nec, not sony: sudo ir-keytable -s rc0 -p nec,sony" in ctx.phases[-1]
+    assert "decodes nec, not sony: sudo ir-keytable -s rc0 -p nec,sony" in ctx.health[-1]
     infrared.close()
 
 

@@ -6,12 +6,12 @@ import pytest
 from lbr.drivers.mpu9150 import KIND, capability, controller
 from lbr.errors import DeviceError
 from tests.drivers.i2c_peer import COMPASS, MPU, Chips, Server
-from tests.drivers.peers import FakeContext
+from tests.drivers.peers import DriverContext
 
 TICK_S = 0.01
 
 
-class Bench(FakeContext):
+class Bench(DriverContext):
     """A context whose clock goes on by itself only as far as the driver sleeps."""
 
     on_tick = True
@@ -267,11 +267,11 @@ def test_a_compass_that_does_not_measure_leaves_the_rest_and_is_told(make, chips
     told = [text for kind, text in ctx.events if kind == "compass"]
     assert len(told) == 1
     assert said in told[0]
-    assert len(ctx.phases) == 1
-    assert ctx.phases[0].startswith("warn: no compass: ")
+    assert len(ctx.health) == 1
+    assert ctx.health[0].startswith("no compass: ")
     chips.status2, chips.busy = 0, False
     assert any(sample.mag_ut for sample in steps(imu, ctx, 20))
-    assert ctx.phases[1:] == ["ready"]
+    assert ctx.health[1:] == ["ready"]
 
 
 @pytest.mark.parametrize("from_the_start", [True, False])
@@ -284,9 +284,9 @@ def test_a_compass_that_is_gone_leaves_the_rest_and_comes_back(make, chips, from
     chips.fails[COMPASS] = errno.EREMOTEIO
     later = steps(imu, ctx, 300)
     assert all(sample.valid and sample.gyro_rps and sample.mag_ut is None for sample in later)
-    assert len(ctx.phases) == 1
-    assert "no compass: device 'imu'" in ctx.phases[0]
-    assert "its compass does not answer at 0x0c (Remote I/O error)" in ctx.phases[0]
+    assert len(ctx.health) == 1
+    assert "no compass: device 'imu'" in ctx.health[0]
+    assert "its compass does not answer at 0x0c (Remote I/O error)" in ctx.health[0]
     chips.__init__()
     imu.close()
     imu.open()
@@ -295,7 +295,7 @@ def test_a_compass_that_is_gone_leaves_the_rest_and_comes_back(make, chips, from
     steps(imu, ctx, 50)
     del chips.fails[COMPASS]
     assert any(sample.mag_ut for sample in steps(imu, ctx, 250))
-    assert ctx.phases[-1] == "ready"
+    assert ctx.health[-1] == "ready"
 
 
 def test_a_compass_that_comes_back_as_another_chip_is_told_and_leaves_the_rest(make, chips):
@@ -306,7 +306,7 @@ def test_a_compass_that_comes_back_as_another_chip_is_told_and_leaves_the_rest(m
     del chips.fails[COMPASS]
     chips.compass_id = 0x33
     assert all(sample.valid for sample in steps(imu, ctx, 250))
-    assert "says 0x33, not 0x48" in ctx.phases[-1]
+    assert "says 0x33, not 0x48" in ctx.health[-1]
 
 
 def test_what_is_beyond_the_range_is_not_measured_and_told(make, chips):

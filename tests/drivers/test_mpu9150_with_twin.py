@@ -11,16 +11,12 @@ from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.mpu9150 import Mpu9150
 from tests.drivers.i2c_peer import MPU, Server
-from tests.drivers.peers import FakeContext
+from tests.drivers.peers import DriverContext
 from tests.support.machine import Stopwatch
 
 FELT = ImuReading(
     gyro_rps=(0.5, -0.25, 2.0), accel_mps2=(1.0, -2.0, 9.5), mag_ut=(20.0, -5.0, -43.0), temperature_c=31.0
 )
-
-
-class Context(FakeContext):
-    on_tick = True
 
 
 @pytest.fixture
@@ -45,7 +41,7 @@ def ctx(tmp_path, chip):
 
     server = Server(tmp_path / "imu", answer)
     settings = KIND.parse('{"device": "imu", "mag_hz": 100}')
-    yield Context(settings, f"unix:{tmp_path / 'imu'}", "mpu9150")
+    yield DriverContext(settings, f"unix:{tmp_path / 'imu'}", "mpu9150")
     server.finish()
 
 
@@ -79,7 +75,7 @@ def test_a_magnet_takes_the_compass_alone(imu, ctx, chip):
     step_until(imu, ctx, lambda sample: sample.mag_ut is not None)
     chip.faults = msgspec.structs.replace(chip.faults, overflow=True)
     # On a slow machine it is first said not to finish measuring.
-    step_until(imu, ctx, lambda _: any("too strong" in phase for phase in ctx.phases))
+    step_until(imu, ctx, lambda _: any("too strong" in phase for phase in ctx.health))
     assert ctx.state.valid
     assert ctx.state.mag_ut is None
 

@@ -22,7 +22,8 @@ from lbr.simulation.measured import ImuReading
 from lbr.simulation.phidget_spatial import RECORD, PhidgetSpatial
 from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.phidget_spatial import PhidgetSpatialTwin
-from tests.drivers.peers import FakeContext
+from lbr.testing import FakeCall
+from tests.drivers.peers import DriverContext
 from tests.support import needs
 from tests.support.machine import Stopwatch
 
@@ -59,24 +60,6 @@ def _fields(reading):
     return {name: getattr(reading, name) for name in reading.__struct_fields__}
 
 
-class Context(FakeContext):
-    on_tick = True
-
-    def wake(self):
-        pass
-
-
-class Call:
-    def __init__(self, message, name="zero"):
-        self.name, self.message, self.said = name, message, None
-
-    def reply(self, answer, *, quiet=False):
-        self.said = answer
-
-    def refuse(self, reason, code="refused"):
-        self.said = reason
-
-
 @pytest.fixture
 def world(tmp_path):
     world = World(tmp_path / "imu")
@@ -86,7 +69,7 @@ def world(tmp_path):
 
 @pytest.fixture
 def ctx(tmp_path):
-    return Context(KIND.parse('{"device": "imu"}'), f"unix:{tmp_path / 'imu'}", "phidget_spatial")
+    return DriverContext(KIND.parse('{"device": "imu"}'), f"unix:{tmp_path / 'imu'}", "phidget_spatial")
 
 
 @pytest.fixture
@@ -174,14 +157,15 @@ def test_a_world_that_halts_for_a_moment_looks_like_no_frozen_unit():
 
 def test_the_gyro_is_zeroed_only_while_it_lies_still(imu, ctx, world):
     samples(imu, ctx, lambda one: one.valid)
-    call = Call(ZeroCommand())
+    call = FakeCall("zero", ZeroCommand())
     imu.command(call)
-    assert "turns by more than 5" in call.said
+    assert "turns by more than 5" in call.answer.reason
+    call = FakeCall("zero", ZeroCommand())
     world.felt = ImuReading(gyro_rps=(radians(1.0), 0.0, 0.0))
     ctx.published.clear()
     samples(imu, ctx, lambda one: one.gyro_rps is not None and one.gyro_rps[2] == 0.0)
     imu.command(call)
-    assert call.said.accepted
+    assert call.answer.accepted
     ctx.published.clear()
     assert "keep it still" in samples(imu, ctx, lambda one: not one.valid)[0].reason
     ctx.published.clear()

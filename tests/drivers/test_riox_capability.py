@@ -7,7 +7,7 @@ from lbr.drivers.riox import KIND
 from lbr.drivers.riox.capability import MOST_ALIKE, Riox
 from lbr.drivers.riox.controller import QUIET_S, AhrsUnit
 from lbr.errors import DeviceError
-from tests.drivers.peers import Board, FakeContext, until
+from tests.drivers.peers import Board, DriverContext, until
 
 TICK_S = 0.01
 
@@ -204,7 +204,7 @@ def board(tmp_path):
 
 
 def test_over_a_real_line_it_asks_and_publishes_and_tells_when_the_cable_is_pulled(board):
-    ctx = FakeContext(KIND.settings(device="imu"), board.path, "riox")
+    ctx = DriverContext(KIND.settings(device="imu"), board.path, "riox")
     imu = KIND.load()(ctx)
     assert isinstance(imu, Riox)
     assert imu.rate_hz == 100.0

@@ -12,7 +12,7 @@ from lbr.drivers.wheels.arming import Setpoint, receive
 from lbr.errors import DeviceError
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.system import Stamp
-from tests.drivers.peers import FakeContext, until
+from tests.drivers.peers import DriverContext, until
 from tests.support.machine import Stopwatch
 
 SETTINGS = '{"device": "motors", "guard": false, "left": {"channel": 1, "direction": -1}, "right": {"channel": 2}}'
@@ -29,7 +29,7 @@ def stamp(age_s, boot):
 
 @pytest.fixture
 def ctx(peer):
-    return FakeContext(KIND.parse(SETTINGS), peer.path, "roboteq")
+    return DriverContext(KIND.parse(SETTINGS), peer.path, "roboteq")
 
 
 @pytest.fixture
@@ -119,7 +119,7 @@ def test_setpoints_from_anyone_but_the_wired_source_are_ignored(motors, ctx, pee
 
 def test_the_death_of_the_source_stops_at_once(drive, motors, ctx, peer):
     drive()
-    ctx.living.clear()
+    ctx.gone.add("drive")
     motors.step()
     assert peer.motor == (0, 0)
     assert "'drive' is not on the bus" in ctx.state.reason
@@ -127,7 +127,7 @@ def test_the_death_of_the_source_stops_at_once(drive, motors, ctx, peer):
 
 
 def test_no_wired_source_never_arms(motors, ctx):
-    ctx.wired = ()
+    ctx.wired["setpoint"] = ()
     ctx.give(setpoint(0.0, 0.0))
     motors.step()
     assert not ctx.state.armed
@@ -211,7 +211,7 @@ def test_the_controllers_own_emergency_stop_is_reported_and_ended_by_stop_and_re
     motors.step()
     assert "nobody here asked" in ctx.state.reason
     assert ctx.state.faults == ("emergency_stop",)
-    assert any(phase.startswith("warn: ") for phase in ctx.phases)
+    assert any(phase != "ready" for phase in ctx.health)
     ctx.estop.engaged = True
     motors.step()
     ctx.estop.engaged = False
@@ -231,7 +231,7 @@ def test_a_fault_disarms_and_is_named(drive, motors, ctx, peer, bits, name):
     assert "fault" in ctx.kinds()
     peer.answers["FF"] = "0"
     until(lambda: (motors.step(), ctx.state.reason == "waiting for a zero setpoint")[1])
-    assert ctx.phases[-1] == "ready"
+    assert ctx.health[-1] == "ready"
 
 
 def test_a_tolerated_fault_is_shown_but_does_not_disarm(drive, motors, ctx, peer):

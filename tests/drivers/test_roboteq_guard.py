@@ -15,19 +15,19 @@ from lbr.drivers.roboteq.protocol import ACKNOWLEDGED, STOP
 from lbr.drivers.serial_line import open_line
 from lbr.drivers.wheels.guard import PROGRAM
 from lbr.errors import DeviceError
-from tests.drivers.peers import FakeContext, until
+from tests.drivers.peers import DriverContext, until
 from tests.support import programs
 from tests.support.machine import Stopwatch
 
 ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 DRIVER = """
 import sys, time
-from tests.drivers.peers import FakeContext
+from tests.drivers.peers import DriverContext
 from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.messages.motors import MotorSetpoint
-ctx = FakeContext(KIND.parse('{"device": "motors"}'), sys.argv[1], "roboteq")
+ctx = DriverContext(KIND.parse('{"device": "motors"}'), sys.argv[1], "roboteq")
 motors = Roboteq(ctx)
 motors.open()
 print(motors._guard.pid, flush=True)
@@ -77,7 +77,7 @@ def test_killing_the_driver_zeroes_the_motors_long_before_the_watchdog(driver, p
     until(lambda: peer.motor == (0, 0), 0.15)
     assert watch.given_s < 0.15, watch
     until(lambda: gone(guard))
-    line = open_line(FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq").device, 115200)
+    line = open_line(DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq").device, 115200)
     line.close()
 
 
@@ -99,7 +99,7 @@ def test_a_frozen_driver_is_killed_and_the_motors_zeroed_before_the_watchdog(dri
 
 
 def test_a_driver_that_stands_still_at_rest_is_left_alone(peer):
-    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     motors.step()
@@ -129,7 +129,7 @@ def test_the_guard_says_why_before_it_kills():
 
 
 def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
-    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     clock = Clock()
     ctx.clock = clock
     motors = Roboteq(ctx)
@@ -149,7 +149,7 @@ def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
 
 
 def test_a_frozen_guard_goes_on_with_the_next_beat_and_that_is_told(peer):
-    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     motors.step()
@@ -180,7 +180,7 @@ class Clock:
 
 
 def test_without_its_guard_the_driver_stops_and_opens_anew(peer):
-    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     os.kill(motors._guard.pid, signal.SIGKILL)
@@ -193,7 +193,7 @@ def test_without_its_guard_the_driver_stops_and_opens_anew(peer):
 
 
 def test_closing_dismisses_the_guard_and_frees_the_line(peer):
-    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     guard = motors._guard
@@ -206,7 +206,7 @@ def test_closing_dismisses_the_guard_and_frees_the_line(peer):
 
 
 def test_the_guard_writes_zero_when_the_closing_driver_was_not_answered(peer):
-    ctx = FakeContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     peer.motor = (500, 500)
@@ -230,7 +230,7 @@ def test_the_guard_is_not_held_up_by_a_controller_that_babbles(driver, peer):
 
 
 def test_a_row_may_do_without_a_guard(peer):
-    ctx = FakeContext(KIND.parse('{"device": "motors", "guard": false}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND.parse('{"device": "motors", "guard": false}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     assert motors._guard is None

@@ -4,7 +4,7 @@ import pytest
 
 from lbr.drivers.ultrasonic import KIND
 from lbr.errors import DeviceError
-from tests.drivers.peers import FakeContext, until
+from tests.drivers.peers import DriverContext, until
 from tests.support.machine import Stopwatch
 
 LINE = b'{ "Ranges": { "Forward": %d, "Left": 45, "Right": 60, "Back": 70, "Bottom": 0, "Deltat": 100}}\r\n'
@@ -13,7 +13,7 @@ LINE = b'{ "Ranges": { "Forward": %d, "Left": 45, "Right": 60, "Back": 70, "Bott
 @pytest.fixture
 def ctx(board):
     settings = KIND.parse('{"device": "ring", "timeout_s": 0.2, "start_timeout_s": 0.4}')
-    return FakeContext(settings, board.path, "ultrasonic_ring")
+    return DriverContext(settings, board.path, "ultrasonic_ring")
 
 
 @pytest.fixture
@@ -50,10 +50,10 @@ def test_every_good_frame_is_published_at_once(ring, ctx, board):
 
 def test_it_is_ready_only_once_it_has_measured(ring, ctx, board):
     ring.step()
-    assert ctx.phases == ["warn: waiting for the first reading"]
+    assert ctx.health == ["waiting for the first reading"]
     board.say(LINE % 120)
     hear(ring, ctx)
-    assert ctx.phases[-1] == "ready"
+    assert ctx.health[-1] == "ready"
 
 
 def test_a_board_that_was_still_starting_is_asked_again(ring, ctx, board):

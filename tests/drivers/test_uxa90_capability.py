@@ -1,6 +1,5 @@
 import threading
 import time
-from types import SimpleNamespace
 
 import msgspec
 import pytest
@@ -13,7 +12,8 @@ from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint, ServosState, StoredPlay
 from lbr.messages.uxa90 import ConfigureCommand, ControllerState, InquireCommand, TakeControlCommand
-from tests.drivers.peers import FakeContext, until
+from lbr.testing import FakeCall
+from tests.drivers.peers import DriverContext, until
 from tests.drivers.uxa90_peers import Board
 
 SETTINGS = {"device": "board", "guard": False, "sweep_hz": 50, "settle_s": 0.05, "reply_s": 0.05}
@@ -30,8 +30,8 @@ class Rig:
         self.board = board
         self.ahead_s = 0.0
         row = msgspec.json.encode(SETTINGS | settings).decode()
-        self.ctx = FakeContext(KIND.parse(row), board.path, "uxa90")
-        self.ctx.wired, self.ctx.living = ("joints",), {"joints"}
+        self.ctx = DriverContext(KIND.parse(row), board.path, "uxa90")
+        self.ctx.wired["setpoint"] = ("joints",)
         self.ctx.joints = tuple(joint(servo) for servo in board.servos)
         self.ctx.clock = lambda: time.monotonic() + self.ahead_s
         self.driver = Uxa90(self.ctx)
@@ -479,22 +479,11 @@ def test_when_the_cable_was_out_while_the_main_board_played_its_motion_is_ended_
     assert (board.plays, rig.state.stored.phase) == ([], "failed")
 
 
-class Answer:
-    def __init__(self, name, message):
-        self.name, self.message, self.said = name, message, None
-
-    def reply(self, answer, *, quiet=False):
-        self.said = answer
-
-    def refuse(self, reason, code="refused"):
-        self.said = SimpleNamespace(accepted=False, reason=reason)
-
-
 def ask(rig, name, message):
-    call = Answer(name, message)
+    call = FakeCall(name, message)
     rig.driver.command(call)
-    rig.until(lambda: call.said is not None)
-    return call.said
+    rig.until(lambda: call.answer is not None)
+    return call.answer
 
 
 def test_commands(rig, board):
@@ -603,12 +592,12 @@ def test_a_robot_without_power_is_degraded_and_says_what_to_look_at(rig, board):
 
 def test_servos_that_fall_silent_one_after_another_are_told_of_together(rig, board):
     rig.on()
-    rig.until(lambda: rig.ctx.phases[-1] == "ready")
+    rig.until(lambda: rig.ctx.health[-1] == "ready")
     for servo in (0, 1):
         board.dead.add(servo)
         rig.until(lambda servo=servo: rig.servo(servo).reason)
-    rig.until(lambda: rig.ctx.phases[-1].startswith("warn: not measured: joint_0 (servo 0), joint_1 (servo 1)"))
-    assert len([one for one in rig.ctx.phases if one.startswith("warn")]) <= 2
+    rig.until(lambda: rig.ctx.health[-1].startswith("not measured: joint_0 (servo 0), joint_1 (servo 1)"))
+    assert len([one for one in rig.ctx.health if one != "ready"]) <= 2
     assert "servo_silent" not in rig.ctx.kinds()
 
 

@@ -13,17 +13,17 @@ from lbr.capability.faults import faults
 from lbr.drivers.wheels import EnableCommand
 from lbr.drivers.wheels.guard_stop import heard
 from lbr.messages.motors import MotorSetpoint
-from tests.drivers.peers import FakeContext, Pty, until
+from tests.drivers.peers import DriverContext, Pty, until
 from tests.drivers.tiny_wheels import KIND, Tiny
 from tests.support import programs
 from tests.support.machine import Stopwatch
 
 DRIVER = """
 import sys, time
-from tests.drivers.peers import FakeContext
+from tests.drivers.peers import DriverContext
 from tests.drivers.tiny_wheels import KIND, Tiny
 from lbr.messages.motors import MotorSetpoint
-ctx = FakeContext(KIND.parse('{"device": "motors"}'), sys.argv[1], "tiny")
+ctx = DriverContext(KIND.parse('{"device": "motors"}'), sys.argv[1], "tiny")
 motors = Tiny(ctx)
 motors.open()
 while True:
@@ -69,7 +69,7 @@ def peer(tmp_path):
 
 @pytest.fixture
 def ctx(peer):
-    return FakeContext(KIND.parse('{"device": "motors", "guard": false}'), peer.path, "tiny")
+    return DriverContext(KIND.parse('{"device": "motors", "guard": false}'), peer.path, "tiny")
 
 
 @pytest.fixture

@@ -77,7 +77,7 @@ def test_pictures_come_with_the_size_asked_for_and_the_time_they_were_taken(stag
             stamps.append(taken_ns)
         assert stamps == sorted(set(stamps)), "each is a later one"
         assert before - 50_000_000 < stamps[0] <= stamps[-1] <= time.monotonic_ns()
-    assert ("cameras_drawn" in {kind for kind, _ in stage.ctx.events}) == (not stage.ctx.warnings)
+    assert ("cameras_drawn" in {kind for kind, _ in stage.ctx.events}) == (not stage.ctx.health)
 
 
 def test_front_and_rear_look_their_own_ways(stage):

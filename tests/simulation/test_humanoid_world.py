@@ -13,8 +13,9 @@ from lbr.simulation.humanoid import KIND
 from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.requests import FaultRequest, PickUpRequest, PictureRequest
+from lbr.testing import FakeCall
 from tests.simulation.humanoid_bench import rows
-from tests.simulation.world_bench import FakeCall, FakeContext
+from tests.simulation.world_bench import WorldContext
 from tests.support.machine import Stopwatch
 
 STEP_RAD = radians(300.0 / 1023.0)
@@ -29,13 +30,13 @@ class Bench:
             Device("imu", "phidget_spatial", f"unix:{folder}/imu", {}),
             Device("ups", "pico", f"unix:{folder}/ups", {}),
         )
-        self.ctx = FakeContext(HumanoidWorldSettings(**{"model": "bioloid", "hand_s": 0.2, **settings}), devices)
+        self.ctx = WorldContext(HumanoidWorldSettings(**{"model": "bioloid", "hand_s": 0.2, **settings}), devices)
         self.ctx.robot, self.ctx.home, self.ctx.joints = "bioloid", str(folder), rows()[0]
         self.world = HumanoidWorld(self.ctx)
 
     @property
     def pose(self):
-        return self.ctx.published["pose"][-1]
+        return self.ctx.said("pose")[-1]
 
     def ask(self, name, message, **more):
         call = FakeCall(name, message, **more)
@@ -100,7 +101,7 @@ def stand(bench, servos):
 
 
 def test_servos_with_torque_stand_it_up_and_positions_on_the_bus_follow_the_world(bench, servos):
-    assert bench.until(lambda: bench.ctx.published["pose"])
+    assert bench.until(lambda: bench.ctx.said("pose"))
     assert bench.pose.held
     stand(bench, servos)
     assert ("let_go", "the helper's hand has let go: bioloid stands by itself") in bench.ctx.events
@@ -133,7 +134,7 @@ def test_who_loses_all_torque_in_a_knees_bend_falls_is_told_of_and_picked_up(ben
 
 
 def test_a_picture_shows_it_from_two_sides(bench, tmp_path):
-    assert bench.until(lambda: bench.ctx.published["pose"])
+    assert bench.until(lambda: bench.ctx.said("pose"))
     path = tmp_path / "it.png"
     call = bench.ask("picture", PictureRequest(path=str(path), width_px=600, height_px=400))
     assert bench.until(lambda: call.answer is not None)
@@ -150,11 +151,11 @@ def test_faults_reach_the_devices(bench):
     call = bench.ask("fault", FaultRequest(device="servo_bus", name="unplug"))
     assert call.answer.faults["unplug"] is True
     assert bench.until(lambda: not bench.bus_path.is_symlink())
-    assert "no emulated device 'leg'" in bench.ask("fault", FaultRequest(device="leg", name="unplug")).refusal
+    assert "no emulated device 'leg'" in bench.ask("fault", FaultRequest(device="leg", name="unplug")).refused
 
 
 def test_every_device_of_the_robot_has_its_twin_and_what_its_row_may_set_is_known(bench):
-    assert bench.ctx.warnings == []
+    assert bench.ctx.health == []
     assert KIND.emulates
     assert {device.type for device in bench.ctx.devices} <= set(twins.names())
 

@@ -20,7 +20,7 @@ def test_a_thing_that_is_placed_is_seen_until_it_is_removed(bench):
     call = bench.ask("place", PlaceRequest(x_m=1.2, y_m=0.0))
     assert call.answer.things == ("obstacle",)
     assert bench.until(lambda: (bench.world._physics.ranges_m["forward"] or 9.0) < 1.2)
-    assert bench.until(lambda: [wall.name for wall in bench.ctx.published["scene"][-1].walls] == ["obstacle"])
+    assert bench.until(lambda: [wall.name for wall in bench.ctx.said("scene")[-1].walls] == ["obstacle"])
     assert bench.ctx.events[-1] == ("world_changed", "'obstacle' stands in the world")
     assert bench.ask("remove", RemoveRequest()).answer.things == ()
     assert bench.until(lambda: bench.world._physics.ranges_m["forward"] is None)
@@ -34,7 +34,7 @@ def test_a_thing_that_is_placed_is_seen_until_it_is_removed(bench):
     ],
 )
 def test_what_cannot_be_is_refused_with_a_reason(bench, name, message, reason):
-    assert reason in bench.ask(name, message).refusal
+    assert reason in bench.ask(name, message).refused
 
 
 def test_things_come_and_go_while_the_world_runs(bench):

@@ -16,9 +16,10 @@ from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.humanoid.settings import Ball
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
+from lbr.testing import FakeCall
 from tests.models.uxa90.robot import humanoid, joints, settings
 from tests.simulation.camera_bench import Film, picture
-from tests.simulation.world_bench import FakeCall, FakeContext
+from tests.simulation.world_bench import WorldContext
 from tests.support.machine import Stopwatch
 
 BUTTON = bytes.fromhex("ff ff aa 55 aa 55 37 ba 14 00 00 00 00 01")
@@ -35,7 +36,7 @@ class Stage:
             Device("main_board", "uxa90", str(self.line), {"programmes": {str(NOD): nod}}),
             Device("head_camera", "camera", f"unix:{self.eye}", {}),
         )
-        self.ctx = FakeContext(settings(), devices)
+        self.ctx = WorldContext(settings(), devices)
         self.ctx.robot, self.ctx.home, self.ctx.joints = "uxa90", str(folder), joints()
         self.world = HumanoidWorld(self.ctx)
         self.over = threading.Event()
@@ -118,7 +119,7 @@ def test_a_ball_keeps_to_its_path(path, reach):
 
 
 def test_the_cameras_socket_shows_what_its_head_sees(stage):
-    assert "ball" in stage.ask("ball", BallRequest(name="moon")).refusal
+    assert "ball" in stage.ask("ball", BallRequest(name="moon")).refused
     assert stage.ask("ball", BallRequest(x_m=1.0, y_m=0.0, z_m=0.6)).answer.accepted
     with Film(stage.eye, width=160, height=120, fps=30) as film:
         while orange(film.frame()[0]) is None:
@@ -126,14 +127,14 @@ def test_the_cameras_socket_shows_what_its_head_sees(stage):
 
 
 def test_a_button_of_the_remote_control_moves_it_and_a_picture_shows_it(stage, tmp_path):
-    assert stage.ctx.warnings == []
-    assert stage.until(lambda: stage.ctx.published["pose"])
-    assert not stage.ctx.published["pose"][-1].stands
+    assert stage.ctx.health == []
+    assert stage.until(lambda: stage.ctx.said("pose"))
+    assert not stage.ctx.said("pose")[-1].stands
     with serial.Serial(str(stage.line), 115_200, timeout=5, exclusive=True) as tty:
         tty.write(BUTTON + bytes((NOD, NOD)))
         assert tty.read(8) == BUTTON[:8], "it answers when the motion is over"
-    assert stage.until(lambda: stage.ctx.published["pose"][-1].joints["head_pitch"] == pytest.approx(0.43, abs=0.06))
-    assert stage.ctx.published["pose"][-1].supply_v == pytest.approx(18.5, abs=1.0)
+    assert stage.until(lambda: stage.ctx.said("pose")[-1].joints["head_pitch"] == pytest.approx(0.43, abs=0.06))
+    assert stage.ctx.said("pose")[-1].supply_v == pytest.approx(18.5, abs=1.0)
     path = tmp_path / "it.png"
     call = stage.ask("picture", PictureRequest(path=str(path), width_px=600, height_px=400))
     assert stage.until(lambda: call.answer is not None)
@@ -141,7 +142,7 @@ def test_a_button_of_the_remote_control_moves_it_and_a_picture_shows_it(stage, t
         robot = (np.asarray(drawn.convert("RGB"))[60:350] != (250, 250, 247)).any(axis=2)
         assert 0.02 < robot.mean() < 0.5
     assert "in a helper's hand if it has torque" in stage.ask("pick_up", PickUpRequest()).answer.reason
-    assert stage.until(lambda: stage.ctx.published["pose"][-1].held), "its head has torque"
+    assert stage.until(lambda: stage.ctx.said("pose")[-1].held), "its head has torque"
 
 
 def test_who_stands_up_sits_down_or_falls_is_told_of(tmp_path):

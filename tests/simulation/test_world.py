@@ -36,15 +36,15 @@ def motors(bench):
 
 def test_a_motor_command_drives_the_robot_ahead(bench, motors):
     bench.world.step()
-    ahead_m = bench.ctx.published["pose"][0].x_m
+    ahead_m = bench.ctx.said("pose")[0].x_m
 
     def has_moved():
         assert motors.ask("!M -500 500") == b"+\r"
-        pose = bench.ctx.published["pose"][-1]
+        pose = bench.ctx.said("pose")[-1]
         return pose.x_m > ahead_m + 0.1 and abs(pose.y_m) < 0.02
 
     assert bench.until(has_moved)
-    assert bench.ctx.published["pose"][-1].left == bench.ctx.published["pose"][-1].right == 0.5
+    assert bench.ctx.said("pose")[-1].left == bench.ctx.said("pose")[-1].right == 0.5
     counts = motors.ask("?C")
     left, right = (int(count) for count in counts[2:-1].split(b":"))
     assert left < -10
@@ -128,10 +128,10 @@ def test_the_board_reports_the_walls_and_what_is_pinned(bench):
 
 
 def test_pose_comes_at_its_rate_and_the_scene_at_once(bench):
-    assert bench.until(lambda: len(bench.ctx.published["pose"]) >= 11)
-    first, last = bench.ctx.published["pose"][0], bench.ctx.published["pose"][10]
+    assert bench.until(lambda: len(bench.ctx.said("pose")) >= 11)
+    first, last = bench.ctx.said("pose")[0], bench.ctx.said("pose")[10]
     assert 0.35 < last.time_s - first.time_s < 1.0
-    assert [wall.name for wall in bench.ctx.published["scene"][0].walls] == ["wall"]
+    assert [wall.name for wall in bench.ctx.said("scene")[0].walls] == ["wall"]
 
 
 def test_a_picture_is_saved_where_asked(bench, tmp_path):
@@ -147,8 +147,8 @@ def test_a_picture_replaces_no_file_and_makes_no_folder(bench, tmp_path):
     path.write_bytes(b"mine")
     for named, why in ((path, "File exists"), (tmp_path / "new" / "room.png", "No such file")):
         call = bench.ask("picture", PictureRequest(path=str(named), width_px=300, height_px=300))
-        assert bench.until(lambda call=call: call.refusal is not None)
-        assert why in call.refusal
+        assert bench.until(lambda call=call: call.refused)
+        assert why in call.refused
     assert path.read_bytes() == b"mine"
     assert not (tmp_path / "new").exists()
 
@@ -171,7 +171,7 @@ def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
     ],
 )
 def test_what_cannot_be_done_is_refused_with_a_reason(bench, name, message, reason):
-    assert reason in bench.ask(name, message).refusal
+    assert reason in bench.ask(name, message).refused
 
 
 def test_what_ends_the_worlds_thread_ends_the_capability(bench, monkeypatch):
@@ -188,7 +188,7 @@ def test_a_device_without_a_twin_is_named(tmp_path):
     bench.ctx.devices = (*bench.ctx.devices, Device("arm", "servo_bus", str(tmp_path / "arm"), {}))
     bench.world.open()
     bench.world.close()
-    assert bench.ctx.warnings == []
+    assert bench.ctx.health == []
     assert ("no_twin", f"without a twin, and so used at their own address: arm (servo_bus at {tmp_path / 'arm'})") in [
         event[:2] for event in bench.ctx.events
     ]
@@ -199,7 +199,7 @@ def test_a_device_that_has_a_twin_but_is_elsewhere_is_named(tmp_path):
     bench.ctx.devices = (*bench.ctx.devices, Device("arm", "dynamixel", "usb:1a86:55d3", {}))
     bench.world.open()
     bench.world.close()
-    assert "no emulated twin for arm (dynamixel at usb:1a86:55d3)" in bench.ctx.warnings[0]
+    assert "no emulated twin for arm (dynamixel at usb:1a86:55d3)" in bench.ctx.health[0]
 
 
 def test_a_twin_that_breaks_is_refused_in_words_and_the_others_are_there(tmp_path, monkeypatch):
@@ -214,7 +214,7 @@ def test_a_twin_that_breaks_is_refused_in_words_and_the_others_are_there(tmp_pat
     here = [Path(device.address).exists() for device in bench.ctx.devices if device.name != "ahrs"]
     bench.world.close()
     assert all(here)
-    assert "device 'ahrs' (riox) is not emulated: ZeroDivisionError: no axle" in bench.ctx.warnings
+    assert "device 'ahrs' (riox) is not emulated: ZeroDivisionError: no axle" in bench.ctx.health
 
 
 def test_every_type_of_device_can_be_unplugged_and_one_without_a_twin_needs_none(tmp_path):
@@ -235,7 +235,7 @@ def test_every_type_of_device_can_be_unplugged_and_one_without_a_twin_needs_none
         assert bench.until(lambda: all(path.exists() for path in paths))
     finally:
         bench.world.close()
-    assert bench.ctx.warnings == []
+    assert bench.ctx.health == []
     assert not any(path.is_symlink() or path.exists() for path in paths)
 
 

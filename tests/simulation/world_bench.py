@@ -12,48 +12,20 @@ from lbr.simulation.requests import FaultRequest
 from lbr.simulation.settings import BoxSettings, WorldSettings
 from lbr.simulation.trace import OutputTrace
 from lbr.simulation.twins.base import Surroundings
+from lbr.testing import FakeCall, FakeContext
 from tests.support.machine import Stopwatch
 
 WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 
 
-class FakeContext:
-    """Our own contract, kept by lists."""
-
-    robot = "lbr"
-    name = "world"
-    device = None
+class WorldContext(FakeContext):
+    """The context of a world on real time."""
 
     def __init__(self, settings, devices):
-        self.settings = settings
-        self.devices = devices
-        self.published = {"pose": [], "scene": []}
-        self.events = []
-        self.warnings = []
+        super().__init__(settings, robot="lbr", name="world", devices=devices)
 
     def clock(self):
         return time.monotonic()
-
-    def publish(self, output, message):
-        self.published[output].append(message)
-
-    def event(self, kind, text, *, level="info", data=None, code="", about=""):
-        self.events.append((kind, text))
-
-    def warn(self, reason):
-        self.warnings.append(reason)
-
-
-class FakeCall:
-    def __init__(self, name, message):
-        self.name, self.message = name, message
-        self.answer = self.refusal = None
-
-    def reply(self, answer, *, quiet=False):
-        self.answer = answer
-
-    def refuse(self, reason, code="refused"):
-        self.refusal = reason
 
 
 class Client:
@@ -78,7 +50,7 @@ class Bench:
             Device("motors", "roboteq", str(self.motors_path), {}),
             Device("ranges", "ultrasonic_ring", str(self.ranges_path), {"board": "arduino"}),
         )
-        self.ctx = FakeContext(settings, devices)
+        self.ctx = WorldContext(settings, devices)
         self.world = World(self.ctx)
 
     def ask(self, name, message, **more):
@@ -88,7 +60,7 @@ class Bench:
 
     def fault(self, device, name, value=True):
         call = self.ask("fault", FaultRequest(device=device, name=name, value=value))
-        assert call.refusal is None
+        assert not call.refused
         return call.answer
 
     def trace(self):

@@ -115,4 +115,6 @@ def _failure(name: str, reply: CommandReply | None) -> str:
 
 def _reply(done: _Selecting) -> CommandReply:
     chosen = f"{done.wanted.removeprefix(PREFIX)} is on" if done.wanted else "all cameras are off"
-    return CommandReply(accepted=not done.failures, reason="; ".join(done.failures) or chosen)
+    if done.failures:
+        return CommandReply(accepted=False, reason="; ".join(done.failures), code="failed")
+    return CommandReply(accepted=True, reason=chosen)

@@ -1,18 +1,15 @@
 """A robot around one attitude capability, for tests: a made-up inertial unit, and a drive that turns it."""
 
-from collections import deque
 from dataclasses import dataclass, field
-from typing import Any
 
-from lbr.capability.context import Received
 from lbr.messages.attitude import CalibrateCommand, ObserveCommand
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand, refused
 from lbr.operations.attitude.capability import Attitude
 from lbr.operations.attitude.settings import AttitudeSettings
+from lbr.testing import FakeCall, FakeContext
 from tests.operations.attitude.imu_bench import MadeUpImu
-from tests.operations.fakes import FakeAsked, FakeCall
 from tests.support.replies import dead
 
 TURN_DPS = 400.0
@@ -78,53 +75,22 @@ class Silent:
         pass
 
 
-class FakeContext:
-    """What the runtime gives a capability, without a bus; `run` lets time pass."""
-
-    robot, name, device, devices = "robot", "attitude", None, ()
-    on_tick = True
+class AttitudeContext(FakeContext):
+    """The context of an attitude; `run` lets time pass for it, its inertial unit and its drive."""
 
     def __init__(self, home, imu=None, **settings):
-        self.settings = AttitudeSettings(device="imu", **settings)
-        self.home = str(home)
+        super().__init__(AttitudeSettings(device="imu", **settings), name="attitude", home=str(home))
         self.imu = imu or MadeUpImu()
         self.drive = FakeDrive()
-        self.calibration: dict[str, float] = {}
-        self.kept: list[dict[str, float]] = []
-        self.published: list[tuple[str, Any]] = []
-        self.events: list[tuple[str, str]] = []
-        self.health: list[str] = []
         self.deaf = False
-        self._arrived: deque[Received] = deque()
         self.capability = Attitude(self)
         self.capability.open()
 
     def clock(self):
         return self.imu.time_s
 
-    def publish(self, output, message):
-        self.published.append((output, message))
-
-    def take(self, port):
-        taken = list(self._arrived)
-        self._arrived.clear()
-        return taken
-
-    def ask(self, request, message, timeout_s):
-        return FakeAsked(message, self.drive.answer(request, message, self.clock()))
-
-    def event(self, kind, text, *, level="info", data=None, code="", about=""):
-        self.events.append((kind, text))
-
-    def keep_calibration(self, values):
-        self.kept.append(dict(values))
-        self.calibration = {**self.calibration, **values}
-
-    def ready(self, reason=""):
-        self.health.append("ready")
-
-    def warn(self, reason):
-        self.health.append(reason)
+    def answer(self, request, message):
+        return self.drive.answer(request, message, self.clock())
 
     def run(self, seconds, until=lambda: False):
         """Let the base turn, the inertial unit measure at 100 Hz and the capability step at 50 Hz."""
@@ -132,7 +98,7 @@ class FakeContext:
             for _ in range(2):
                 sample = self.imu.sample(self.drive.rate_dps(self.clock()))
                 if not self.deaf:
-                    self._arrived.append(Received(sample, None, self.clock(), "imu"))
+                    self.arrive("samples", sample)
             self.capability.step()
             if until():
                 return
@@ -152,11 +118,5 @@ class FakeContext:
     def stop(self):
         return self.say("stop", StopCommand())
 
-    def said(self, output):
-        return [message for name, message in self.published if name == output]
-
     def state(self):
         return self.said("state")[-1]
-
-    def told(self, kind):
-        return [text for name, text in self.events if name == kind]

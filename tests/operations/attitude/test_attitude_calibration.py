@@ -9,7 +9,7 @@ import pytest
 from lbr.messages.attitude import CalibrateCommand
 from lbr.operations.attitude.samples import HEADER
 from lbr.operations.attitude.settings import Mounting
-from tests.operations.attitude.attitude_context import FakeContext, Silent
+from tests.operations.attitude.attitude_context import AttitudeContext, Silent
 from tests.operations.attitude.imu_bench import MadeUpImu, about, apart_deg
 
 IRON = about(2, 0.5) @ np.diag((1.2, 0.85, 1.0)) @ about(2, -0.5)
@@ -48,7 +48,7 @@ def test_after_a_turn_on_the_spot_the_heading_is_within_a_degree(tmp_path, tilt_
         pitch_deg=tilt_deg,
         mag_every=2,
     )
-    bench = FakeContext(tmp_path, imu, mounting=mounting)
+    bench = AttitudeContext(tmp_path, imu, mounting=mounting)
     bench.capability._calibration._painter = Silent()
     bench.run(1.5)
     call = bench.calibrate(150)
@@ -133,7 +133,7 @@ def test_few_samples_go_on_until_the_turn_is_whole(bench):
 
 
 def test_a_long_collection_turns_back_before_the_drive_would_end_it(tmp_path):
-    bench = FakeContext(tmp_path, reverse_s=3.0, sample_s=0.1)
+    bench = AttitudeContext(tmp_path, reverse_s=3.0, sample_s=0.1)
     bench.capability._calibration._painter = Silent()
     bench.run(1.5)
     bench.calibrate(80)
@@ -295,7 +295,7 @@ def test_a_compass_that_falls_silent_ends_it_before_long(bench):
 
 
 def test_it_ends_after_its_time(tmp_path):
-    bench = FakeContext(tmp_path, calibration_limit_s=3.0)
+    bench = AttitudeContext(tmp_path, calibration_limit_s=3.0)
     bench.run(1.5)
     bench.calibrate(2000)
     bench.run(5.0, ended(bench))
@@ -304,7 +304,7 @@ def test_it_ends_after_its_time(tmp_path):
 
 
 def test_a_compass_without_iron_around_needs_hardly_a_correction(tmp_path):
-    bench = FakeContext(tmp_path)
+    bench = AttitudeContext(tmp_path)
     bench.capability._calibration._painter = Silent()
     bench.run(1.5)
     bench.say("calibrate", CalibrateCommand(samples=100))

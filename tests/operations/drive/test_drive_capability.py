@@ -8,14 +8,14 @@ from lbr.messages.drive import CheckVerdict
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import KIND
 from lbr.operations.drive.capability import Drive
-from tests.operations.drive.drive_context import FakeContext
+from tests.operations.drive.drive_context import DriveContext
 
 
 class Robot:
     """A drive capability in its loop: 50 steps a second, sensors at 10 Hz."""
 
     def __init__(self, **settings):
-        self.ctx = FakeContext(**settings)
+        self.ctx = DriveContext(**settings)
         self.drive = Drive(self.ctx)
         self.ctx.hear()
         self.drive.open()
@@ -53,7 +53,7 @@ def renewing(robot, call, power=0.5):
 def test_the_kind_names_the_class_that_runs():
     assert KIND.load() is Drive
     assert KIND.moves
-    assert KIND.parse("{}") == FakeContext().settings
+    assert KIND.parse("{}") == DriveContext().settings
 
 
 @pytest.mark.parametrize(
@@ -124,13 +124,13 @@ def test_the_emergency_stop_is_obeyed_acknowledged_and_shown(robot):
     robot.ctx.estop.engaged, robot.ctx.estop.reason = True, "button"
     robot.drive.step()
     assert robot.wheels == (0.0, 0.0)
-    assert robot.ctx.estop.acknowledged == [True]
+    assert robot.ctx.estop.acknowledged == [(True, "")]
     assert robot.ctx.said("state")[-1].estop
     assert robot.send(robot.ctx.command(0.5)).answer.reason == "emergency stop: button; 'reset' releases it"
 
 
 def test_a_latch_from_before_the_start_is_obeyed():
-    ctx = FakeContext()
+    ctx = DriveContext()
     ctx.estop.engaged = True
     ctx.hear()
     drive = Drive(ctx)

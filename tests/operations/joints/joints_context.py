@@ -1,68 +1,34 @@
 """A robot around one joints capability, for tests: what it hears is set by hand, what it says is kept."""
 
-from typing import Any
-
-from lbr.capability.context import Received
 from lbr.messages.joints import JointMove, JointsCommand, RecoverCommand, TorqueCommand
 from lbr.messages.leases import StopCommand
 from lbr.operations.joints.capability import Joints
 from lbr.operations.joints.settings import JointsSettings
-from tests.operations.fakes import FakeAsked, FakeCall, FakeEstop
+from lbr.testing import FakeCall, FakeContext
 from tests.operations.joints.joints_bench import ROWS, Servos
 
 
-class FakeContext:
-    """What the runtime gives a capability, without a bus; the servos hear each setpoint at once."""
-
-    robot, name, device, devices, joints = "robot", "joints", None, (), ROWS
+class JointsContext(FakeContext):
+    """The context of joints; the servos hear each setpoint at once."""
 
     def __init__(self, **settings):
-        self.settings = JointsSettings(**settings)
-        self.estop = FakeEstop()
+        super().__init__(JointsSettings(**settings), name="joints", joints=ROWS)
         self.servos = Servos()
-        self.now = 50.0
-        self.published: list[tuple[str, Any]] = []
-        self.events: list[tuple[str, str]] = []
-        self.asked: list[FakeAsked] = []
-        self.gone: set[str] = set()
-        self._latest: dict[str, Received] = {}
 
-    def clock(self):
-        return self.now
-
-    def publish(self, output, message):
-        self.published.append((output, message))
+    def publish(self, output, message, **more):
+        super().publish(output, message, **more)
         if output == "setpoint":
             self.servos.obey(message)
 
-    def latest(self, port):
-        return self._latest.get(port)
-
-    def sources(self, port):
-        return (port,)
-
-    def alive(self, capability):
-        return capability not in self.gone
-
-    def ask(self, request, message, timeout_s):
-        self.asked.append(FakeAsked(message))
-        return self.asked[-1]
-
-    def event(self, kind, text, *, level="info", data=None, code="", about=""):
-        self.events.append((kind, text))
-
     def hear(self):
-        self._latest["servos"] = Received(self.servos.state(self.now), None, self.now, "servos")
-
-    def said(self, output):
-        return [message for name, message in self.published if name == output]
+        self.arrive("servos", self.servos.state(self.now))
 
 
 class Robot:
     """A joints capability in its loop: 100 steps a second, with a sweep before each."""
 
     def __init__(self, **settings):
-        self.ctx = FakeContext(**settings)
+        self.ctx = JointsContext(**settings)
         self.joints = Joints(self.ctx)
         self.joints.open()
         self.ctx.now += 0.01  # what was not sent after it began, begins nothing

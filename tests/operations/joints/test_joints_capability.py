@@ -9,7 +9,7 @@ from lbr.messages.leases import CommandReply
 from lbr.operations.joints import KIND
 from lbr.operations.joints.capability import Joints
 from tests.operations.joints.joints_bench import BODY, NAMES
-from tests.operations.joints.joints_context import FakeContext, Robot
+from tests.operations.joints.joints_context import JointsContext, Robot
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def robot():
 def test_the_kind_names_the_class_that_runs():
     assert KIND.load() is Joints
     assert KIND.moves
-    assert KIND.parse("{}") == FakeContext().settings
+    assert KIND.parse("{}") == JointsContext().settings
 
 
 @pytest.mark.parametrize(
@@ -101,10 +101,10 @@ def test_the_emergency_stop_is_acknowledged_once_the_driver_holds(robot):
     robot.move("left_knee", -60.0)
     robot.ctx.estop.engaged, robot.ctx.estop.reason = True, "test"
     robot.run(0.03, hear=False)
-    assert robot.ctx.estop.acknowledged[-1] is False
+    assert robot.ctx.estop.acknowledged[-1][0] is False
     robot.ctx.servos.estop, robot.ctx.servos.phase = True, "holding"
     robot.run(0.02)
-    assert robot.ctx.estop.acknowledged[-1] is True
+    assert robot.ctx.estop.acknowledged[-1][0] is True
     assert robot.state.reason == "emergency stop: test"
     robot.ctx.estop.engaged = robot.ctx.servos.estop = False
     where = robot.setpoint.goals
@@ -116,7 +116,7 @@ def test_a_driver_that_is_gone_has_nothing_to_acknowledge(robot):
     robot.ctx.gone.add("servos")
     robot.ctx.estop.engaged = True
     robot.run(0.02, hear=False)
-    assert robot.ctx.estop.acknowledged[-1] is True
+    assert robot.ctx.estop.acknowledged[-1][0] is True
     assert robot.state.joints["left_knee"].position_rad is None
     assert "is gone" in robot.state.joints["left_knee"].reason
 

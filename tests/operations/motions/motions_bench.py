@@ -16,11 +16,10 @@ from lbr.messages.joints import (
     KeyFrame,
     Motion,
     PlayCommand,
-    with_frame,
 )
 from lbr.messages.leases import CommandReply, StopCommand, refused
 from lbr.operations.motions import KIND
-from tests.operations.fakes import FakeCall, FakeEstop
+from lbr.testing import FakeCall, FakeContext
 from tests.support.replies import dead
 
 STEP_S = 0.02
@@ -134,46 +133,34 @@ class FakeJoints:
         return sum(end <= now for end in self.ends)
 
 
-class World:
-    """What the runtime gives a capability, without a bus."""
-
-    robot, name = "bioloid", "motions"
+class World(FakeContext):
+    """The context of motions, with joints that do as they are told."""
 
     def __init__(self):
-        self.settings = KIND.settings()
-        self.joints = JOINTS
-        self.motions = MOTIONS
-        self.estop = FakeEstop()
+        super().__init__(KIND.settings(), robot="bioloid", name="motions", joints=JOINTS, motions=MOTIONS)
         self.body = FakeJoints()
         self.pose = {"right_elbow": -0.1, "left_elbow": -0.1, "neck": 0.0}
         self.unmeasured: dict[str, str] = {}
         self.doubted: set[str] = set()
-        self.now = 50.0
-        self.living = {"joints"}
-        self.wired = ("joints",)
-        self.published: list[tuple[str, Any]] = []
-        self.events: list[tuple[str, str]] = []
-        self.kept: list[Any] = []
-        self.told = True
+        self.told_of_joints = True
+        self.gone = {"power"}
+        self.asked_joints = ("joints",)
 
-    def clock(self):
-        return self.now
-
-    def ask(self, request, message, timeout_s):
+    def ask(self, request, message, timeout_s, *, only=None):
         if self.body.silent:
             asked_at = self.now
             return SimpleNamespace(answers=lambda: {"joints": None} if self.now > asked_at + timeout_s else None)
+        return super().ask(request, message, timeout_s, only=only)
+
+    def answer(self, request, message):
         reply = self.body.move(message, self.now) if request == "move" else self.body.halt(message)
-        return SimpleNamespace(answers=lambda: dict.fromkeys(self.wired, reply))
+        return dict.fromkeys(self.asked_joints, reply)
 
     def targets(self, request):
-        return self.wired
-
-    def alive(self, capability):
-        return capability in self.living
+        return self.asked_joints
 
     def latest(self, port):
-        if not self.told:
+        if not self.told_of_joints:
             return None
         joints = {
             one.name: JointState(id=one.device_id, position_rad=self.pose[one.name], age_s=0.01) for one in self.joints
@@ -199,19 +186,6 @@ class World:
             return []
         results, self.body.results = self.body.results, []
         return [Received(result, None, self.now, "joints") for result in results]
-
-    def publish(self, output, message):
-        self.published.append((output, message))
-
-    def event(self, kind, text, *, level="info", data=None, code="", about=""):
-        self.events.append((kind, text))
-
-    def keep_frame(self, captured):
-        self.motions = with_frame(self.motions, captured)
-        self.kept.append(captured)
-
-    def said(self, output):
-        return [message for name, message in self.published if name == output]
 
     @property
     def state(self):

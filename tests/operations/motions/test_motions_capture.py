@@ -60,7 +60,7 @@ def test_a_motion_that_the_controller_keeps_is_not_added_to(stage, world):
 
 
 def test_without_news_of_the_joints_nothing_is_captured(stage, world):
-    world.told = False
+    world.told_of_joints = False
     assert "joints operation has not told" in stage.capture().answer.reason
 
 

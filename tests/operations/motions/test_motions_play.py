@@ -182,16 +182,16 @@ def test_joints_that_fall_silent_or_die_end_it_and_nothing_resumes(stage, world)
     assert not world.state.playing
     world.body.end("lapsed", "")
     call = stage.begun("wave")
-    world.living.clear()
+    world.gone.add("joints")
     stage.run(0.5, call)
     assert "joints operation (joints) is not running" in world.said("result")[-1].reason
     assert stage.play("wave").answer.reason == "joints operation (joints) is not running"
 
 
 def test_a_player_whose_process_dies_stops_at_once(stage, world):
-    world.living.add("power")
+    world.gone.discard("power")
     stage.begun("wave", source="power", ttl_s=1.0)
-    world.living.discard("power")
+    world.gone.add("power")
     stage.run(0.1)
     assert world.said("result")[0].reason == "the process of power is gone"
     assert world.body.lost
@@ -235,12 +235,12 @@ def test_a_stop_of_the_joints_takes_back_what_was_offered_before(stage, world):
 
 
 def test_what_was_asked_for_before_a_stop_of_the_joints_does_not_begin_after_it(stage, world):
-    world.told = False  # motions do not know of the stop yet
+    world.told_of_joints = False  # motions do not know of the stop yet
     world.body.stop(world.now + 0.005, "stopped by phone")
     assert stage.begun("wave").answer.reason == "a stop came after this command"
     world.now += 0.1
     assert stage.begun("wave").answer.accepted
-    world.told = True
+    world.told_of_joints = True
     stage.run(0.1)
     assert world.state.playing
 
@@ -248,7 +248,7 @@ def test_what_was_asked_for_before_a_stop_of_the_joints_does_not_begin_after_it(
 def test_a_lease_whose_joints_are_lost_begins_nothing_else(stage, world):
     call = stage.begun("wave")
     stage.run(0.1, call)
-    world.told = False
+    world.told_of_joints = False
     world.body.stop(world.now, "stopped by phone")
     world.body.results.clear()  # how it ended is still on its way when the lease is found dead
     stage.run(0.12)
@@ -289,7 +289,7 @@ def test_what_cannot_be_played_is_refused_and_nothing_moves(stage, world, comman
 
 
 def test_it_must_be_wired_to_one_joints_operation(stage, world):
-    world.wired = ()
+    world.asked_joints = ()
     call = stage.begun("wave")
     assert "'move' must be wired to one joints operation" in call.answer.reason
 

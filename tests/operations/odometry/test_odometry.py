@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lbr.capability.context import Received
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.motors import MotorsState
 from lbr.operations.odometry import KIND, OdometrySettings
 from lbr.operations.odometry.capability import Odometry
 from lbr.operations.odometry.reckoning import Reckoning
+from lbr.testing import FakeContext
 
 PER_COUNT_M = pi * 0.1778 / 130
 PERIOD_S = 0.1
@@ -185,42 +185,21 @@ def test_whatever_is_told_the_state_is_made_of_numbers_or_is_not_valid(told):
         assert all(-inf < value < inf for value in shown) if state.valid else set(shown) == {None}
 
 
-class Context:
-    """What the runtime gives it."""
-
-    name = "odometry"
-
-    def __init__(self):
-        self.settings = OdometrySettings()
-        self.now = 9.0
-        self.said = []
-        self.arrived = {}
-
-    def clock(self):
-        return self.now
-
-    def take(self, port):
-        return self.arrived.pop(port, [])
-
-    def publish(self, output, message):
-        self.said.append((output, message))
-
-
 def test_the_process_answers_each_state_of_the_motors_and_speaks_when_they_are_silent():
-    context = Context()
+    context = FakeContext(OdometrySettings(), name="odometry")
     odometry = Odometry(context)
     odometry.open()
     motors = MotorsState(left=0.0, right=0.0, armed=True, reason="", estop=False, counts_left=5, counts_right=7)
     for _ in range(3):
         context.now += 0.1
-        context.arrived = {"motors": [Received(motors, None, context.now, "motors")]}
+        context.arrive("motors", motors)
         odometry.step()
-    assert [message.valid for _, message in context.said] == [False, True, True, True]
+    assert [message.valid for message in context.said("state")] == [False, True, True, True]
     for _ in range(25):
         context.now += 0.04
         odometry.step()
-    assert context.said[-1][1].reason == "the motor driver has been silent for more than 0.3 s"
-    assert len(context.said) == 5
+    assert context.said("state")[-1].reason == "the motor driver has been silent for more than 0.3 s"
+    assert len(context.said("state")) == 5
 
 
 def test_the_kind_names_the_class_that_runs_and_refuses_a_bad_row():

@@ -5,26 +5,17 @@ from types import SimpleNamespace
 
 from msgspec.structs import replace
 
-from lbr.capability.context import Received
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import ArmCommand, CancelCommand, UpsState
 from lbr.operations.power import KIND
+from lbr.testing import FakeContext
 from tests.support.machine import Stopwatch
-from tests.support.replies import dead
 
 TICK_S = 0.05
 GOOD = UpsState(valid=True, source="external", external_v=11.5, battery_v=4.1)
 LOW = replace(GOOD, external_v=9.5)
-
-
-class Asked:
-    def __init__(self, replies):
-        self._replies = replies
-
-    def answers(self):
-        return self._replies
 
 
 class Body:
@@ -57,79 +48,50 @@ class Body:
     def _renew(self, ctx, message):
         if ctx.now < self.until:
             return CommandReply(accepted=True, lease="lease-1", ttl_s=0.3, goal="goal-1")
-        ctx.results.append(GoalResult(goal="goal-1", result="reached", reason="", elapsed_s=self.takes_s))
-        return dead("it is over", "done")
+        ctx.arrive("parked", GoalResult(goal="goal-1", result="reached", reason="", elapsed_s=self.takes_s))
+        return CommandReply(accepted=False, reason="lease is dead: it is over")
 
     def asked(self, *requests):
         return [message for _, request, message in self.log if request in requests]
 
 
-class Context:
-    robot, name, home, on_tick = "tester", "power", "/nowhere", True
+class PowerContext(FakeContext):
+    """The context of power: a body that obeys, and a supply whose readings `arrive`."""
 
     def __init__(self, bus="", calibration=None, **settings):
-        self.settings = KIND.settings(device="ups", bus=bus, **settings)
-        self.calibration = dict(calibration or {})
-        self.now = 1000.0
+        chosen = KIND.settings(device="ups", bus=bus, **settings)
+        super().__init__(chosen, robot="tester", name="power", calibration=dict(calibration or {}))
         self.body = Body()
-        self.inbox, self.results, self.published, self.events, self.phases = [], [], [], [], []
         self.wired = {"park": ("motions",), "halt": ("motions",), "let_go": ("joints",), "say": ("speech",)}
-
-    def clock(self):
-        return self.now
-
-    def take(self, port):
-        box = self.inbox if port == "ups" else self.results
-        taken = [Received(message, None, self.now, port) for message in box]
-        box.clear()
-        return taken
 
     def targets(self, request):
         return self.wired.get(request, ())
 
-    def ask(self, request, message, timeout_s):
+    def answer(self, request, message):
         reply = self.body.ask(self, request, message)
         if request == "park" and isinstance(message, PlayCommand) and not message.lease and reply.accepted:
             reply = self.body.play(self, message)
-        return Asked({self.wired[request][0]: reply})
-
-    def publish(self, output, message):
-        self.published.append(message)
-
-    def event(self, kind, text, *, level="info", data=None, code="", about=""):
-        self.events.append((kind, text, level))
-
-    def keep_calibration(self, values):
-        self.calibration |= values
-
-    def ready(self, reason=""):
-        self.phases.append("ready")
-
-    def warn(self, reason):
-        self.phases.append(reason)
-
-    def wake(self):
-        pass
+        return {self.wired[request][0]: reply}
 
 
 class Running:
     """The capability on that context; `go` lets time pass, with a reading each second."""
 
     def __init__(self, **options):
-        self.ctx = Context(**options)
+        self.ctx = PowerContext(**options)
         self.power = KIND.load()(self.ctx)
         self.power.open()
         self._read_at = self.ctx.now
 
     @property
     def state(self):
-        return self.ctx.published[-1]
+        return self.ctx.published[-1][1]
 
     def go(self, for_s, ups=LOW):
         for _ in range(round(for_s / TICK_S)):
             if ups is not None and self.ctx.now >= self._read_at:
                 self._read_at = self.ctx.now + 1.0
-                self.ctx.inbox.append(ups)
+                self.ctx.arrive("ups", ups)
             self.step()
         return self.state
 
@@ -165,8 +127,13 @@ class Running:
     def cancel(self, reason=""):
         return self.say(CancelCommand(reason=reason))
 
+    @property
+    def events(self):
+        """Each event's kind, text and level."""
+        return [(*event, level) for event, level in zip(self.ctx.events, self.ctx.levels, strict=True)]
+
     def kinds(self):
-        return [kind for kind, _, _ in self.ctx.events]
+        return [kind for kind, _ in self.ctx.events]
 
     def told(self, kind):
-        return next(text for one, text, _ in self.ctx.events if one == kind)
+        return next(text for one, text in self.ctx.events if one == kind)

@@ -99,9 +99,9 @@ def test_who_arms_is_told_when_the_computer_may_not_be_powered_off(make, logind,
         "power_off_denied",
         f"this computer cannot be powered off from here: {meaning(said)}",
         "warning",
-    ) in running.ctx.events
+    ) in running.events
     assert running.state.can_power_off == f"{said}: {meaning(said)}"
-    assert running.ctx.phases[-1] == meaning(said)
+    assert running.ctx.health[-1] == meaning(said)
     if said != "na":
         assert "service install" in answers[0]
 
@@ -115,8 +115,8 @@ def test_a_denied_shutdown_is_told_with_what_to_install_and_tried_again(make, lo
     running.go(18.0, LOW)
     running.wait_for(lambda: running.state.phase == "failed")
     assert "lbr service install PROFILE --power-off" in running.state.reason
-    assert running.ctx.phases[-1] == running.state.reason
-    assert ("shutdown_failed", running.state.reason, "error") in running.ctx.events
+    assert running.ctx.health[-1] == running.state.reason
+    assert ("shutdown_failed", running.state.reason, "error") in running.events
     logind.power_off_error = ""
     running.go(32.0, LOW)
     running.wait_for(lambda: running.state.phase == "off")
@@ -175,7 +175,7 @@ def test_the_supplys_own_twin_brings_it_down_through_its_driver(make, logind, tw
             for _ in range(exchanges):
                 state = supply.exchange()
                 if state is not None:
-                    running.ctx.inbox.append(state)
+                    running.ctx.arrive("ups", state)
                 running.step()
                 running.step()
         running.wait_for(lambda: running.state.phase == "off")
@@ -297,10 +297,10 @@ def test_a_supply_that_is_gone_is_degraded_and_told_once(make):
     running.go(2.0, EMULATED_GOOD)
     running.go(30.0, None)
     assert running.state.phase == "warning"
-    assert "last read" in running.ctx.phases[-1]
+    assert "last read" in running.ctx.health[-1]
     assert running.kinds() == ["supply_unknown"]
     running.go(2.0, EMULATED_GOOD)
-    assert running.ctx.phases[-1] == "ready"
+    assert running.ctx.health[-1] == "ready"
 
 
 def test_the_state_is_told_every_second_and_at_every_change(make):

@@ -1,0 +1,9 @@
+"""What tests of a capability need: its context, without a bus.
+
+`FakeContext` stands for the robot: time is what the test says, what the capability publishes is kept, and what it hears
+and is answered the test decides. `FakeCall` is a command for it.
+"""
+
+from lbr.testing.context import FakeAsked, FakeCall, FakeContext, FakeEstop
+
+__all__ = ["FakeAsked", "FakeCall", "FakeContext", "FakeEstop"]

@@ -1,0 +1,119 @@
+"""The context that tests of capabilities are given does as the runtime's does, without a bus."""
+
+import inspect
+from types import SimpleNamespace
+
+import pytest
+from msgspec import Struct
+
+from lbr.capability import NoSettings
+from lbr.capability.context import Call, Context, EmergencyStop
+from lbr.capability.runtime import ProcessContext
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.system import Stamp
+from lbr.testing import FakeCall, FakeContext, FakeEstop
+
+
+class Said(Struct):
+    number: int
+
+
+@pytest.fixture
+def ctx():
+    return FakeContext(NoSettings())
+
+
+@pytest.mark.parametrize(("fake", "real"), [(FakeContext, Context), (FakeCall, Call), (FakeEstop, EmergencyStop)])
+def test_it_has_all_that_the_contract_names_with_the_same_parameters(fake, real):
+    for name in real.__annotations__:
+        assert name in {*dir(fake), *getattr(fake, "__annotations__", ())}, name
+    for name, function in vars(real).items():
+        if inspect.isfunction(function) and not name.startswith("_"):
+            assert (
+                str(inspect.signature(getattr(fake, name))).partition(" ->")[0]
+                == (str(inspect.signature(function)).partition(" ->")[0])
+            ), name
+
+
+def test_the_runtime_has_nothing_for_capabilities_that_it_has_not():
+    own = {"calls", "close", "counts", "tell_missed"}
+    public = {name for name in vars(ProcessContext) if not name.startswith("_")}
+    assert public - own <= set(dir(FakeContext))
+
+
+def test_what_arrives_is_taken_once_and_the_newest_stays(ctx):
+    assert ctx.latest("ranges") is None
+    ctx.arrive("ranges", Said(1))
+    ctx.now += 0.5
+    ctx.arrive("ranges", Said(2), source="board", late_s=0.2)
+    taken = ctx.take("ranges")
+    assert [one.message.number for one in taken] == [1, 2]
+    assert [one.source for one in taken] == ["ranges", "board"]
+    assert taken[1].age_s(ctx.now) == pytest.approx(0.2)
+    assert ctx.take("ranges") == []
+    assert ctx.latest("ranges").message.number == 2
+    ctx.unheard("ranges")
+    assert ctx.latest("ranges") is None
+
+
+def test_another_machines_stamp_says_nothing_of_when_it_was_sent(ctx):
+    ctx.arrive("setpoint", Said(1), stamp=Stamp(source="phone", seq=1, wall_ns=0, mono_ns=0, boot="elsewhere"))
+    assert ctx.latest("setpoint").arrived == ctx.now
+
+
+def test_what_is_published_is_kept_by_output_and_forgotten_for_those_who_ask(ctx):
+    ctx.publish("state", Said(1))
+    ctx.publish("frame", Said(2), taken_s=99.0)
+    assert [one.number for one in ctx.said("state")] == [1]
+    assert ctx.taken_s == [99.0]
+    ctx.forget("frame")
+    assert set(ctx.answered) == {"state"}
+    assert ctx.said("frame")
+
+
+def test_a_question_is_answered_as_the_test_says_or_waits(ctx):
+    waits = ctx.ask("go", Said(1), 0.1)
+    assert waits.answers() is None
+    ctx.replies["go"] = {"drive": Said(2), "joints": Said(3)}
+    assert ctx.ask("go", Said(1), 0.1).answers() == {"drive": Said(2), "joints": Said(3)}
+    assert ctx.ask("go", Said(1), 0.1, only={"drive"}).answers() == {"drive": Said(2)}
+    waits.given = {}
+    assert waits.answers() == {}
+    assert [one.request for one in ctx.asked] == ["go"] * 3
+
+
+def test_who_is_wired_and_lives_is_whoever_the_test_says(ctx):
+    assert (ctx.sources("ranges"), ctx.targets("go"), ctx.alive("drive")) == (("ranges",), ("go",), True)
+    ctx.wired, ctx.gone = {"ranges": ("board",), "go": ()}, {"drive"}
+    assert (ctx.sources("ranges"), ctx.targets("go"), ctx.alive("drive")) == (("board",), (), False)
+
+
+def test_a_call_is_answered_once_and_says_why_it_was_refused(ctx):
+    call = FakeCall("stop", StopCommand())
+    assert (call.answer, call.refused) == (None, "")
+    call.refuse("not now")
+    assert (call.answer, call.refused) == (CommandReply(accepted=False, reason="not now", code="refused"), "not now")
+    with pytest.raises(AssertionError, match="twice"):
+        call.reply(CommandReply(accepted=True))
+
+
+def test_rows_are_given_by_name_and_what_no_context_has_is_refused():
+    joints = (SimpleNamespace(name="neck"),)
+    assert FakeContext(NoSettings(), joints=joints).joints is joints
+    with pytest.raises(TypeError, match="no 'joint'"):
+        FakeContext(NoSettings(), joint=joints)
+
+
+def test_what_is_kept_goes_on_in_force(ctx):
+    ctx.keep_calibration({"a": 1.0})
+    ctx.keep_calibration({"b": 2.0})
+    assert ctx.calibration == {"a": 1.0, "b": 2.0}
+    assert ctx.kept == [{"a": 1.0}, {"b": 2.0}]
+    ctx.event("fallen", "it fell", level="warning", data={"roll": 1})
+    assert (ctx.told("fallen"), ctx.levels, ctx.data) == (["it fell"], ["warning"], [{"roll": 1}])
+    ctx.warn("no voltage")
+    ctx.ready()
+    assert ctx.health == ["no voltage", "ready"]
+    ctx.engage_estop("smoke")
+    ctx.estop.acknowledge(stopped=True)
+    assert (ctx.latched, ctx.estop.acknowledged) == (["smoke"], [(True, "")])
