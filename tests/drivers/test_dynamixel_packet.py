@@ -4,8 +4,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lbr.drivers.dynamixel import packet, table
-from lbr.drivers.dynamixel.packet import Status, StatusParser
+from lbr.drivers.dynamixel import packet as dynamixel
+from lbr.drivers.dynamixel import table
+from lbr.drivers.servos.protocol1 import packet
+from lbr.drivers.servos.protocol1.packet import Status, StatusParser
 
 PACKETS = [
     (packet.write(1, 12, b"\x64\xaa"), "FF FF 01 05 03 0C 64 AA DC"),
@@ -16,7 +18,7 @@ PACKETS = [
         "FF FF FE 0E 83 1E 04 01 00 02 1E 00 02 00 02 1E 00 0B",
     ),
     (
-        packet.adapter_sync_read(36, 6, range(1, 19)),
+        dynamixel.adapter_sync_read(36, 6, range(1, 19)),
         "FF FF FD 16 84 24 06 " + bytes(range(1, 19)).hex() + "93",
     ),
 ]
@@ -42,8 +44,8 @@ def test_a_status_packet_is_understood(data, status):
 
 
 def test_error_bits_have_names():
-    assert packet.error_names(0x24) == ("overheat", "overload")
-    assert packet.error_mask("overheat", "overload") == 0x24
+    assert dynamixel.error_names(0x24) == ("overheat", "overload")
+    assert dynamixel.error_mask("overheat", "overload") == 0x24
 
 
 def test_a_long_sync_write_is_cut_so_that_the_adapter_takes_it():
@@ -122,7 +124,7 @@ def test_a_corrupt_packet_is_counted_and_not_given():
 def test_registers_do_not_overlap_and_refuse_what_the_servo_would():
     ends = [(register.address, register.address + register.size) for register in table.REGISTERS]
     assert all(end <= start for (_, end), (start, _) in pairwise(ends))
-    assert [register.name for register in table.REGISTERS if register.eeprom][-1] == "shutdown"
+    assert [register.name for register in table.REGISTERS if register.address < table.RAM][-1] == "shutdown"
     with pytest.raises(ValueError, match=r"goal position 1024 is outside 0\.\.1023"):
         table.GOAL_POSITION.encode(1024)
     with pytest.raises(ValueError, match="can only be read"):

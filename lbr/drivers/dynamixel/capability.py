@@ -5,14 +5,14 @@ from collections.abc import Callable
 from lbr.capability.context import Device
 from lbr.drivers.dynamixel import DynamixelSettings, table
 from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.dynamixel.line import ServoLine, open_servo_line
 from lbr.drivers.dynamixel.model import Ax12
 from lbr.drivers.dynamixel.packet import error_mask
 from lbr.drivers.dynamixel.recovery import recovery
 from lbr.drivers.dynamixel.setup import Setup, SetupNews
-from lbr.drivers.dynamixel.table import Register
 from lbr.drivers.servos.contract import ServoLink
 from lbr.drivers.servos.guard import Guard
+from lbr.drivers.servos.protocol1.line import ServoLine, open_servo_line
+from lbr.drivers.servos.protocol1.register import Register
 from lbr.drivers.servos.registers import RegisterServos
 
 RELEASE = "lbr.drivers.dynamixel.guard_release"

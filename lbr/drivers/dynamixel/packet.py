@@ -1,77 +1,22 @@
-"""Dynamixel protocol 1.0: instructions out, a stream of bytes back into status packets. No I/O.
+"""What of protocol 1.0 is Dynamixel's own: the names of error bits, and the packet by which a USB2AX reads several servos.
 
-    FF FF | id | length | instruction or error | parameters ... | checksum       length = parameters + 2
-
-Source: ROBOTIS e-manual, protocol 1.0; the adapter's own READ of several servos: USB2AX firmware v04 and v05.
+Source: ROBOTIS e-manual, protocol 1.0; USB2AX firmware v04 and v05.
 """
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable
 
-HEADER = b"\xff\xff"
-BROADCAST = 0xFE
-ADAPTER = 0xFD
+from lbr.drivers.servos.protocol1 import packet
+
+ADAPTER = packet.HIGHEST_ANSWERING
 """The id by which a USB2AX answers for itself."""
-HIGHEST_ID = 0xFC
-OVERHEAD_BYTES = 6
-"""Of a packet without parameters."""
-MAX_SYNC_WRITE = 123
-"""Length byte of the longest SYNC WRITE: a USB2AX answers longer ones with an error of its own (v05)."""
+ADAPTER_SYNC_READ = 0x84
 ERRORS = ("voltage", "angle_limit", "overheat", "range", "checksum", "overload", "instruction")
 """Names of the bits in a status packet's error byte, from the lowest."""
-
-PING, READ, WRITE, SYNC_WRITE, ADAPTER_SYNC_READ = 0x01, 0x02, 0x03, 0x83, 0x84
-
-
-@dataclass(frozen=True, slots=True)
-class Status:
-    """What a servo answered: its error bits and the bytes asked for."""
-
-    id: int
-    error: int
-    params: bytes
-
-
-def instruction(servo: int, code: int, params: bytes = b"") -> bytes:
-    """Return an instruction packet."""
-    if not 0 <= servo <= BROADCAST:
-        raise ValueError(f"id {servo} is outside 0..{BROADCAST}")
-    body = bytes((servo, len(params) + 2, code)) + params
-    return HEADER + body + bytes((~sum(body) & 0xFF,))
-
-
-def ping(servo: int) -> bytes:
-    """Return a PING; every servo answers it, whatever its status return level."""
-    return instruction(servo, PING)
-
-
-def read(servo: int, address: int, count: int) -> bytes:
-    """Return a READ of `count` bytes of the control table."""
-    return instruction(servo, READ, bytes((address, count)))
-
-
-def write(servo: int, address: int, data: bytes) -> bytes:
-    """Return a WRITE into the control table."""
-    return instruction(servo, WRITE, bytes((address,)) + data)
-
-
-def sync_write(address: int, blocks: Mapping[int, bytes]) -> list[bytes]:
-    """Return the SYNC WRITEs that give every servo its block, all of one size; several where one is too long."""
-    sizes = {len(block) for block in blocks.values()}
-    if len(sizes) != 1:
-        raise ValueError("a sync write needs blocks of one size for at least one servo")
-    size = sizes.pop()
-    each = (MAX_SYNC_WRITE - 4) // (size + 1)
-    pieces = [bytes((servo,)) + block for servo, block in blocks.items()]
-    return [
-        instruction(BROADCAST, SYNC_WRITE, bytes((address, size)) + b"".join(pieces[first : first + each]))
-        for first in range(0, len(pieces), each)
-    ]
 
 
 def adapter_sync_read(address: int, count: int, servos: Iterable[int]) -> bytes:
     """Return the USB2AX's own READ of the same bytes of several servos; silent ones are filled with FF."""
-    return instruction(ADAPTER, ADAPTER_SYNC_READ, bytes((address, count, *servos)))
+    return packet.instruction(ADAPTER, ADAPTER_SYNC_READ, bytes((address, count, *servos)))
 
 
 def error_names(error: int) -> tuple[str, ...]:
@@ -82,68 +27,3 @@ def error_names(error: int) -> tuple[str, ...]:
 def error_mask(*names: str) -> int:
     """Return the error byte with these bits set; also the form of the registers alarm LED and shutdown."""
     return sum(1 << ERRORS.index(name) for name in names)
-
-
-class StatusParser:
-    """Turns bytes, in pieces of any size, into status packets; whatever comes, it holds less than one packet.
-
-    What cannot be a packet is dropped byte by byte until something can be one again. `noise` counts the bytes dropped,
-    `corrupt` the packets whose checksum was wrong.
-    """
-
-    def __init__(self) -> None:
-        self.noise = 0
-        self.corrupt = 0
-        self._held = bytearray()
-
-    def feed(self, data: bytes) -> list[Status]:
-        """Return the status packets that these bytes complete."""
-        self._held += data
-        found: list[Status] = []
-        at = 0
-        while (at := self._candidate(at)) + 4 <= len(self._held):
-            end = at + self._held[at + 3] + 4
-            if end > len(self._held):
-                break
-            if sum(self._held[at + 2 : end]) & 0xFF == 0xFF:
-                found.append(Status(self._held[at + 2], self._held[at + 4], bytes(self._held[at + 5 : end - 1])))
-                at = end
-            else:
-                self.corrupt += 1
-                self.noise += 1
-                at += 1
-        del self._held[:at]
-        return found
-
-    def reset(self) -> None:
-        """Forget a packet begun."""
-        self._held.clear()
-
-    @property
-    def held_bytes(self) -> int:
-        """How many bytes of an unfinished packet it holds."""
-        return len(self._held)
-
-    def _candidate(self, at: int) -> int:
-        """Return where a packet may begin, at `at` or later; what lies before is noise."""
-        start = at
-        while not self._possible(at):
-            at = self._held.find(b"\xff", at + 1)
-            if at < 0:
-                at = len(self._held)
-        self.noise += at - start
-        return at
-
-    def _possible(self, at: int) -> bool:
-        """Say whether the bytes there, as many as have come, can be the beginning of a status packet."""
-        head = self._held[at : at + 5]
-        return all(_FITS[place](byte) for place, byte in enumerate(head))
-
-
-_FITS = (
-    lambda byte: byte == 0xFF,
-    lambda byte: byte == 0xFF,
-    lambda byte: byte <= ADAPTER,  # three FF in a row are a header that slipped
-    lambda byte: byte >= 2,
-    lambda byte: byte <= 0x7F,
-)

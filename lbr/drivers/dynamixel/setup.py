@@ -6,8 +6,8 @@ from math import inf
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import Bus, open_bus
-from lbr.drivers.dynamixel.table import Register
 from lbr.drivers.servos.contract import SETTING_UP
+from lbr.drivers.servos.protocol1.register import Register
 from lbr.errors import DeviceError
 
 EEPROM_BYTES = table.RAM

@@ -3,9 +3,10 @@
 Source: ROBOTIS e-manual of the AX-12A; ranges of what is written: AX-12 manual of 2006.
 """
 
-from dataclasses import dataclass
 from math import isfinite, radians
 from typing import NamedTuple
+
+from lbr.drivers.servos.protocol1.register import Register, sign_magnitude
 
 MODEL = 12
 POSITION_STEPS = 1023
@@ -15,46 +16,12 @@ RPS_PER_STEP = 0.011624
 """0.111 rpm."""
 MAX_SPEED = 1023
 FULL_TORQUE = 1023
-_SIGN = 0x400
-_MAGNITUDE = 0x3FF
-
-
-@dataclass(frozen=True, slots=True)
-class Register:
-    """Where a number lives, how many bytes it has, what may be written, and its unit. None: read only."""
-
-    name: str
-    address: int
-    size: int
-    lowest: int | None
-    highest: int
-    unit: str
-
-    @property
-    def eeprom(self) -> bool:
-        """Whether it is kept without power; written only without torque, and the servo is deaf for a while then."""
-        return self.address < RAM
-
-    @property
-    def writable(self) -> bool:
-        """Whether it can be written."""
-        return self.lowest is not None
-
-    def encode(self, value: int) -> bytes:
-        """Return the bytes to write; a ValueError says what is allowed."""
-        if self.lowest is None:
-            raise ValueError(f"{self.name} can only be read")
-        if not self.lowest <= value <= self.highest:
-            raise ValueError(f"{self.name} {value} is outside {self.lowest}..{self.highest}")
-        return value.to_bytes(self.size, "little")
-
-    def decode(self, block: bytes, first: int = 0) -> int:
-        """Return its value out of a block that was read from address `first` on."""
-        start = self.address - first
-        return int.from_bytes(block[start : start + self.size], "little")
+SIGN_BIT = 10
+"""Of speed and load: clockwise."""
 
 
 RAM = 24
+"""From here on; before is what a servo keeps without power, written only without torque and with a pause."""
 MODEL_NUMBER = Register("model number", 0, 2, None, 0xFFFF, "")
 FIRMWARE = Register("firmware version", 2, 1, None, 0xFF, "")
 ID = Register("id", 3, 1, 0, 252, "")
@@ -162,4 +129,4 @@ def _bounded(value: float) -> float:
 
 def signed(raw: int) -> int:
     """Return speed or load with its sign: bit 10 set is clockwise, which is negative."""
-    return -(raw & _MAGNITUDE) if raw & _SIGN else raw & _MAGNITUDE
+    return sign_magnitude(raw, SIGN_BIT)

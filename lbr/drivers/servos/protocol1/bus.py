@@ -1,0 +1,277 @@
+"""Transactions on a servo bus of protocol 1.0, one at a time: asked, answered or given up, counted. For one thread."""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from math import inf
+from types import TracebackType
+from typing import Literal, Self
+
+from lbr.drivers.servos.contract import Counts
+from lbr.drivers.servos.protocol1 import packet
+from lbr.drivers.servos.protocol1.line import ServoLine
+from lbr.drivers.servos.protocol1.packet import Status, StatusParser
+from lbr.drivers.servos.protocol1.question import GOOD_SUM, Question, packet_in
+from lbr.drivers.servos.protocol1.register import Register
+
+MARGIN_S = 0.01
+QUIET_S = 0.002
+"""A line that says nothing for so long has ended its answer, if that is long enough to be one."""
+LISTEN_SLICE_S = 0.002
+WARY_S = 1.0
+"""For so long after an answer was lost the line is emptied before each request."""
+LATE_S = 0.01
+"""A lost answer may still come so late: who is asked the same again waits for that, lest it pass for the next."""
+MOST_BYTES = 4096
+
+
+class ProtocolBus:
+    """Transactions on a bus of servos that speak protocol 1.0, whatever their control table is. Lost answers are None, `trouble` then says why and `lost` how; a line that is gone is a DeviceError.
+
+    `written_all` counts what was written to several servos at once. `urgent` is asked while the bus waits although the
+    wire is free, and between tries: the rest is left undone then, and `cut_short` tells.
+    """
+
+    refusals = 0
+    """The error bits that say that a servo did not take what was written."""
+
+    def error_names(self, error: int) -> tuple[str, ...]:
+        """Return the names of error bits, for people."""
+        return tuple(f"bit {bit}" for bit in range(8) if error >> bit & 1)
+
+    def __init__(
+        self,
+        line: ServoLine,
+        *,
+        retries: int = 1,
+        clock: Callable[[], float] = time.monotonic,
+        urgent: Callable[[], object] = lambda: False,
+    ) -> None:
+        self.counts = Counts()
+        self.strays: Counter[int] = Counter()
+        self.trouble = ""
+        self.lost: Literal["", "silent", "garbled", "refused"] = ""
+        self.refused = 0
+        self.cut_short = False
+        self.written_all = 0
+        self.echo = False
+        self._line = line
+        self._tries = retries + 1
+        self._clock = clock
+        self._urgent = urgent
+        self._wary_until = 0.0
+        self._late: dict[bytes, float] = {}
+
+    def ping(self, servo: int, *, tries: int | None = None) -> Status | None:
+        """Ask a servo whether it is there; its error bits are in the answer."""
+        question = self.question(servo, packet.ping(servo), 0)
+        answer = self.ask(question, tries)
+        if answer == question.request:  # the echo, or a servo that complains of its voltage: both look like this
+            return self.read(servo, 0, 1)
+        return status_of(answer)
+
+    def read(
+        self, servo: int, address: int, count: int, *, tries: int | None = None, patience_s: float = inf
+    ) -> Status | None:
+        """Return `count` bytes of a servo's control table; an answer later than wire and servo explain gets `patience_s`."""
+        return status_of(self.ask(self.question(servo, packet.read(servo, address, count), count), tries, patience_s))
+
+    def get(self, servo: int, register: Register) -> int | None:
+        """Return the value of a register."""
+        status = self.read(servo, register.address, register.size)
+        return None if status is None else register.decode(status.params, register.address)
+
+    def put(self, servo: int, register: Register, value: int) -> bool:
+        """Write a register and say whether the servo acknowledged it; a ValueError for what it would refuse."""
+        return self.write(servo, register.address, register.encode(value))
+
+    def write(self, servo: int, address: int, data: bytes, *, tries: int | None = None) -> bool:
+        """Write bytes and say whether the servo acknowledged them, without complaining of them."""
+        status = status_of(self.ask(self.question(servo, packet.write(servo, address, data), 0), tries))
+        return status is not None and not status.error & self.refusals
+
+    def write_all(self, address: int, blocks: Mapping[int, bytes]) -> None:
+        """Give each servo its block at the same time; nobody answers that."""
+        if blocks:
+            for request in packet.sync_write(address, blocks):
+                self._line.send(request)
+            self.written_all += 1
+
+    def scan(self, servos: Iterable[int] = range(packet.HIGHEST_ID + 1)) -> list[int]:
+        """Return who answers a PING; takes some ten milliseconds for each who does not."""
+        return [servo for servo in servos if self.ping(servo) is not None]
+
+    def leftover(self) -> list[Status]:
+        """Return what somebody says unasked within a moment, such as a second servo with the same id."""
+        data = self._line.receive(QUIET_S)
+        return StatusParser().feed(data) if data else []
+
+    def ask(self, question: Question, tries: int | None = None, patience_s: float = inf) -> bytes | None:
+        """Send a request and return the whole packet that answers it, tried again as often as agreed."""
+        line = self._line
+        self.cut_short = False
+        for attempt in range(tries or self._tries):
+            self.counts.retries += attempt > 0
+            if self._wary_until:
+                self._settle(question)
+            line.send(question.request)
+            late_s = min(patience_s, question.within_s - question.busy_s)
+            data = line.receive(question.busy_s) or self._patience(late_s)
+            if (
+                len(data) == question.size
+                and data.startswith(question.head)
+                and sum(data) & 0xFF == GOOD_SUM
+                and data[4] < 0x80
+                and data != question.request
+            ):
+                return data
+            found = self._sift(data, question, question.busy_s + late_s)
+            if found is not None:
+                return found
+            if self._urgent():
+                self.cut_short = True
+                return None
+        return None
+
+    def ask_each(self, request: bytes, servos: Sequence[int], count: int) -> dict[int, Status]:
+        """Send one request that each of these servos answers in its turn, and return what came in time."""
+        found: dict[int, Status] = {}
+        parser, line = StatusParser(), self._line
+        self.cut_short = False
+        if self._wary_until:
+            self.counts.babble += len(line.receive(0.0))
+        line.send(request)
+        answers_bytes = (packet.OVERHEAD_BYTES + count) * len(servos)
+        until = self._clock() + line.busy_s(len(request), answers_bytes, len(servos)) + line.margin_s
+        while len(found) < len(servos) and (left_s := until - self._clock()) > 0.0:
+            data = line.receive(min(LISTEN_SLICE_S, left_s))
+            for status in parser.feed(data):
+                if status.id in servos and status.id not in found and len(status.params) == count:
+                    found[status.id] = status
+                else:
+                    self.counts.strays += 1
+            if not data and self._urgent():
+                self.cut_short = True
+                break
+        self.counts.babble += parser.noise - len(request) * self.echo
+        self._miss([servo for servo in servos if servo not in found], count)
+        return found
+
+    def drain(self) -> None:
+        """Throw away what came unasked, and notice a line that is gone."""
+        self.leftover()
+
+    def close(self) -> None:
+        """Let go of the line."""
+        self._line.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, err: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def write_each(self, register: Register, values: Mapping[int, int]) -> None:
+        """Give each servo its value of a register at the same time; nobody answers that."""
+        self.write_all(register.address, {servo: register.encode(value) for servo, value in values.items()})
+
+    def question(self, servo: int, request: bytes, count: int) -> Question:
+        """Make a request ready that so many bytes answer, to be asked again and again."""
+        size = packet.OVERHEAD_BYTES + count
+        head = packet.HEADER + bytes((servo, count + 2))
+        busy_s = self._line.busy_s(len(request), size)
+        return Question(servo, request, head, size, busy_s, busy_s + self._line.margin_s)
+
+    def _sift(self, data: bytes, question: Question, within_s: float) -> bytes | None:
+        """Find the answer in what comes until its time is over; judge what else there was."""
+        until = self._clock() + within_s
+        while True:
+            rest = self._without_echo(data, question)
+            found = packet_in(rest, question)
+            if found is not None:
+                if len(rest) > question.size:
+                    self._judge(rest.replace(found, b"", 1), question)
+                return found
+            left_s = until - self._clock() if data else 0.0
+            if len(rest) >= question.size:
+                left_s = min(left_s, QUIET_S)
+            more = self._patience(left_s) if len(data) < MOST_BYTES else b""
+            if not more:
+                break
+            data += more
+        self._lose(rest, question)
+        return None
+
+    def _patience(self, wait_s: float) -> bytes:
+        """Return what comes in that time; not a moment longer when something is urgent."""
+        until = self._clock() + wait_s
+        while (left_s := until - self._clock()) > 0.0 and not self._urgent():
+            data = self._line.receive(min(LISTEN_SLICE_S, left_s))
+            if data:
+                return data
+        return b""
+
+    def _without_echo(self, data: bytes, question: Question) -> bytes:
+        """Some adapters hear themselves: what was sent comes first then, and must not pass for an answer."""
+        request = question.request
+        if not data.startswith(request):
+            return data
+        if not self.echo and len(data) == len(request) == question.size and request[4] == packet.PING:
+            return data  # may be an answer as well
+        self.echo = self.echo or request[4] != packet.PING
+        return data[len(request) :]
+
+    def _miss(self, servos: Sequence[int], count: int) -> None:
+        """What did not come in time may come late, and must not pass for the answer to what is asked next."""
+        if servos and not self.cut_short:
+            self.counts.timeouts += len(servos)
+            self.trouble, self.lost = "does not answer", "silent"
+        now = self._clock()
+        for servo in servos:
+            self._late[packet.HEADER + bytes((servo, count + 2))] = now + LATE_S
+            self._wary_until = now + WARY_S
+
+    def _lose(self, data: bytes, question: Question) -> None:
+        now = self._clock()
+        if not data:
+            self.counts.timeouts += 1
+            self.trouble, self.lost = "does not answer", "silent"
+        elif not self._judge(data, question):
+            self.counts.corrupt += 1
+            self.trouble, self.lost = "answers garbled", "garbled"
+        self._late[question.head] = now + LATE_S
+        self._wary_until = now + WARY_S
+
+    def _judge(self, data: bytes, question: Question) -> bool:
+        """Count what is not the answer; True if it explains why there is none."""
+        parser = StatusParser()
+        explained = False
+        for status in parser.feed(data):
+            if status.id == question.servo and len(status.params) + packet.OVERHEAD_BYTES != question.size:
+                self.refused = status.error
+                named = ", ".join(self.error_names(status.error))
+                self.trouble, self.lost = f"refuses: {named or 'answers too short'}", "refused"
+                explained = True
+            else:
+                self.counts.strays += 1
+                self.strays[status.id] += 1
+        self.counts.babble += parser.noise + parser.held_bytes
+        return explained
+
+    def _settle(self, question: Question) -> None:
+        """After a lost answer: throw away what came late, and wait until nothing can that would pass for the next one."""
+        listen_until = self._late.pop(question.head, 0.0)
+        while (now := self._clock()) < listen_until and not self._urgent():
+            self.counts.babble += len(self._line.receive(min(LISTEN_SLICE_S, listen_until - now)))
+        if now >= self._wary_until:
+            self._wary_until = 0.0
+            self._late.clear()
+        elif late := self._line.receive(0.0):
+            self.counts.babble += len(late)
+
+
+def status_of(answer: bytes | None) -> Status | None:
+    """Return what a whole packet says; None for none."""
+    return None if answer is None else Status(answer[2], answer[4], answer[5:-1])

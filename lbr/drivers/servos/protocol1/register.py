@@ -1,0 +1,46 @@
+"""A number in a servo's control table: where it lives, what may be written, how it is signed. No I/O."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Register:
+    """Where a number lives, how many bytes it has, what may be written, and its unit. None: read only."""
+
+    name: str
+    address: int
+    size: int
+    lowest: int | None
+    highest: int
+    unit: str
+
+    @property
+    def writable(self) -> bool:
+        """Whether it can be written."""
+        return self.lowest is not None
+
+    def encode(self, value: int) -> bytes:
+        """Return the bytes to write; a ValueError says what is allowed."""
+        if self.lowest is None:
+            raise ValueError(f"{self.name} can only be read")
+        if not self.lowest <= value <= self.highest:
+            raise ValueError(f"{self.name} {value} is outside {self.lowest}..{self.highest}")
+        return value.to_bytes(self.size, "little")
+
+    def decode(self, block: bytes, first: int = 0) -> int:
+        """Return its value out of a block that was read from address `first` on."""
+        start = self.address - first
+        return int.from_bytes(block[start : start + self.size], "little")
+
+
+def sign_magnitude(raw: int, bit: int) -> int:
+    """Return a number whose sign is a bit and whose magnitude the bits below it; minus zero is zero."""
+    magnitude = raw & ((1 << bit) - 1)
+    return -magnitude if raw >> bit & 1 else magnitude
+
+
+def as_sign_magnitude(value: int, bit: int) -> int:
+    """Return how a number is written that has its sign in a bit."""
+    if abs(value) >= 1 << bit:
+        raise ValueError(f"{value} is outside {1 - (1 << bit)}..{(1 << bit) - 1}")
+    return abs(value) | (1 << bit if value < 0 else 0)
