@@ -1,7 +1,6 @@
 import os
 import struct
 import time
-from types import SimpleNamespace
 
 import pytest
 
@@ -10,6 +9,7 @@ from lbr.drivers.infrared import KIND, decoders
 from lbr.drivers.infrared.receiver import Receiver
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockHeard
+from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext, Pty, until
 
 SETTINGS = '{"device": "dock_receiver", "ttl_s": 0.3, "protocols": [7]}'
@@ -86,11 +86,10 @@ def test_it_goes_on_saying_what_it_sees(infrared, ctx):
 
 
 def test_somebody_else_may_have_seen_a_beam(infrared, ctx):
-    answers = []
-    call = SimpleNamespace(message=DockHeard(right=True), arrived=ctx.clock(), reply=answers.append)
+    call = FakeCall("hear", DockHeard(right=True), ctx.clock())
     infrared.command(call)
     infrared.step()
-    assert answers[0].accepted
+    assert call.answer.accepted
     assert shown(ctx) == (False, True, False)
 
 
@@ -98,7 +97,7 @@ def test_unplugged_it_is_degraded_still_hears_others_and_comes_back(infrared, ct
     monkeypatch.setattr("lbr.drivers.infrared.capability.RETRY_S", 0.0)
     receiver.unplug()
     until(lambda: (infrared.step(), "is missing" in ctx.health[-1])[1])
-    infrared.command(SimpleNamespace(message=DockHeard(left=True), arrived=ctx.clock(), reply=lambda _answer: None))
+    infrared.command(FakeCall("hear", DockHeard(left=True), ctx.clock()))
     infrared.step()
     assert ctx.state.left
     receiver.plug()

@@ -14,6 +14,7 @@ from lbr.errors import DeviceError, MalformedError
 from lbr.messages.power import RelayCommand
 from lbr.simulation.i2c import Message, refusal, transfer
 from lbr.simulation.pico import Pico as Chip
+from lbr.testing import FakeCall
 from tests.drivers.i2c_peer import Server
 from tests.drivers.peers import DriverContext
 
@@ -154,10 +155,8 @@ def make(tmp_path):
 
 def command(running, *, on):
     said = []
-    call = SimpleNamespace(
-        name="relay", message=RelayCommand(on=on), source="console",
-        reply=lambda answer: said.append(answer.reason), refuse=lambda why: said.append(f"refused: {why}"),
-    )  # fmt: skip
+    call = FakeCall("relay", RelayCommand(on=on))
+    call.reply = lambda answer, **_: said.append("refused: " * (not answer.accepted) + answer.reason)
     running.ups.command(call)
     return said
 

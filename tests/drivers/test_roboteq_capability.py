@@ -1,6 +1,5 @@
 import time
 from math import nan
-from types import SimpleNamespace
 
 import pytest
 
@@ -12,6 +11,7 @@ from lbr.drivers.wheels.arming import Setpoint, receive
 from lbr.errors import DeviceError
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.system import Stamp
+from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext, until
 from tests.support.machine import Stopwatch
 
@@ -242,21 +242,21 @@ def test_a_tolerated_fault_is_shown_but_does_not_disarm(drive, motors, ctx, peer
 
 
 def test_disabling_execution_stops_and_enabling_waits_for_a_zero(drive, motors, ctx, peer):
-    replies = []
     drive()
-    motors.command(SimpleNamespace(name="enable", message=EnableCommand(enabled=False), reply=replies.append))
+    off, on = (FakeCall("enable", EnableCommand(enabled=enabled)) for enabled in (False, True))
+    motors.command(off)
     motors.step()
     assert peer.motor == (0, 0)
     assert ctx.state.reason == "execution is disabled"
     drive(0.5, 0.5, "L2")
     assert peer.motor == (0, 0)
-    motors.command(SimpleNamespace(name="enable", message=EnableCommand(enabled=True), reply=replies.append))
+    motors.command(on)
     ctx.give(setpoint(0.5, 0.5, "L3"))
     motors.step()
     assert peer.motor == (0, 0)
     drive(0.5, 0.5, "L3")
     assert peer.motor == (-500, 500)
-    assert [reply.accepted for reply in replies] == [True, True]
+    assert [call.answer.accepted for call in (off, on)] == [True, True]
 
 
 def test_a_pause_as_long_as_the_watchdog_needs_a_new_zero(drive, motors, ctx, peer):

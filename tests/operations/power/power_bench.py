@@ -1,7 +1,6 @@
 """The power operation in process: its context is lists, its time goes on by the test, its motions and joints obey."""
 
 import time
-from types import SimpleNamespace
 
 from msgspec.structs import replace
 
@@ -10,7 +9,7 @@ from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import ArmCommand, CancelCommand, UpsState
 from lbr.operations.power import KIND
-from lbr.testing import FakeContext
+from lbr.testing import FakeCall, FakeContext
 from tests.support.machine import Stopwatch
 
 TICK_S = 0.05
@@ -111,10 +110,8 @@ class Running:
 
     def say(self, message):
         said = []
-        call = SimpleNamespace(
-            name="arm", message=message, source="console",
-            reply=lambda answer: said.append(answer.reason), refuse=lambda why, _code: said.append(f"refused: {why}"),
-        )  # fmt: skip
+        call = FakeCall("arm", message)
+        call.reply = lambda answer, **_: said.append("refused: " * (not answer.accepted) + answer.reason)
         self.power.command(call)
         return said
 
