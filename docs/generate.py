@@ -252,7 +252,7 @@ _PORTS = (
     ("publishes", "outputs"),
     ("takes", "inputs"),
     ("obeys", "setpoints"),
-    ("answers", "commands"),
+    ("answers", "messages"),
     ("asks", "requests"),
 )
 _SYSTEM = (
@@ -306,7 +306,7 @@ def _messages(known: Iterable[Kind]) -> list[type[Struct]]:
     ]
     named += [system.Stamp]
     for kind in known:
-        for group in ("outputs", "inputs", "setpoints", "commands", "requests", "replies"):
+        for group in ("outputs", "inputs", "setpoints", "messages", "requests", "replies"):
             named += list(getattr(kind, group).values())
     whole = {one for message in named for one in (message, *nested(message))}
     found = sorted(whole, key=lambda message: message.__name__)
@@ -379,7 +379,7 @@ def console_page(sql: str) -> str:
     for robot, rows in verbs.items():
         kinds = _shipped_kinds(sql, robot)
         targets = {
-            f"{name}.{command}": message for name, kind in kinds.items() for command, message in kind.commands.items()
+            f"{name}.{command}": message for name, kind in kinds.items() for command, message in kind.messages.items()
         }
         needed = least_roles(kinds)
         Vocabulary(rows, external[robot], targets)  # refuses patterns that it could not say

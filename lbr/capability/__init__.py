@@ -5,6 +5,19 @@ A capability of your own needs no more than this package: `Kind` to declare it, 
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context, Device, Received
-from lbr.capability.kind import Kind, NoSettings
+from lbr.capability.kind import Command, Kind, NoSettings, Rows
+from lbr.messages.rows import Row
 
-__all__ = ["Asked", "Call", "Capability", "Context", "Device", "Kind", "NoSettings", "Received"]
+__all__ = [
+    "Asked",
+    "Call",
+    "Capability",
+    "Command",
+    "Context",
+    "Device",
+    "Kind",
+    "NoSettings",
+    "Received",
+    "Row",
+    "Rows",
+]

@@ -1,19 +1,16 @@
 """What a running capability sees of the robot: settings, wiring, bus and emergency stop."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
 from msgspec import Struct
 
-from lbr.capability.config import LanUser
 from lbr.messages.codes import Code, Reason
-from lbr.messages.dance import DanceStep
-from lbr.messages.faces import Button, EditCommand, Motor
-from lbr.messages.joints import CapturedFrame, Joint, Motion
-from lbr.messages.speech import Phrase
+from lbr.messages.rows import Row
 from lbr.messages.system import Stamp
 
+R = TypeVar("R", bound=Row)
 S_co = TypeVar("S_co", bound=Struct, covariant=True)
 
 
@@ -98,14 +95,6 @@ class Context(Protocol[S_co]):
     device: Device | None
     devices: tuple[Device, ...]
     home: str
-    calibration: Mapping[str, float]
-    phrases: tuple[Phrase, ...]
-    dance_steps: tuple[DanceStep, ...]
-    joints: tuple[Joint, ...]
-    motions: tuple[Motion, ...]
-    motors: tuple[Motor, ...]
-    buttons: tuple[Button, ...]
-    users: tuple[LanUser, ...]
     on_tick: bool
 
     @property
@@ -115,6 +104,9 @@ class Context(Protocol[S_co]):
     @property
     def estop(self) -> EmergencyStop:
         """The emergency stop as this process knows it."""
+
+    def rows(self, row: type[R]) -> tuple[R, ...]:
+        """Return the rows of a table that the kind reads, in the order of their keys."""
 
     def clock(self) -> float:
         """Monotonic seconds."""
@@ -167,14 +159,11 @@ class Context(Protocol[S_co]):
     def engage_estop(self, reason: str) -> None:
         """Latch the emergency stop of everything that moves; whoever moves hears it past the executive."""
 
-    def keep_calibration(self, values: Mapping[str, float]) -> None:
-        """Have values of the device that this capability calibrates written down; it goes on without a restart."""
+    def learn(self, *rows: Row) -> None:
+        """Have rows that the kind learns written down; `rows` has them at once, and it goes on without a restart."""
 
-    def keep_frame(self, captured: CapturedFrame) -> None:
-        """Have a key frame written down among the rows; `motions` has it at once, without a restart."""
-
-    def adopt(self, edit: EditCommand) -> None:
-        """Go on with the rows of an edit that was accepted: `motors`, `motions` and `buttons` have them at once.
+    def adopt(self, rows: Iterable[Row]) -> None:
+        """Go on with the rows of an edit that was accepted, as far as the kind reads them: `rows` has them at once.
 
         The executive counts on it, and does not start this capability anew for them.
         """

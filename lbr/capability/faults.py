@@ -7,8 +7,9 @@ from typing import Any, get_args
 import msgspec
 from msgspec import Struct
 
-from lbr.capability.kind import Emulation, Family, Kind, Line, Table
+from lbr.capability.kind import Command, Emulation, Family, Kind, Line, Rows
 from lbr.capability.program import ProgramSettings
+from lbr.messages.rows import Row
 from lbr.messages.system import Role
 
 PORTS = ("inputs", "setpoints", "outputs", "commands", "replies", "requests")
@@ -33,7 +34,7 @@ def _found(kind: Kind) -> Iterator[str]:
 
 
 def _words(kind: Kind) -> Iterator[str]:
-    for field in ("summary", "device", "calibrates", "extra", "package"):
+    for field in ("summary", "device", "extra", "package"):
         if not isinstance(getattr(kind, field), str):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
     for field in ("moves", "serves", "emulates"):
@@ -45,8 +46,41 @@ def _words(kind: Kind) -> Iterator[str]:
         yield f"'emulated' is {_shown(kind.emulated)}, and must be one of {', '.join(get_args(Emulation))}"
     if kind.line not in get_args(Line):
         yield f"'line' is {_shown(kind.line)}, and must be one of {', '.join(map(repr, get_args(Line)))}"
-    if not isinstance(kind.rows, tuple) or any(table not in get_args(Table) for table in kind.rows):
-        yield f"'rows' is {_shown(kind.rows)}, and must be a tuple of {', '.join(get_args(Table))}"
+    yield from _rows(kind)
+
+
+def _rows(kind: Kind) -> Iterator[str]:
+    for field in ("rows", "learns"):
+        if not isinstance(getattr(kind, field), tuple):
+            yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a tuple of Row classes"
+            return
+    for read in kind.reads:
+        if not _is_struct(read.row, Row):
+            yield f"'rows' names {_shown(read.row)}, which is no Row: class NAME(Row, frozen=True, kw_only=True)"
+        elif fault := _unfit(read.row) or _row_fault(read.row):
+            yield f"'rows' names {read.row.__name__}, which is no table: {fault}"
+        else:
+            yield from _where(kind, read)
+    for row in kind.learns:
+        if row not in [read.row for read in kind.reads]:
+            yield f"'learns' names {_shown(row)}, which is none of its rows"
+
+
+def _where(kind: Kind, read: Rows) -> Iterator[str]:
+    for column, setting in read.where.items():
+        if column not in read.row.__struct_fields__:
+            yield f"'rows' looks for {_shown(column)} in {read.row.__name__}, which has no such column"
+        if setting not in getattr(kind.settings, "__struct_fields__", ()):
+            yield f"'rows' names the setting {_shown(setting)}, which is no field of {_shown(kind.settings)}"
+
+
+def _row_fault(row: type[Row]) -> str:
+    """Return why a struct is no table, or nothing."""
+    if not (isinstance(row.TABLE, str) and _NAME.fullmatch(row.TABLE)):
+        return f"its TABLE is {_shown(row.TABLE)}, and must be the name of one"
+    if not row.KEY or any(column not in row.__struct_fields__ for column in row.KEY):
+        return f"its KEY is {_shown(row.KEY)}, and must be the columns that tell its rows apart"
+    return ""
 
 
 def _entry(entry: Any) -> Iterator[str]:
@@ -64,7 +98,8 @@ def _ports(group: str, ports: Any) -> Iterator[str]:
     if not isinstance(ports, Mapping):
         yield f"'{group}' is {_shown(ports)}, and must be a dict of names to message types"
         return
-    for name, message in ports.items():
+    for name, port in ports.items():
+        message: Any = port.message if isinstance(port, Command) else port
         if not (isinstance(name, str) and _NAME.fullmatch(name)):
             yield f"'{group}' names a port {_shown(name)}: small letters, digits, underscores; at most 40"
         if not _is_struct(message, Struct):
@@ -87,8 +122,6 @@ def _settings(kind: Kind) -> Iterator[str]:
         yield f"'settings' is {kind.settings.__name__}, which is no JSON: {fault}"
     if kind.device and "device" not in kind.settings.__struct_fields__:
         yield f"'device' needs a field 'device' in {kind.settings.__name__}, which names the device row"
-    if isinstance(kind.calibrates, str) and kind.calibrates and kind.calibrates not in kind.settings.__struct_fields__:
-        yield f"'calibrates' names '{kind.calibrates}', which is no field of {kind.settings.__name__}"
 
 
 def _answers(kind: Kind) -> Iterator[str]:

@@ -3,21 +3,23 @@
 import contextlib
 import importlib
 import importlib.util
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from pathlib import Path
+from typing import Any, Literal, Protocol, TypeVar
 
 import msgspec
 from msgspec import Struct
 
 from lbr.errors import LbrError
+from lbr.messages.rows import Row
 from lbr.messages.system import Role
 
 STOP = "stop"
 Family = Literal["driver", "operation", "app", "simulation", "program"]
 Emulation = Literal["tty", "socket", "folder"]
 Line = Literal["", "serial", "polled"]
-Table = Literal["phrase", "choreography", "joint", "motion", "motor", "button", "user_token"]
+R = TypeVar("R", bound=Row)
 
 
 class KindError(LbrError):
@@ -28,13 +30,54 @@ class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
     """A row of this kind has nothing to set."""
 
 
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """The rows of a table that a kind reads: all of its robot's, or those `where` a column is what a setting says."""
+
+    row: type[Row]
+    where: Mapping[str, str] = field(default_factory=dict)
+
+
+class Known(Protocol):
+    """What a robot knows that a field of a command may be: its files, its rows, and what a capability is wired to."""
+
+    home: Path
+    devices: tuple[str, ...]
+    wired: tuple[str, ...]
+
+    def rows(self, row: type[R]) -> tuple[R, ...]:
+        """Return the rows of a table."""
+
+
+Choices = Callable[[Known], Iterable[str]]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command with what else there is to say of it than its message.
+
+    One that is `leased` is held: whoever says it goes on saying it under its lease. `choices` are what its fields may
+    be on this robot, to complete a line by.
+    """
+
+    message: type[Struct]
+    leased: bool = False
+    choices: Mapping[str, Choices] = field(default_factory=dict)
+
+
+def names(row: type[Row], column: str = "name") -> Choices:
+    """Return choices out of a column of rows."""
+    return lambda known: {getattr(one, column) for one in known.rows(row)}
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Kind:
     """One kind of driver, operation or app: its settings, its ports and where its code is.
 
     `entry` names the class that runs (`module:Class`), imported only in its own process, or is that class.
     `inputs` are streams it reads and `setpoints` streams sent to its own key, which only the wired source may write.
-    `outputs` are streams it publishes, `commands` what it answers, `requests` what it asks of others' commands.
+    `outputs` are streams it publishes, `commands` what it answers, `requests` what it asks of others' commands; who
+    says no type of `replies` is answered by a CommandReply.
     `optional` are the inputs that it can do without: nobody is told that nothing feeds them.
     `roles` are the commands that need another role than `operate`; anybody may stop.
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
@@ -45,8 +88,7 @@ class Kind:
     `line` says that its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is
     asked many times a second, so that what an adapter holds back matters.
     `emulated` is what stands in for its device in a simulation: a tty, a socket (`unix:PATH`) or a folder.
-    `calibrates` is the setting that names the device row whose calibration it gets, and may write back.
-    `rows` are the tables whose rows it gets.
+    `rows` are the tables whose rows it gets, and `learns` those of them that it may write back.
     `extra` is the extra of the package without which it cannot run at all, and `package` what that brings to import.
     """
 
@@ -58,7 +100,7 @@ class Kind:
     inputs: Mapping[str, type[Struct]] = field(default_factory=dict)
     setpoints: Mapping[str, type[Struct]] = field(default_factory=dict)
     outputs: Mapping[str, type[Struct]] = field(default_factory=dict)
-    commands: Mapping[str, type[Struct]] = field(default_factory=dict)
+    commands: Mapping[str, type[Struct] | Command] = field(default_factory=dict)
     replies: Mapping[str, type[Struct]] = field(default_factory=dict)
     requests: Mapping[str, type[Struct]] = field(default_factory=dict)
     optional: Collection[str] = ()
@@ -70,10 +112,25 @@ class Kind:
     emulates: bool = False
     emulated: Emulation = "tty"
     line: Line = ""
-    calibrates: str = ""
-    rows: tuple[Table, ...] = ()
+    rows: tuple[type[Row] | Rows, ...] = ()
+    learns: tuple[type[Row], ...] = ()
     extra: str = ""
     package: str = ""
+
+    @property
+    def messages(self) -> dict[str, type[Struct]]:
+        """The message of each command."""
+        return {name: self.command(name).message for name in self.commands}
+
+    @property
+    def reads(self) -> tuple[Rows, ...]:
+        """The tables whose rows it gets."""
+        return tuple(one if isinstance(one, Rows) else Rows(one) for one in self.rows)
+
+    def command(self, name: str) -> Command:
+        """Return what there is to say of a command."""
+        found = self.commands[name]
+        return found if isinstance(found, Command) else Command(found)
 
     def role(self, command: str) -> Role:
         """Return the role that a command needs of whoever asks from another machine."""

@@ -1,5 +1,6 @@
 """Which kinds there are: the installed ones by entry point, and the user's own files in `$LBR_HOME/capabilities`."""
 
+import contextlib
 import re
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint, entry_points
@@ -7,6 +8,7 @@ from pathlib import Path
 
 from lbr import ownership
 from lbr.capability.kind import Kind, KindError
+from lbr.messages.rows import Row
 
 GROUP = "lbr.capabilities"
 OURS = "lbr."
@@ -46,6 +48,16 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
         raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
     _refuse_if_others_may_write(path)
     return _from_file(name, path, fingerprint(name, home), trial=trial)
+
+
+@cache
+def tables() -> frozenset[type[Row]]:
+    """Return the rows that installed kinds read: what is in them is checked for robots that have no such kind, too."""
+    found: set[type[Row]] = set()
+    for name, point in _installed().items():
+        with contextlib.suppress(KindError):  # told to those who name it
+            found |= {read.row for read in _from_entry(name, point).reads}
+    return frozenset(found)
 
 
 def shadowed(name: str, home: Path) -> Path | None:

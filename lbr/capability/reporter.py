@@ -3,12 +3,10 @@
 import contextlib
 import os
 import time
-from collections.abc import Mapping
 
 import msgspec
 
 from lbr.capability.config import Report
-from lbr.messages.joints import CapturedFrame
 
 BEAT_S = 0.2
 COUNTS_S = 1.0
@@ -36,13 +34,9 @@ class Reporter:
             self._said = (phase, reason)
             self._write(_encode(Report(phase=phase, reason=reason[:500])))
 
-    def calibration(self, values: Mapping[str, float]) -> None:
-        """Report what was measured on the device that this process calibrates."""
-        self._write(_encode(Report(calibration=dict(values))))
-
-    def captured(self, captured: CapturedFrame) -> None:
-        """Report a key frame that was made here."""
-        self._write(_encode(Report(captured=captured)))
+    def learnt(self, rows: dict[str, msgspec.Raw]) -> None:
+        """Report rows to be written down."""
+        self._write(_encode(Report(learnt=rows)))
 
     def beat(self, counts: dict[str, int]) -> None:
         """Say that the main loop goes round; rate-limited here, so call it freely."""

@@ -2,9 +2,9 @@
 
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import msgspec
 from msgspec import Struct
@@ -12,7 +12,7 @@ from msgspec import Struct
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder, PictureDecoder
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
-from lbr.capability.config import InputWire, ProcessConfig, with_edit
+from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Call, Device, EmergencyStop, Received
 from lbr.capability.dating import Dates
 from lbr.capability.estop import EstopLatch, NothingToStop
@@ -22,12 +22,12 @@ from lbr.capability.reporter import Reporter
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import Code
-from lbr.messages.drive import CheckVerdict
-from lbr.messages.faces import EditCommand
-from lbr.messages.joints import CapturedFrame, with_frame
+from lbr.messages.leases import CommandReply
+from lbr.messages.rows import Row, RowSet, by_table, with_rows
 from lbr.messages.system import EstopRequest, Event
 
 COMPLAINTS_PER_S = 2
+R = TypeVar("R", bound=Row)
 
 
 class Port:
@@ -115,13 +115,8 @@ class ProcessContext:
         self.simulated = config.simulated
         self.settings = kind.parse(config.settings)
         self.home = config.home
-        self.calibration: Mapping[str, float] = config.calibration
-        self.phrases = config.phrases
-        self.dance_steps = config.dance_steps
-        self.joints = config.joints
-        self.motions = config.motions
-        self.motors, self.buttons = config.motors, config.buttons
-        self.users = config.users
+        self._row_sets: Mapping[str, RowSet] = config.rows
+        self._rows: dict[type[Row], tuple[Row, ...]] = {}
         self.devices = tuple(Device(d.name, d.type, d.address, d.settings) for d in config.devices)
         self.device = next((d for d in self.devices if d.name == config.device), None)
         self.on_tick = False
@@ -158,11 +153,19 @@ class ProcessContext:
                 wire.Served(self._bus, keys.port(config.robot, config.name, name), wake, source=config.name),
                 Decoder(message),
             )
-            for name, message in kind.commands.items()
+            for name, message in kind.messages.items()
         }
         self._schemas = _serve_schemas(self._bus, config, kind)
         self._presence = wire.Presence(self._bus, config.robot, lambda _name, _alive: wake())
         self._token = wire.alive(self._bus, config.robot, config.name)
+
+    def rows(self, row: type[R]) -> tuple[R, ...]:
+        """Return the rows of a table that the kind reads."""
+        if row not in self._rows:
+            if row.TABLE not in self._row_sets:
+                raise ValueError(f"'{self.name}' reads no rows of '{row.TABLE}': its kind says so by `rows`")
+            self._rows[row] = tuple(msgspec.json.decode(self._row_sets[row.TABLE].rows, type=list[row]))  # type: ignore[valid-type]
+        return cast("tuple[R, ...]", self._rows[row])
 
     def clock(self) -> float:
         """Monotonic seconds."""
@@ -213,7 +216,7 @@ class ProcessContext:
             name: wire.Question(self._bus, key, payload, timeout_s=timeout_s, source=self.name, wake=self._wake)
             for name, key in asked.items()
         }
-        return Answers(questions, Decoder(self._kind.replies.get(request, CheckVerdict)))
+        return Answers(questions, Decoder(self._kind.replies.get(request, CommandReply)))
 
     def event(
         self,
@@ -253,24 +256,23 @@ class ProcessContext:
         request = EstopRequest(engaged=True, reason=reason[:200])
         wire.put(self._bus, keys.estop(self.robot), request, source=self.name, urgent=True)
 
-    def keep_calibration(self, values: Mapping[str, float]) -> None:
-        """Have values of the device that this capability calibrates written down."""
-        if not self.config.calibrates:
-            raise ValueError(f"'{self.name}' calibrates no device: its kind says so by `calibrates`")
-        self.calibration = {**self.calibration, **values}
-        self._reporter.calibration(self.calibration)
+    def learn(self, *rows: Row) -> None:
+        """Have rows that the kind learns written down."""
+        for row in rows:
+            if type(row) not in self._kind.learns:
+                raise ValueError(f"'{self.name}' learns no rows of '{row.TABLE}': its kind says so by `learns`")
+        self._reporter.learnt(self._take_over(rows))
 
-    def keep_frame(self, captured: CapturedFrame) -> None:
-        """Have a key frame written down among the rows."""
-        if "motion" not in self._kind.rows:
-            raise ValueError(f"'{self.name}' keeps no motions: its kind says so by `rows`")
-        self.motions = with_frame(self.motions, captured)
-        self._reporter.captured(captured)
-
-    def adopt(self, edit: EditCommand) -> None:
+    def adopt(self, rows: Iterable[Row]) -> None:
         """Go on with the rows of an edit that was accepted."""
-        for field, rows in with_edit(self, edit, self._kind.rows).items():
-            setattr(self, field, rows)
+        self._take_over(rows)
+
+    def _take_over(self, rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
+        """Go on with rows, and return them as they are told; what they must not say raises."""
+        told = by_table(msgspec.convert(msgspec.to_builtins(row), type(row)) for row in rows)
+        self._row_sets = with_rows(self._row_sets, told)
+        self._rows.clear()
+        return told
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works."""
@@ -361,7 +363,7 @@ def _decode(payload: bytes, decoder: Decoder[Any]) -> Any:
 def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> list[wire.Constant]:
     keyed = {wire.key for wires in config.outputs.values() for wire in wires}
     own = {name: kind.outputs[name] for name in kind.outputs if keys.port(config.robot, config.name, name) in keyed}
-    types = {**own, **kind.commands, **kind.setpoints}
+    types = {**own, **kind.messages, **kind.setpoints}
     return [
         wire.Constant(bus, keys.schema(config.robot, config.name, name), partial(_schema, kind, name, message))
         for name, message in types.items()

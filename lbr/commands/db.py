@@ -98,7 +98,7 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
 
 
 def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
-    from lbr.database.reader import shown  # noqa: PLC0415
+    from lbr.messages.rows import shown  # noqa: PLC0415
 
     for name, found in problems.items():
         for problem in found:

@@ -109,17 +109,18 @@ def import_(
     from lbr.database import motion_files  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
     from lbr.messages.faces import EditCommand  # noqa: PLC0415
+    from lbr.messages.joints import Joint, MotionRow  # noqa: PLC0415
     from lbr.messages.units import NAME_PATTERN  # noqa: PLC0415
 
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
         raise InputError(f"'{name}' is no name: those are of lower-case letters, digits and _, a letter first")
     with _opened(database) as opened:
         whose, motion, rows, notes = _understood(opened, file, robot, name)
-        if not replacing and any(one.name == motion.name for one in rows.motions):
+        if not replacing and any(one.name == motion.name for one in rows.of(MotionRow)):
             how = "--replace puts this one in its place, --name gives it another name"
             raise InputError(f"motion '{motion.name}' is there already: {how}")
-        motion, cut = motion_files.within_limits(motion, rows.joints, clip=clip)
-        about = motion_files.summary(motion, rows.joints, cut)
+        motion, cut = motion_files.within_limits(motion, rows.of(Joint), clip=clip)
+        about = motion_files.summary(motion, rows.of(Joint), cut)
         if not dry_run:
             edit = EditCommand(motions=(motion,), create=not replacing, by="lbr motion import")
             opened.edit(whose, edit, problems_of)
@@ -140,6 +141,8 @@ def _understood(
 
     from lbr.database import motion_files  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
+    from lbr.messages.faces import Motor  # noqa: PLC0415
+    from lbr.messages.joints import Joint  # noqa: PLC0415
 
     try:
         content = file.read_bytes()
@@ -150,10 +153,10 @@ def _understood(
         found = motion_files.read(content)
         if isinstance(found, motion_files.MotionFile):
             meant = robot or (found.robot if found.robot in opened.robots() else None)
-            whose, rows = _one(opened, meant, lambda rows: bool(rows.joints))
+            whose, rows = _one(opened, meant, lambda rows: bool(rows.of(Joint)))
             motion = replace(found.motion, builtin=False)
         else:
-            whose, rows = _one(opened, robot, lambda rows: any(m.layer == motion_files.FACTORY for m in rows.motors))
+            whose, rows = _one(opened, robot, lambda rows: any(m.layer == motion_files.FACTORY for m in rows.of(Motor)))
             motion, notes = motion_files.of_rbm(found, rows)
     except InputError as err:
         raise InputError(f"{file}: {err}") from err
@@ -187,9 +190,9 @@ def _opened(database: Path | None) -> "Database":
 
 
 def _motions(rows: "RobotRows") -> "tuple[Motion, ...]":
-    from lbr.executive.units import motions_of  # noqa: PLC0415
+    from lbr.messages.joints import MotionRow, MotionStep, motions_of  # noqa: PLC0415
 
-    return motions_of(rows)
+    return motions_of(rows.of(MotionRow), rows.of(MotionStep))
 
 
 def _robots(opened: "Database", robot: str | None) -> tuple[str, ...]:

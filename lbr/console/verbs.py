@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from lbr.console.fields import Field, Message, MessageType
 from lbr.console.printable import clean, listed, shown
 from lbr.database import arguments, builtin, patterns
-from lbr.database.rows import ExternalCommandRow, VerbRow
+from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow, VerbRow
 from lbr.errors import InputError
 from lbr.messages.system import Role, higher
 
@@ -69,7 +69,10 @@ class Vocabulary:
         roles: Mapping[str, Role] | None = None,
     ) -> None:
         needed = roles or {}
-        rows = (*builtin.WORDS, *(replace(row, role=higher(row.role, needed.get(row.target, "view"))) for row in verbs))
+        rows = (
+            *BUILT_IN_VERBS,
+            *(replace(row, role=higher(row.role, needed.get(row.target, "view"))) for row in verbs),
+        )
         self._verbs = [_Verb(row, patterns.parse(row.pattern), messages or {}) for row in rows]
         self._external = {row.name: row for row in external if row.enabled}
         self._bare = {verb.pattern.word: verb for verb in reversed(self._verbs) if verb.pattern.alias}
@@ -111,7 +114,7 @@ class Vocabulary:
                         "hint": arguments.told(one),
                         "choices": [] if isinstance(one, str) else list(one),
                     }
-                    for n, one in enumerate(row.arguments, start=1)
+                    for n, one in enumerate(row.arguments or (), start=1)
                 ],
             }
             for row in self._external.values()
@@ -247,14 +250,14 @@ def _arguments(row: ExternalCommandRow, text: str) -> tuple[str, ...]:
         given = tuple(shlex.split(text))
     except ValueError:
         raise InputError("a quotation mark or backslash in the arguments has no partner") from None
-    if refusal := arguments.refusal(row.arguments, given):
+    if refusal := arguments.refusal(row.arguments or (), given):
         raise InputError(f"'{row.name}' {refusal}; the row's column 'arguments' says what may follow it")
     return given
 
 
 def _said(row: ExternalCommandRow) -> str:
     """Return how it is said, for people: each argument by what it may be."""
-    return " ".join((row.name, *(f"[{arguments.told(one)}]" for one in row.arguments)))
+    return " ".join((row.name, *(f"[{arguments.told(one)}]" for one in row.arguments or ())))
 
 
 def _count(number: int) -> str:

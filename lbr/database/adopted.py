@@ -2,12 +2,9 @@
 
 from hashlib import blake2b
 
-from sqlalchemy import Connection, delete, func, select
-from sqlalchemy.dialects.sqlite import insert
-
-from lbr.database.models import ADOPTED, REVISION
-from lbr.database.rows import Problem
-from lbr.database.tables import WRITTEN_BY_LBR, RawTables
+from lbr.database.connection import Connection
+from lbr.database.reading import Problem, RawTables
+from lbr.database.tables import WRITTEN_BY_LBR
 
 KEPT = 100
 _CHANGED = (
@@ -28,16 +25,18 @@ def digest(tables: RawTables) -> str:
 
 def revision(connection: Connection) -> int:
     """Return the number of the last change of rows; 0 for none."""
-    return connection.scalar(select(func.max(REVISION.c.id))) or 0
+    return connection.scalar("SELECT max(id) FROM revision") or 0
 
 
 def remember(connection: Connection, number: int, digest: str, wall_ns: int) -> None:
     """Write down that a row set runs."""
-    connection.execute(insert(ADOPTED).values(revision=number, hash=digest, wall_ns=wall_ns).on_conflict_do_nothing())
-    connection.execute(delete(ADOPTED).where(ADOPTED.c.revision <= number - KEPT))
+    connection.execute(
+        "INSERT OR IGNORE INTO adopted (revision, hash, wall_ns) VALUES (?, ?, ?)", (number, digest, wall_ns)
+    )
+    connection.execute("DELETE FROM adopted WHERE revision <= ?", (number - KEPT,))
 
 
 def problems(connection: Connection, number: int, digest: str) -> tuple[Problem, ...]:
     """Return the problem with rows that are not what ran as this revision, if there is one."""
-    ran = connection.scalar(select(ADOPTED.c.hash).where(ADOPTED.c.revision == number))
+    ran = connection.scalar("SELECT hash FROM adopted WHERE revision = ?", (number,))
     return () if ran is None or ran == digest else (Problem("adopted", str(number), "hash", _CHANGED),)

@@ -5,8 +5,8 @@ import subprocess
 import sys
 from collections.abc import Sequence
 
-from lbr.database.rows import Argument
-
+Argument = Sequence[str] | str
+"""The words that it may be, or a regular expression that all of it must fit."""
 MOST = 16
 LONGEST = 200
 """Of an argument and of a pattern: room for a path."""

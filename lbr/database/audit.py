@@ -5,10 +5,9 @@ from hashlib import blake2b
 
 import msgspec
 from msgspec.structs import replace
-from sqlalchemy import Connection, delete, insert, select
 
+from lbr.database.connection import Connection, insert, selected
 from lbr.database.history import storable
-from lbr.database.models import AUDIT
 from lbr.database.rows import AuditRow
 
 KEPT = 20_000
@@ -20,7 +19,7 @@ _SEQUENCE = "SELECT seq FROM sqlite_sequence WHERE name = 'audit'"
 def append(connection: Connection, entries: Iterable[AuditRow]) -> None:
     """Write entries at the end of the trail, each as a line of plain text, and let the oldest go beyond those kept."""
     number = _highest(connection)
-    previous = connection.scalar(select(AUDIT.c.hash).order_by(AUDIT.c.id.desc()).limit(1)) or ""
+    previous = connection.scalar("SELECT hash FROM audit ORDER BY id DESC LIMIT 1") or ""
     rows = []
     for entry in entries:
         number += 1
@@ -28,21 +27,22 @@ def append(connection: Connection, entries: Iterable[AuditRow]) -> None:
         previous = row.hash
         rows.append(msgspec.structs.asdict(row))
     if rows:
-        connection.execute(insert(AUDIT), rows)
-        connection.execute(delete(AUDIT).where(AUDIT.c.id <= number - KEPT))
+        insert(connection, "audit", rows)
+        connection.execute("DELETE FROM audit WHERE id <= ?", (number - KEPT,))
 
 
 def newest(connection: Connection, limit: int) -> tuple[AuditRow, ...]:
     """Return the newest entries, oldest first."""
-    rows = connection.execute(select(AUDIT).order_by(AUDIT.c.id.desc()).limit(limit)).mappings().all()
-    return tuple(AuditRow(**row) for row in reversed(rows))
+    return tuple(
+        AuditRow(**row) for row in reversed(selected(connection, "audit", "1 ORDER BY id DESC LIMIT ?", limit))
+    )
 
 
 def fault(connection: Connection) -> str:
     """Return what is wrong with the trail, or nothing."""
     last: AuditRow | None = None
     count = 0
-    for values in connection.execute(select(AUDIT).order_by(AUDIT.c.id)).mappings():
+    for values in selected(connection, "audit", "1 ORDER BY id"):
         row = AuditRow(**values)
         if last is not None and (row.id, row.previous) != (last.id + 1, last.hash):
             return f"after {last.id} rows are missing or were changed"
@@ -85,4 +85,4 @@ def _plain(entry: AuditRow) -> AuditRow:
 
 def _highest(connection: Connection) -> int:
     """Return the highest number ever given out, also to rows that are gone."""
-    return int(connection.exec_driver_sql(_SEQUENCE).scalar() or 0)
+    return int(connection.scalar(_SEQUENCE) or 0)

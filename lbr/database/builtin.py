@@ -1,27 +1,37 @@
 """The words that every robot understands, whatever its rows say: to stop, to ask, and to end. No row takes one away."""
 
+from typing import NamedTuple
+
 from lbr.database.patterns import Pattern
-from lbr.database.rows import VerbRow
 from lbr.messages.system import Role
 
 
-def _word(pattern: str, target: str, role: Role, text: str) -> VerbRow:
-    word = pattern.strip("/").partition("/")[0]
-    return VerbRow(word=word, pattern=pattern, target=f"executive.{target}", role=role, help=text)
+class Word(NamedTuple):
+    """A line, what lbr itself does when it is said, who may say it, and its help."""
+
+    pattern: str
+    target: str
+    role: Role
+    help: str
+
+    @property
+    def word(self) -> str:
+        """What it begins with."""
+        return self.pattern.strip("/").partition("/")[0]
 
 
 _STOP = "Stop whatever moves; anyone may"
 
-WORDS: tuple[VerbRow, ...] = (
-    _word("s", "stop", "view", _STOP),
-    _word("S", "stop", "view", _STOP),
-    _word("stop", "stop", "view", f"{_STOP}. With a name: end that external command"),
-    _word("estop", "estop", "view", "Emergency stop: all stops and stays so until reset; anyone may"),
-    _word("/estop/{reason...}", "estop", "view", "Emergency stop, and why"),
-    _word("reset", "reset", "operate", "Release the emergency stop; nothing moves by that alone"),
-    _word("status", "status", "view", "Show what runs and how it is"),
-    _word("help", "help", "view", "List what can be said here"),
-    _word("Shutdown", "shutdown", "admin", "Stop everything in order and end; mind the capital letter"),
+WORDS: tuple[Word, ...] = (
+    Word("s", "stop", "view", _STOP),
+    Word("S", "stop", "view", _STOP),
+    Word("stop", "stop", "view", f"{_STOP}. With a name: end that external command"),
+    Word("estop", "estop", "view", "Emergency stop: all stops and stays so until reset; anyone may"),
+    Word("/estop/{reason...}", "estop", "view", "Emergency stop, and why"),
+    Word("reset", "reset", "operate", "Release the emergency stop; nothing moves by that alone"),
+    Word("status", "status", "view", "Show what runs and how it is"),
+    Word("help", "help", "view", "List what can be said here"),
+    Word("Shutdown", "shutdown", "admin", "Stop everything in order and end; mind the capital letter"),
 )
 
 _TAKEN = frozenset(row.word.lower() for row in WORDS)

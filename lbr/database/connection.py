@@ -3,15 +3,11 @@
 import os
 import re
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
-
-from sqlalchemy import Connection, create_engine, event
-from sqlalchemy.exc import DBAPIError
-from sqlalchemy.pool import NullPool
 
 from lbr.database import constraints
 from lbr.database.files import check_owner, check_owners, check_side_files
@@ -35,20 +31,37 @@ _SENTENCES = {
 _ROW_FAULT = re.compile(r"CHECK constraint failed in |\S+ value in ")
 
 
+class Connection(sqlite3.Connection):
+    """One whose errors know the statement that they are of."""
+
+    def execute(self, sql: str, values: Any = ()) -> sqlite3.Cursor:
+        """Run a statement."""
+        with _knowing(sql):
+            return super().execute(sql, values)
+
+    def executemany(self, sql: str, values: Iterable[Any]) -> sqlite3.Cursor:
+        """Run a statement once for each of several values."""
+        with _knowing(sql):
+            return super().executemany(sql, values)
+
+    def scalar(self, sql: str, values: Any = ()) -> Any:
+        """Run a statement and return the first value of its first row, or None."""
+        row = self.execute(sql, values).fetchone()
+        return row[0] if row else None
+
+
 def connect(path: Path, *, changing: bool = True) -> Connection:
-    """Open an existing file; transactions begin as the option `begin` says.
+    """Open an existing file; it is in no transaction until `transaction` begins one.
 
     Without `changing` it is only read, and must be one that nobody changes meanwhile, without a log beside it. RowError
     says which file or folder others could change; what SQLite opened beside the database is looked at once more.
     """
     (check_owners if changing else check_owner)(path)
     mode = "mode=rw" if changing else "mode=ro&immutable=1"
-    engine = create_engine("sqlite://", creator=lambda: _connect(path, mode), poolclass=NullPool)
-    event.listen(engine, "begin", _begin)
-    connection = engine.connect()
+    connection = _connect(path, mode)
     try:
         if changing:
-            run(connection, "SELECT count(*) FROM sqlite_schema")  # opens the log
+            connection.scalar("SELECT count(*) FROM sqlite_schema")  # opens the log
             check_side_files(path)
     except BaseException:
         connection.close()
@@ -57,33 +70,47 @@ def connect(path: Path, *, changing: bool = True) -> Connection:
 
 
 def pragma(connection: Connection, text: str) -> Any:
-    """Run a pragma without beginning a transaction and return its first value."""
-    return run(connection, f"PRAGMA {text}")
-
-
-def run(connection: Connection, statement: str, *values: str) -> Any:
-    """Run a statement without beginning a transaction and return its first value."""
-    cursor = connection.connection.cursor()
-    try:
-        cursor.execute(statement, values)
-        row = cursor.fetchone()
-    finally:
-        cursor.close()
-    return row[0] if row else None
+    """Run a pragma and return its first value."""
+    return connection.scalar(f"PRAGMA {text}")
 
 
 def damage(connection: Connection) -> str:
     """Return what is broken in the file, or nothing; rows against the schema are for the checks to name."""
-    found = connection.connection.cursor().execute("PRAGMA integrity_check").fetchall()
+    found = connection.execute("PRAGMA integrity_check").fetchall()
     return next((fault for (fault,) in found if fault != "ok" and not _ROW_FAULT.match(fault)), "")
+
+
+def selected(connection: Connection, table: str, where: str, *values: Any) -> list[dict[str, Any]]:
+    """Return the rows of one of lbr's own tables."""
+    found = connection.execute(f"SELECT * FROM {table} WHERE {where}", values)  # noqa: S608 - our names
+    names = [column[0] for column in found.description]
+    return [dict(zip(names, row, strict=True)) for row in found]
+
+
+def insert(connection: Connection, table: str, rows: Sequence[Mapping[str, Any]], more: str = "") -> None:
+    """Write rows of the same columns; `more` is what follows the values, such as ON CONFLICT."""
+    if rows:
+        names = ", ".join(map(quoted, rows[0]))
+        marks = ", ".join(["?"] * len(rows[0]))
+        statement = f"INSERT INTO {quoted(table)} ({names}) VALUES ({marks}) {more}"  # noqa: S608 - quoted
+        connection.executemany(statement, [tuple(row.values()) for row in rows])
+
+
+def quoted(name: str) -> str:
+    """Return a name as SQL takes it, whatever it is."""
+    return '"' + name.replace('"', '""') + '"'
 
 
 @contextmanager
 def transaction(connection: Connection, mode: Literal["DEFERRED", "IMMEDIATE"]) -> Iterator[Connection]:
     """Commit at the end, or roll back."""
-    connection.execution_options(begin=mode)
-    with connection.begin():
+    connection.execute(f"BEGIN {mode}")
+    try:
         yield connection
+        connection.execute("COMMIT")
+    finally:
+        if connection.in_transaction:  # SQLite itself rolls back what a full disk has ended
+            connection.execute("ROLLBACK")
 
 
 def flush_log(path: Path) -> None:
@@ -100,21 +127,29 @@ def sentences(path: Path) -> Iterator[None]:
     """Turn SQLite's errors into RowErrors that say what to do."""
     try:
         yield
-    except DBAPIError as err:
-        raise RowError((_sentence(path, err.orig, err.statement or ""),)) from err
     except sqlite3.Error as err:
-        raise RowError((_sentence(path, err),)) from err
+        raise RowError((_sentence(path, err, getattr(err, "statement", "")),)) from err
     except UnicodeDecodeError as err:  # SQLite's message quotes a damaged schema
         raise RowError((f"database {path} {_SENTENCES[sqlite3.SQLITE_CORRUPT]}",)) from err
 
 
-def _connect(path: Path, mode: str) -> sqlite3.Connection:
+@contextmanager
+def _knowing(statement: str) -> Iterator[None]:
+    try:
+        yield
+    except sqlite3.Error as err:
+        err.statement = statement  # type: ignore[attr-defined]
+        raise
+
+
+def _connect(path: Path, mode: str) -> Connection:
     connection = sqlite3.connect(
         f"file:{quote(str(path.absolute()))}?{mode}",
         uri=True,
         timeout=BUSY_TIMEOUT_S,
         isolation_level=None,
         check_same_thread=False,
+        factory=Connection,
     )
     connection.text_factory = _text
     return connection
@@ -125,11 +160,7 @@ def _text(raw: bytes) -> str:
     return raw.decode(errors="surrogateescape")
 
 
-def _begin(connection: Connection) -> None:
-    connection.exec_driver_sql(f"BEGIN {connection.get_execution_options().get('begin', 'DEFERRED')}")
-
-
-def _sentence(path: Path, error: BaseException | None, statement: str = "") -> str:
+def _sentence(path: Path, error: sqlite3.Error, statement: str) -> str:
     code = getattr(error, "sqlite_errorcode", 0) & 0xFF
     if code == sqlite3.SQLITE_IOERR and _full(path):
         code = sqlite3.SQLITE_FULL

@@ -5,8 +5,8 @@ import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import closing
 
-from lbr.database.reader import shown
-from lbr.database.tables import TABLES
+from lbr.database.resources import robot_db_sql
+from lbr.messages.rows import shown
 
 _X = r"(?P<x>\w+)"
 _NAME = "small letters, digits, underscores; at most 40"
@@ -109,11 +109,16 @@ def _place(table: str, column: str) -> str:
 
 
 def _missing(table: str) -> str:
-    found = next((one for one in TABLES if one.name == table), None)
-    ends = ", ".join(
-        f"{'/'.join(key.column_keys)} must be that of a row of '{key.referred_table.name}'"
-        for key in (found.foreign_key_constraints if found is not None else ())
-    )
+    ends = ", ".join(f"{columns} must be that of a row of '{other}'" for columns, other in _references(table))
     if not ends:
         return "a row names another that is not there: add that one first, in the same transaction"
     return f"table {table}: {ends}; add that one first, in the same transaction"
+
+
+def _references(table: str) -> list[tuple[str, str]]:
+    """Return which columns of a shipped table name a row of which other."""
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.executescript(robot_db_sql().read_text(encoding="utf-8"))
+        return connection.execute(
+            'SELECT group_concat("from", \'/\'), "table" FROM pragma_foreign_key_list(?) GROUP BY id', (table,)
+        ).fetchall()

@@ -4,14 +4,15 @@ import fcntl
 import os
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 from msgspec import Struct
 
 from lbr.database import adopted
-from lbr.database.connection import connect, damage, run, sentences
-from lbr.database.rows import Problem, TokenRow
+from lbr.database.connection import connect, damage, pragma, sentences
+from lbr.database.reading import Problem
+from lbr.database.rows import TokenRow
 from lbr.database.store import APPLICATION_ID
 from lbr.database.tables import read_tables
 from lbr.database.tokens import tokens
@@ -50,8 +51,8 @@ def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
     at = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(path.stat().st_mtime))
     copy = Copy(number=number, path=str(path), kept_at=at)
     try:
-        with sentences(path), connect(path, changing=False) as connection:
-            if run(connection, "PRAGMA application_id") != APPLICATION_ID:
+        with sentences(path), closing(connect(path, changing=False)) as connection:
+            if pragma(connection, "application_id") != APPLICATION_ID:
                 raise RowError((f"{path} is no robot's database",))
             if fault := damage(connection):
                 raise RowError((f"{path} is damaged ({fault[:100]})",))
@@ -91,8 +92,8 @@ def copy_whole(source: Path, target: Path) -> None:
     if not source.exists():
         raise InputError(f"there is no {source} to copy from", "unknown_name")
     os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600))
-    with sentences(source), connect(source) as connection:
-        run(connection, "VACUUM INTO ?", str(target))
+    with sentences(source), closing(connect(source)) as connection:
+        connection.execute("VACUUM INTO ?", (str(target),))
     with target.open("rb") as written:
         os.fsync(written.fileno())
 
@@ -147,7 +148,7 @@ def _same(one: Path, other: Path) -> bool:
 
 
 def _content(path: Path) -> tuple[str, int, tuple[TokenRow, ...]]:
-    with sentences(path), connect(path, changing=False) as connection:
+    with sentences(path), closing(connect(path, changing=False)) as connection:
         return adopted.digest(read_tables(connection)[0]), adopted.revision(connection), tokens(connection)
 
 

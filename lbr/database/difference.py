@@ -6,10 +6,12 @@ from typing import Any, Literal
 
 from msgspec import Struct
 
-from lbr.database.reader import json_strictly, shown
+from lbr.database.columns import json_strictly
+from lbr.database.reading import RawRow, RawTables
 from lbr.database.shipped import shipped
 from lbr.database.store import Database
-from lbr.database.tables import KEYS, WRITTEN_BY_LBR, RawRow, RawTables
+from lbr.database.tables import WRITTEN_BY_LBR
+from lbr.messages.rows import shown
 
 
 class Difference(Struct, frozen=True, kw_only=True):
@@ -27,12 +29,14 @@ class Difference(Struct, frozen=True, kw_only=True):
 
 def differences(database: Database, sql: Path | None = None) -> tuple[Difference, ...]:
     """Compare a database's rows with those of `sql` (the shipped robot.db.sql), table by table."""
-    before, here = shipped(sql), database.tables()
-    return tuple(found for table in KEYS for found in _in_table(table, before, here))
+    (before, _), (here, schema) = shipped(sql), database.tables()
+    return tuple(found for table, key in schema.keys_of.items() for found in _in_table(table, key, before, here))
 
 
-def _in_table(table: str, shipped: RawTables, here: RawTables) -> Iterator[Difference]:
-    before, after = _by_key(table, shipped), _by_key(table, here)
+def _in_table(table: str, key_of: tuple[str, ...], shipped: RawTables, here: RawTables) -> Iterator[Difference]:
+    before, after = (
+        {tuple(row[name] for name in key_of): row for row in rows.get(table, ())} for rows in (shipped, here)
+    )
     for key in {**before, **after}:
         row = "/".join(shown(part) for part in key)
         if key not in after:
@@ -41,10 +45,6 @@ def _in_table(table: str, shipped: RawTables, here: RawTables) -> Iterator[Diffe
             yield Difference(table=table, row=row, change="added")
         elif columns := _changed(table, before[key], after[key]):
             yield Difference(table=table, row=row, change="changed", columns=columns)
-
-
-def _by_key(table: str, tables: RawTables) -> dict[tuple[Any, ...], RawRow]:
-    return {tuple(row[column] for column in KEYS[table]): row for row in tables.get(table, ())}
 
 
 def _changed(table: str, before: RawRow, after: RawRow) -> dict[str, tuple[Any, Any]]:

@@ -1,35 +1,24 @@
 """Edits of single rows that come from outside: what they make of the tables, and why not; pure but for `write`."""
 
-import json
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
-import msgspec
-from sqlalchemy import Connection, Table, delete
-from sqlalchemy.dialects.sqlite import insert
-
-from lbr.database.models import BUTTON, MOTION, MOTION_STEP, MOTOR
+from lbr.database.columns import raw
+from lbr.database.connection import Connection, insert, quoted
+from lbr.database.reading import RawRow, RawTables
 from lbr.database.rows import RevisionRow
-from lbr.database.tables import KEYS, RawRow, RawTables
 from lbr.errors import InputError
 from lbr.messages.codes import Code
-from lbr.messages.faces import Button, EditCommand, Motor
+from lbr.messages.faces import EditCommand
 from lbr.messages.joints import Motion
+from lbr.messages.rows import Row
 
 Key = tuple[str, ...]
 
 
-class _Kind(NamedTuple):
-    """How rows of one table are named and written."""
-
-    table: str
-    label: Callable[[Any], str]
-    raw: Callable[[Any], dict[str, Any]]
-
-
 def describe(edit: EditCommand) -> str:
     """Return which rows an edit is about, for people."""
-    return ", ".join(kind.label(row) for kind, rows in _parts(edit) for row in rows)
+    return ", ".join(row.told for row in edit.rows if not row.PART_OF)
 
 
 def applied(tables: RawTables, robot: str, edit: EditCommand, since: Iterable[RevisionRow] = ()) -> RawTables:
@@ -37,116 +26,105 @@ def applied(tables: RawTables, robot: str, edit: EditCommand, since: Iterable[Re
 
     `since` are the changes after the revision that the edit goes by.
     """
-    changed = set(_changed(since, robot))
-    after: dict[str, Sequence[RawRow]] = dict(tables)
-    if not any(rows for _, rows in _parts(edit)):
+    rows = edit.rows
+    if not rows:
         raise InputError("this edit has no rows")
-    for kind, rows in _parts(edit):
-        there = {_key_of(kind.table, row)[1:]: row for row in tables.get(kind.table, ()) if row.get("robot") == robot}
-        seen: set[Key] = set()
-        for row in rows:
-            new = {"robot": robot, **kind.raw(row)}
-            key = _key_of(kind.table, new)[1:]
-            if key in seen:
-                raise InputError(f"{kind.label(row)} is there twice")
-            seen.add(key)
-            _refuse(row, kind.label(row), there.get(key), edit, newer=(kind.table, *key) in changed)
-            after[kind.table] = [*_others(after, kind.table, robot, key), new]
-    for motion in edit.motions:
-        kept = [
-            row for row in after.get("motion_step", ()) if (row.get("robot"), row.get("motion")) != (robot, motion.name)
-        ]
-        after["motion_step"] = [*kept, *_steps(robot, motion)]
+    changed = set(_changed(since, robot, {row.TABLE: row.PART_OF for row in rows}))
+    seen: set[tuple[str, Key]] = set()
+    for row in rows:
+        key = row.TABLE, _texts(row.key)
+        if key in seen:
+            raise InputError(f"{row.told} is there twice")
+        seen.add(key)
+        if not row.PART_OF:
+            there = next((one for one in tables.get(row.TABLE, ()) if _key_of(row, one) == (robot, *key[1])), None)
+            _refuse(row, there, edit, newer=key in changed)
+    after: dict[str, Sequence[RawRow]] = dict(tables)
+    for table, new in _by_table(rows).items():
+        written = [{"robot": robot, **raw(row)} for row in new]
+        gone = {_key_of(new[0], one) for one in written}
+        wholes = {(robot, *key) for whole, key in seen if whole == new[0].PART_OF}
+        keyed = ((_key_of(new[0], one), one) for one in tables.get(table, ()))
+        after[table] = [*(one for key, one in keyed if key not in gone and key[:2] not in wholes), *written]
     return after
 
 
-def write(connection: Connection, robot: str, edit: EditCommand) -> None:
-    """Write an edit's rows over those that are there; rows that stay as they are make no revision."""
-    for table, (kind, rows) in zip((MOTOR, MOTION, BUTTON), _parts(edit), strict=True):
-        _upsert(connection, table, [{"robot": robot, **kind.raw(row)} for row in rows])
-    for motion in edit.motions:
-        of_motion = MOTION_STEP.c.robot == robot, MOTION_STEP.c.motion == motion.name
-        connection.execute(delete(MOTION_STEP).where(*of_motion, MOTION_STEP.c.step > len(motion.frames)))
-        _upsert(connection, MOTION_STEP, list(_steps(robot, motion)))
+def write(connection: Connection, robot: str, rows: Sequence[Row]) -> None:
+    """Write rows over those that are there; rows that stay as they are make no revision, parts of others go with them."""
+    for table, new in _by_table(rows).items():
+        if part_of := new[0].PART_OF:
+            wholes = {row.key[0] for row in rows if part_of == row.TABLE}
+            _clear(connection, robot, table, new, wholes)
+        put(connection, robot, new, change=True)
 
 
-def _refuse(row: Any, label: str, there: RawRow | None, edit: EditCommand, *, newer: bool) -> None:
+def put(connection: Connection, robot: str, rows: Sequence[Row], *, change: bool) -> None:
+    """Write rows of one table; those that are there are changed, or are in the way."""
+    table, key = rows[0].TABLE, rows[0].KEY
+    owned = connection.scalar("SELECT count(*) FROM pragma_table_info(?) WHERE name = 'robot'", (table,))
+    owner = {"robot": robot} if owned else {}
+    keys = ", ".join(quoted(name) for name in (*owner, *key))
+    others = [quoted(name) for name in rows[0].__struct_fields__ if name not in key]
+    update = "UPDATE SET " + ", ".join(f"{name} = excluded.{name}" for name in others) if others else "NOTHING"
+    insert(connection, table, [owner | raw(row) for row in rows], f"ON CONFLICT ({keys}) DO {update}" if change else "")
+
+
+def _clear(connection: Connection, robot: str, table: str, new: Sequence[Row], wholes: Iterable[Any]) -> None:
+    """Take out the parts of what is written that are not there any more."""
+    whole, part = map(quoted, new[0].KEY)
+    for one in wholes:
+        kept = [row.key[1] for row in new if row.key[0] == one]
+        marks = ", ".join(["?"] * len(kept))
+        connection.execute(
+            f"DELETE FROM {quoted(table)} WHERE robot = ? AND {whole} = ? AND {part} NOT IN ({marks})",  # noqa: S608
+            (robot, one, *kept),
+        )
+
+
+def _refuse(row: Row, there: RawRow | None, edit: EditCommand, *, newer: bool) -> None:
     """Raise InputError if a row may not be written."""
-    stored = isinstance(row, Motion) and (row.slot, row.slot_s, row.limp) != (None, None, False)
+    motion = next((one for one in edit.motions if one.row == row), None)
     whys: dict[tuple[str, Code], bool] = {
-        (f"{label} is there already", "exists"): edit.create and there is not None,
-        (f"there is no {label}", "unknown_name"): not edit.create and there is None,
-        (f"{label} is built in, and stays as it is", "read_only"): row.builtin
-        or (there is not None and there.get("builtin") != 0),
+        (f"{row.told} is there already", "exists"): edit.create and there is not None,
+        (f"there is no {row.told}", "unknown_name"): not edit.create and there is None,
+        (f"{row.told} is built in, and stays as it is", "read_only"): getattr(row, "builtin", False)
+        or (there is not None and there.get("builtin", 0) != 0),
         (
-            f"{label} would be in a slot: what the controller keeps is entered at the robot itself",
+            f"{row.told} would be in a slot: what the controller keeps is entered at the robot itself",
             "not_possible",
-        ): stored,
-        (f"{label} is in a slot, kept by the controller: its row is edited at the robot itself", "read_only"): (
+        ): _is_stored(motion),
+        (f"{row.told} is in a slot, kept by the controller: its row is edited at the robot itself", "read_only"): (
             there is not None and there.get("slot") is not None
         ),
-        (f"{label} has no key frames", "bad_value"): isinstance(row, Motion) and not row.frames,
-        (f"{label} has changed since revision {edit.revision}: look at it again", "changed"): newer,
+        (f"{row.told} has no key frames", "bad_value"): motion is not None and not motion.frames,
+        (f"{row.told} has changed since revision {edit.revision}: look at it again", "changed"): newer,
     }
     if why := next((why for why, holds in whys.items() if holds), None):
         raise InputError(*why)
 
 
-def _parts(edit: EditCommand) -> tuple[tuple[_Kind, Sequence[Any]], ...]:
-    return (_MOTORS, edit.motors), (_MOTIONS, edit.motions), (_BUTTONS, edit.buttons)
+def _is_stored(motion: Motion | None) -> bool:
+    return motion is not None and (motion.slot, motion.slot_s, motion.limp) != (None, None, False)
 
 
-def _changed(since: Iterable[RevisionRow], robot: str) -> Iterable[Key]:
-    """Return table and key, without the robot, of rows that were changed; key frames count as their motion."""
+def _changed(since: Iterable[RevisionRow], robot: str, parts: Mapping[str, str]) -> Iterator[tuple[str, Key]]:
+    """Yield table and key, without the robot, of rows that were changed; a part counts as its whole."""
     for row in since:
         if row.row_key[:1] == (robot,):
-            table, key = (row.table, row.row_key[1:]) if row.table != "motion_step" else ("motion", row.row_key[1:2])
-            yield (table, *key)
+            whole = parts.get(row.table, "")
+            yield (whole, row.row_key[1:2]) if whole else (row.table, row.row_key[1:])
 
 
-def _others(tables: RawTables, table: str, robot: str, key: Key) -> list[RawRow]:
-    return [row for row in tables.get(table, ()) if _key_of(table, row) != (robot, *key)]
-
-
-def _key_of(table: str, row: RawRow) -> Key:
-    return tuple(str(row.get(column)) for column in KEYS[table])
-
-
-def _motor(row: Motor) -> dict[str, Any]:
-    return msgspec.structs.asdict(row) | {"inverted": int(row.inverted), "builtin": int(row.builtin)}
-
-
-def _motion(row: Motion) -> dict[str, Any]:
-    found = msgspec.structs.asdict(row) | {"limp": int(row.limp), "builtin": int(row.builtin)}
-    del found["frames"]
+def _by_table(rows: Iterable[Row]) -> dict[str, list[Row]]:
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(row.TABLE, []).append(row)
     return found
 
 
-def _button(row: Button) -> dict[str, Any]:
-    return msgspec.structs.asdict(row) | {"motion": row.motion or "", "builtin": int(row.builtin)}
+def _key_of(row: Row, values: RawRow) -> Key:
+    return _texts(values.get(column) for column in ("robot", *row.KEY))
 
 
-def _steps(robot: str, motion: Motion) -> Iterable[dict[str, Any]]:
-    for step, frame in enumerate(motion.frames, 1):
-        positions = json.dumps(frame.positions)
-        yield {
-            "robot": robot,
-            "motion": motion.name,
-            "step": step,
-            "duration_s": frame.duration_s,
-            "positions": positions,
-        }
-
-
-def _upsert(connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
-    if not rows:
-        return
-    statement = insert(table)
-    others = {column.name: statement.excluded[column.name] for column in table.columns if not column.primary_key}
-    keys = [column.name for column in table.primary_key]
-    connection.execute(statement.on_conflict_do_update(index_elements=keys, set_=others), rows)
-
-
-_MOTORS = _Kind("motor", lambda row: f"motor {row.id} of layer '{row.layer}'", _motor)
-_MOTIONS = _Kind("motion", lambda row: f"motion '{row.name}'", _motion)
-_BUTTONS = _Kind("button", lambda row: f"button {row.id}", _button)
+def _texts(key: Iterable[Any]) -> Key:
+    return tuple(map(str, key))

@@ -5,10 +5,9 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-from sqlalchemy import Connection
-
-from lbr.database.reader import shown
+from lbr.database.connection import Connection
 from lbr.database.resources import robot_db_sql
+from lbr.messages.rows import shown
 
 _OBJECTS = (
     "SELECT type, name, tbl_name FROM sqlite_schema WHERE name NOT LIKE 'sqlite!_%' ESCAPE '!' ORDER BY type, name"
@@ -20,7 +19,7 @@ def foreign(connection: Connection, sql: Path | None = None) -> Iterator[str]:
     with closing(sqlite3.connect(":memory:")) as ours:
         ours.executescript((sql or robot_db_sql()).read_text(encoding="utf-8"))
         known = {(kind, name) for kind, name, _ in ours.execute(_OBJECTS)}
-    for kind, name, table in connection.exec_driver_sql(_OBJECTS):
+    for kind, name, table in connection.execute(_OBJECTS):
         if (kind, name) not in known:
             where = (
                 f" on the table '{shown(table)}', which acts by itself at each edit there," if kind == "trigger" else ""

@@ -5,9 +5,8 @@ from collections.abc import Iterable
 from typing import Any
 
 import msgspec
-from sqlalchemy import Connection, delete, func, insert, select
 
-from lbr.database.models import EVENT, REVISION
+from lbr.database.connection import Connection, insert, selected
 from lbr.database.rows import RevisionRow
 from lbr.messages.system import Event
 
@@ -19,15 +18,13 @@ def append_events(connection: Connection, events: Iterable[Event], now_ns: int) 
     rows = [_stored(event, now_ns) for event in events]
     if not rows:
         return
-    connection.execute(insert(EVENT), rows)
-    newest = select(func.max(EVENT.c.id)).scalar_subquery()
-    connection.execute(delete(EVENT).where(EVENT.c.id <= newest - EVENTS_KEPT))
+    insert(connection, "event", rows)
+    connection.execute("DELETE FROM event WHERE id <= (SELECT max(id) FROM event) - ?", (EVENTS_KEPT,))
 
 
 def newest_events(connection: Connection, limit: int) -> tuple[Event, ...]:
     """Return the newest events, oldest first."""
-    newest = select(EVENT).order_by(EVENT.c.id.desc()).limit(limit)
-    rows = connection.execute(newest).mappings().all()
+    rows = selected(connection, "event", "1 ORDER BY id DESC LIMIT ?", limit)
     return tuple(
         Event(
             kind=row["kind"],
@@ -43,7 +40,6 @@ def newest_events(connection: Connection, limit: int) -> tuple[Event, ...]:
 
 def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
     """Return the changes after revision `since`, oldest first."""
-    after = select(REVISION).where(REVISION.c.id > since).order_by(REVISION.c.id)
     return tuple(
         RevisionRow(
             id=row["id"],
@@ -54,16 +50,15 @@ def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
             new=_object(row["new_row"]),
             changed_at=row["changed_at"],
         )
-        for row in connection.execute(after).mappings()
+        for row in selected(connection, "revision", "id > ? ORDER BY id", since)
     )
 
 
 def outdo(connection: Connection, revision: int) -> None:
     """Note an edit of every row that is newer than `revision` and than all others."""
-    newest = max(revision, connection.scalar(select(func.max(REVISION.c.id))) or 0)
-    connection.execute(
-        insert(REVISION).values(id=newest + 1, table_name="robot", row_key='["every row"]', operation="update")
-    )
+    newest = max(revision, connection.scalar("SELECT max(id) FROM revision") or 0)
+    row = {"id": newest + 1, "table_name": "robot", "row_key": '["every row"]', "operation": "update"}
+    insert(connection, "revision", [row])
 
 
 def storable(text: str) -> str:

@@ -2,10 +2,9 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
-from sqlalchemy import Connection
-
-from lbr.database.connection import pragma, run, transaction
+from lbr.database.connection import Connection, pragma, transaction
 from lbr.errors import RowError
 
 HEAD = "0007"
@@ -33,7 +32,7 @@ def backup(connection: Connection, path: Path, stamp: str) -> Path:
     """Copy the whole database beside itself, readable by its owner alone, never over an earlier copy."""
     target = _new_file(path, stamp)
     try:
-        run(connection, "VACUUM INTO ?", str(target))
+        connection.execute("VACUUM INTO ?", (str(target),))
     except BaseException:
         target.unlink()
         raise
@@ -43,7 +42,7 @@ def backup(connection: Connection, path: Path, stamp: str) -> Path:
 
 
 def _stamp(connection: Connection) -> str:
-    return str(run(connection, "SELECT min(version_num) FROM alembic_version"))
+    return str(connection.scalar("SELECT min(version_num) FROM alembic_version"))
 
 
 def _refuse_unknown(stamp: str, path: Path) -> None:
@@ -58,19 +57,42 @@ def _refuse_unknown(stamp: str, path: Path) -> None:
 def _upgrade(connection: Connection) -> None:
     from alembic import command  # noqa: PLC0415 - as above
     from alembic.config import Config  # noqa: PLC0415
+    from sqlalchemy import create_engine  # noqa: PLC0415
+    from sqlalchemy.exc import DBAPIError  # noqa: PLC0415
+    from sqlalchemy.pool import StaticPool  # noqa: PLC0415
 
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
-    config.attributes["connection"] = connection
     dangling = _dangling(connection)
-    command.upgrade(config, HEAD)
-    connection.exec_driver_sql("DELETE FROM adopted")  # the same rows may look different now
+    # The transaction is ours: what SQLAlchemy takes for one of its own ends nothing here.
+    engine = create_engine("sqlite://", creator=lambda: _Lent(connection), poolclass=StaticPool)
+    try:
+        with engine.connect() as config.attributes["connection"]:
+            command.upgrade(config, HEAD)
+    except DBAPIError as err:
+        raise (err.orig or err) from None
+    connection.execute("DELETE FROM adopted")  # the same rows may look different now
     if _dangling(connection) > dangling:
         raise RowError(("the upgrade would leave rows that refer to none; nothing was changed: report this",))
 
 
+class _Lent:
+    """A connection for as long as a migration takes: it neither commits, rolls back nor closes."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._connection, name)
+
+    def commit(self) -> None:
+        """Leave that to whoever began."""
+
+    rollback = close = commit
+
+
 def _dangling(connection: Connection) -> int:
-    return len(connection.exec_driver_sql("PRAGMA foreign_key_check").all())
+    return len(connection.execute("PRAGMA foreign_key_check").fetchall())
 
 
 def _new_file(path: Path, stamp: str) -> Path:

@@ -10,9 +10,10 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.database import rbm
-from lbr.database.rows import JointRow, MotorRow, RobotRows
+from lbr.database.rows import RobotRows
 from lbr.errors import InputError
-from lbr.messages.joints import KeyFrame, Motion
+from lbr.messages.faces import Motor
+from lbr.messages.joints import Joint, KeyFrame, Motion
 from lbr.messages.uxa90 import COUNT_RAD
 
 FACTORY = "factory"
@@ -69,8 +70,8 @@ def read(content: bytes) -> MotionFile | rbm.RbmFile:
 
 def of_rbm(file: rbm.RbmFile, rows: RobotRows) -> tuple[Motion, list[str]]:
     """Return the motion of a maker's file for a robot's joints, and what people should know about it."""
-    nominal = {motor.id: motor for motor in rows.motors if motor.layer == FACTORY}
-    joints = {row.device_id: row for row in rows.joints if row.device_id in nominal}
+    nominal = {motor.id: motor for motor in rows.of(Motor) if motor.layer == FACTORY}
+    joints = {row.device_id: row for row in rows.of(Joint) if row.device_id in nominal}
     if not joints:
         raise InputError(f"robot '{rows.robot.name}' has no joints with a motor in layer '{FACTORY}': name another")
     notes = _other_zeros(file.zeros, nominal)
@@ -93,7 +94,7 @@ def name_from(text: str) -> str:
     return found if found[:1].isalpha() else f"motion_{found}"[:40].rstrip("_")
 
 
-def within_limits(motion: Motion, joints: Iterable[JointRow], *, clip: bool) -> tuple[Motion, int]:
+def within_limits(motion: Motion, joints: Iterable[Joint], *, clip: bool) -> tuple[Motion, int]:
     """Return the motion with every angle within its joint's limits, and how many were cut; InputError unless `clip`."""
     rows = {row.name: row for row in joints}
     for name in (name for frame in motion.frames for name in frame.positions if name not in rows):
@@ -118,7 +119,7 @@ def within_limits(motion: Motion, joints: Iterable[JointRow], *, clip: bool) -> 
     return replace(motion, frames=frames), len(beyond)
 
 
-def summary(motion: Motion, joints: Iterable[JointRow], clipped: int = 0) -> Summary:
+def summary(motion: Motion, joints: Iterable[Joint], clipped: int = 0) -> Summary:
     """Return what a motion asks for, from its first key frame on; InputError if it moves nothing."""
     rows = {row.name: row for row in joints}
     at: dict[str, float] = {}
@@ -135,16 +136,16 @@ def summary(motion: Motion, joints: Iterable[JointRow], clipped: int = 0) -> Sum
     return Summary(len(motion.frames), round(seconds, 2), len(at), *worst, clipped)
 
 
-def _clipped(angle: float, row: JointRow) -> float:
+def _clipped(angle: float, row: Joint) -> float:
     return min(max(angle, row.lower_rad), row.upper_rad)
 
 
-def _excess(beyond: tuple[JointRow, float]) -> float:
+def _excess(beyond: tuple[Joint, float]) -> float:
     row, angle = beyond
     return abs(angle - _clipped(angle, row))
 
 
-def _other_zeros(zeros: Mapping[int, int], nominal: Mapping[int, MotorRow]) -> list[str]:
+def _other_zeros(zeros: Mapping[int, int], nominal: Mapping[int, Motor]) -> list[str]:
     other = [
         f"{servo} ({zeros[servo]}, not {row.rest})"
         for servo, row in nominal.items()
@@ -154,7 +155,7 @@ def _other_zeros(zeros: Mapping[int, int], nominal: Mapping[int, MotorRow]) -> l
 
 
 def _frame(
-    counts: Mapping[int, int], duration_s: float, joints: Mapping[int, JointRow], nominal: Mapping[int, MotorRow]
+    counts: Mapping[int, int], duration_s: float, joints: Mapping[int, Joint], nominal: Mapping[int, Motor]
 ) -> KeyFrame:
     """Return a key frame in the joints' angles: a count more is the same angle whatever a robot's own zero is."""
     positions = {

@@ -5,7 +5,7 @@ import os
 import shutil
 import tempfile
 import time
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 from lbr.database import adopted, copies
@@ -80,7 +80,7 @@ def _remains(path: Path) -> tuple[set[str], int]:
             with suppress(LbrError, FileNotFoundError):
                 check_side_files(path)  # a stranger's log could make a revoked token good again
                 shutil.copyfile(_companions(path)[0], _companions(copy)[0])
-            with sentences(copy), connect(copy) as connection:
+            with sentences(copy), closing(connect(copy)) as connection:
                 return revoked(connection), adopted.revision(connection)
     return set(), 0
 

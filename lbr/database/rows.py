@@ -1,63 +1,125 @@
 """The rows as the rest of the program sees them: checked, frozen, free of the database they came from."""
 
+from collections.abc import Hashable, Iterator
 from datetime import datetime
-from typing import Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
-from msgspec import Struct
+from msgspec import Meta, Struct, field
 
+from lbr.database import arguments, builtin, patterns
+from lbr.database.columns import json_strictly
+from lbr.database.reading import Problem, Tables
+from lbr.messages.rows import Fault, Others, Row, shown
 from lbr.messages.system import Role, TokenRole
+from lbr.messages.units import Name
 
-Side = Literal["left", "right", "centre"]
+R = TypeVar("R", bound=Row)
 Restart = Literal["never", "on-failure", "always"]
 GoodFor = Literal["bus", "web", "both"]
-Argument = tuple[str, ...] | str
+JsonObject = Annotated[str, Meta(extra={"json": "object"})]
+"""The text of a JSON object, for others to parse."""
+End = Annotated[
+    str,
+    Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$", extra={"meant": "of the form capability.port"}),
+]
+EXECUTIVE = "executive"
+"""What verbs and channels may have as their target without a row of its own: lbr itself."""
+BUILT_IN = "is a word that every robot has, and no row changes: drop this row, or choose another word"
 
 
-class Problem(Struct, frozen=True):
-    """What is wrong with one row: `row` is its key as people read it, `column` may be empty for the whole row."""
+class RobotRow(Row, frozen=True, kw_only=True):
+    """The robot itself; times are ISO 8601 in UTC. A latch that cannot be read is engaged."""
 
-    table: str
-    row: str
-    column: str
-    text: str
+    TABLE = "robot"
+    KEY = ("name",)
 
-    def __str__(self) -> str:
-        where = f"{self.table} '{self.row}'" if self.row else self.table
-        return f"{where}, {self.column}: {self.text}" if self.column else f"{where}: {self.text}"
-
-
-class RobotRow(Struct, frozen=True, kw_only=True):
-    """The robot itself; times are ISO 8601 in UTC, empty before the first. A latch that cannot be read is engaged."""
-
-    name: str
+    name: Name
     model: str = ""
     description: str = ""
     owner: str = ""
-    last_start: str = ""
-    last_shutdown: str = ""
+    last_start: str | None = None
+    last_shutdown: str | None = None
     estop_engaged: bool = True
     estop_reason: str = ""
 
 
-class CapabilityRow(Struct, frozen=True, kw_only=True):
-    """One process to run: `settings` is the text of a JSON object, for the kind to parse; `needs` start before it."""
+def _not_lbr(row: "CapabilityRow", _: Others) -> Iterator[Fault]:
+    if row.name == EXECUTIVE:
+        yield "name", "'executive' is lbr itself: choose another name"
 
-    name: str
-    kind: str
+
+def _needs(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
+    for needed in row.needs:
+        if needed not in others.names("capability"):
+            yield "needs", f"there is no capability '{shown(needed)}'"
+
+
+def _needs_of(row: "CapabilityRow") -> Hashable:
+    return row.name, row.needs
+
+
+def _ring(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
+    """Find what needs itself, if only by way of others."""
+    rows = others.index(CapabilityRow, _needs_of)
+    known = {one.name: one.needs for one in rows.values()}
+    seen: set[str] = set()
+    ahead = list(row.needs)
+    while ahead:
+        needed = ahead.pop()
+        if needed not in seen:
+            seen.add(needed)
+            ahead.extend(known.get(needed, ()))
+    if row.name in seen:
+        yield "needs", "it needs itself, by way of what it needs"
+
+
+def _used_device(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
+    device = json_strictly(row.settings).get("device")
+    if isinstance(device, str) and device not in others.names("device"):
+        yield "settings", f"device: there is no device '{shown(device)}'"
+
+
+class CapabilityRow(Row, frozen=True, kw_only=True):
+    """One process to run: `settings` is for the kind to parse; `needs` start before it."""
+
+    TABLE = "capability"
+    KEY = ("name",)
+    CHECKS = (_not_lbr, _needs, _ring, _used_device)
+
+    name: Name
+    kind: Name
     enabled: bool = True
-    settings: str = "{}"
+    settings: JsonObject = "{}"
     restart: Restart = "on-failure"
     needs: tuple[str, ...] = ()
     help: str = ""
 
 
-class ChannelRow(Struct, frozen=True, kw_only=True):
+def _source(row: "ChannelRow", others: Others) -> Iterator[Fault]:
+    yield from _capability_there("source", row.source, others, "")
+
+
+def _target(row: Any, others: Others) -> Iterator[Fault]:
+    yield from _capability_there("target", row.target, others, EXECUTIVE)
+
+
+def _capability_there(column: str, end: str, others: Others, known: str) -> Iterator[Fault]:
+    name, _ = split_end(end)
+    if name != known and name not in others.names("capability"):
+        yield column, f"there is no capability '{name}'"
+
+
+class ChannelRow(Row, frozen=True, kw_only=True):
     """A wire from an output to an input, both `capability.port`; at most `rate_hz` (None: every one)."""
 
-    source: str
-    target: str
-    rate_hz: float | None = None
-    history: int = 1
+    TABLE = "channel"
+    KEY = ("source", "target")
+    CHECKS = (_source, _target)
+
+    source: End
+    target: End
+    rate_hz: Annotated[float, Meta(gt=0, le=1_000_000)] | None = None
+    history: Annotated[int, Meta(ge=1, le=64)] = 1
     enabled: bool = True
 
     @property
@@ -71,21 +133,83 @@ class ChannelRow(Struct, frozen=True, kw_only=True):
         return split_end(self.target)
 
 
-class DeviceRow(Struct, frozen=True, kw_only=True):
+def _printable(row: "DeviceRow", _: Others) -> Iterator[Fault]:
+    if not row.address.isprintable():
+        yield "address", "is not an address (printable, at most 500 characters)"
+
+
+class DeviceRow(Row, frozen=True, kw_only=True):
     """What is plugged in, and where."""
 
-    name: str
-    type: str
-    address: str
-    settings: dict[str, Any] = {}
+    TABLE = "device"
+    KEY = ("name",)
+    CHECKS = (_printable,)
+
+    name: Name
+    type: Name
+    address: Annotated[str, Meta(min_length=1, max_length=500)]
+    settings: dict[str, Any] = field(default_factory=dict)
 
 
-class VerbRow(Struct, frozen=True, kw_only=True):
+def _pattern(row: "VerbRow", _: Others) -> Iterator[Fault]:
+    try:
+        patterns.parse(row.pattern)
+    except ValueError as err:
+        yield "pattern", f"'{shown(row.pattern)}': {err}"
+
+
+def _parsed(row: "VerbRow") -> patterns.Pattern | None:
+    """Return a verb's pattern; None if it is none, which is told by `_pattern`."""
+    try:
+        return patterns.parse(row.pattern)
+    except ValueError:
+        return None
+
+
+def _same_word(row: "VerbRow", _: Others) -> Iterator[Fault]:
+    pattern = _parsed(row)
+    if pattern is not None and row.word != pattern.word:
+        yield "pattern", f"begins with '{pattern.word}', but the word of this row is '{row.word}'"
+
+
+def _bound_twice(row: "VerbRow", _: Others) -> Iterator[Fault]:
+    pattern = _parsed(row)
+    for bound in pattern.fields if pattern is not None else ():
+        if bound in (row.payload or {}):
+            yield "payload", f"sets '{bound}', which the pattern binds: leave it out of one of them"
+
+
+def _line(row: "VerbRow") -> Hashable:
+    """Return the lines that a verb takes; empty for a word that is built in."""
+    pattern = _parsed(row)
+    return () if pattern is None or builtin.shadowed(pattern) or pattern.word != row.word else pattern.shape
+
+
+def _same_lines(row: "VerbRow", others: Others) -> Iterator[Fault]:
+    pattern = _parsed(row)
+    if pattern is not None and pattern.word == row.word and builtin.shadowed(pattern):
+        yield "word", f"'{row.word}' {BUILT_IN}"
+    first = others.index(VerbRow, _line)[_line(row)] if _line(row) else row
+    if first.key != row.key:
+        yield "pattern", f"takes the same lines as '{first.pattern}'"
+
+
+class VerbRow(Row, frozen=True, kw_only=True):
     """One console line: `pattern` binds path fields to the target's message, `payload` fixes the others."""
 
-    word: str
-    pattern: str
-    target: str
+    TABLE = "verb"
+    KEY = ("word", "pattern")
+    CHECKS = (_pattern, _same_word, _bound_twice, _target, _same_lines)
+
+    word: Annotated[
+        str,
+        Meta(
+            pattern="^[A-Za-z][A-Za-z0-9_]{0,39}$",
+            extra={"meant": "a word (letters, digits, underscores; at most 40)"},
+        ),
+    ]
+    pattern: Annotated[str, Meta(min_length=1)]
+    target: End
     role: Role
     help: str
     payload: dict[str, Any] | None = None
@@ -96,113 +220,49 @@ class VerbRow(Struct, frozen=True, kw_only=True):
         return split_end(self.target)
 
 
-class ExternalCommandRow(Struct, frozen=True, kw_only=True):
+def _program(row: "ExternalCommandRow", _: Others) -> Iterator[Fault]:
+    if not (row.argv and row.argv[0]):
+        yield "argv", "names no program"
+
+
+def _allowed(row: "ExternalCommandRow", _: Others) -> Iterator[Fault]:
+    if fault := arguments.fault(row.arguments or ()):
+        yield "arguments", fault
+
+
+def _no_verb(row: "ExternalCommandRow", others: Others) -> Iterator[Fault]:
+    if builtin.taken(row.name):
+        yield "name", f"'{row.name}' {BUILT_IN}"
+    elif (row.name,) in others.index(VerbRow, _line):
+        yield "name", f"'{row.name}' is a verb already"
+
+
+class ExternalCommandRow(Row, frozen=True, kw_only=True):
     """A program started by name, without a shell.
 
     `arguments` says for each argument that may be typed after the name which words it may be, or the regular
     expression that all of it must fit.
     """
 
-    name: str
+    TABLE = "external_command"
+    KEY = ("name",)
+    CHECKS = (_program, _allowed, _no_verb)
+
+    name: Name
     argv: tuple[str, ...]
     blocking: bool = False
     enabled: bool = True
     help: str = ""
-    arguments: tuple[Argument, ...] = ()
+    arguments: list[Any] | None = None
     role: Role = "operate"
 
 
-class PhraseRow(Struct, frozen=True, kw_only=True):
-    """What the robot says, in one language."""
-
-    name: str
-    language: str
-    text: str
-
-
-class ChoreographyRow(Struct, frozen=True, kw_only=True):
-    """One move of a dance: this power and angle for so many beats."""
-
-    dance: str
-    step: int
-    power: float
-    angle_deg: float
-    beats: int
-
-
-class CalibrationRow(Struct, frozen=True, kw_only=True):
-    """One measured number of a device."""
-
-    device: str
-    name: str
-    value: float
-    measured_at: str
-
-
-class JointRow(Struct, frozen=True, kw_only=True):
-    """One joint of a humanoid: which servo moves it, how the two angles relate, and how far and fast it may go.
-
-    Where the joint is at 0, the servo is at `zero_rad`; `sign` says whether it turns the way the joint counts.
-    """
-
-    name: str
-    device_id: int
-    side: Side = "centre"
-    sign: int = 1
-    zero_rad: float = 0.0
-    lower_rad: float
-    upper_rad: float
-    speed_rps: float
-
-
-class MotionRow(Struct, frozen=True, kw_only=True):
-    """A motion; its key frames are rows of their own. `lead_in` and `lead_out` name what is played before and after.
-
-    One with a `slot` is kept and played by the robot's own controller, which takes `slot_s` for it.
-    """
-
-    name: str
-    help: str = ""
-    lead_in: str = ""
-    lead_out: str = ""
-    slot: int | None = None
-    slot_s: float | None = None
-    limp: bool = False
-    builtin: bool = False
-
-
-class MotionStepRow(Struct, frozen=True, kw_only=True):
-    """A key frame: the angles that the named joints have `duration_s` after the step before."""
-
-    motion: str
-    step: int
-    duration_s: float
-    positions: dict[str, float]
-
-
-class MotorRow(Struct, frozen=True, kw_only=True):
-    """A servo as a face to the outside numbers, names and limits it, in the servo's own counts."""
-
-    layer: str
-    id: int
-    name: str
-    description: str = ""
-    initial: int
-    lowest: int
-    highest: int
-    rest: int
-    inverted: bool = False
-    builtin: bool = False
-
-
-class ButtonRow(Struct, frozen=True, kw_only=True):
-    """A motion as a face to the outside numbers and names it; no motion: only the controller is taken over."""
-
-    id: int
-    name: str
-    button: str = ""
-    motion: str = ""
-    builtin: bool = False
+BUILT_IN_VERBS = tuple(
+    VerbRow(word=one.word, pattern=one.pattern, target=f"{EXECUTIVE}.{one.target}", role=one.role, help=one.help)
+    for one in builtin.WORDS
+)
+CORE: tuple[type[Row], ...] = (RobotRow, CapabilityRow, ChannelRow, DeviceRow, VerbRow, ExternalCommandRow)
+"""What every robot has; kinds bring the others."""
 
 
 class RevisionRow(Struct, frozen=True, kw_only=True):
@@ -268,8 +328,8 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     """One robot's rows out of one transaction: the good ones, and what is wrong with the others.
 
     Rows of which any column is bad are left out and named in `problems`; they are in `faulty` for further checks of what
-    is good in them. `revision` counts the changes of rows,
-    `digest` is the hash of all rows that make robots.
+    is good in them. What kinds read is in `tables`, and checked when it is asked for. `revision` counts the changes of
+    rows, `digest` is the hash of all rows that make robots.
     """
 
     robot: RobotRow
@@ -278,19 +338,16 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     devices: tuple[DeviceRow, ...] = ()
     verbs: tuple[VerbRow, ...] = ()
     external_commands: tuple[ExternalCommandRow, ...] = ()
-    phrases: tuple[PhraseRow, ...] = ()
-    choreographies: tuple[ChoreographyRow, ...] = ()
-    calibrations: tuple[CalibrationRow, ...] = ()
-    joints: tuple[JointRow, ...] = ()
-    motions: tuple[MotionRow, ...] = ()
-    motion_steps: tuple[MotionStepRow, ...] = ()
-    motors: tuple[MotorRow, ...] = ()
-    buttons: tuple[ButtonRow, ...] = ()
+    tables: Tables = Tables({}, "", {})
     tokens: tuple[TokenRow, ...] = ()
     revision: int = 0
     digest: str = ""
     problems: tuple[Problem, ...] = ()
     faulty: tuple[Faulty, ...] = ()
+
+    def of(self, row: type[R]) -> tuple[R, ...]:
+        """Return the good rows of a table."""
+        return self.tables.good(row)
 
     def names(self, table: Literal["capability", "device"]) -> frozenset[str]:
         """Return the names of a table's rows, those that are left out too."""

@@ -5,31 +5,37 @@ import os
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
-import msgspec
 from msgspec.structs import replace
-from sqlalchemy import Connection, func, select, update
-from sqlalchemy.dialects.sqlite import insert
 
 from lbr.database import adopted, audit, constraints, edits, foreign, history, tokens
 from lbr.database.checks import check
-from lbr.database.connection import BUSY_TIMEOUT_S, connect, damage, flush_log, pragma, run, sentences, transaction
+from lbr.database.connection import (
+    BUSY_TIMEOUT_S,
+    Connection,
+    connect,
+    damage,
+    flush_log,
+    insert,
+    pragma,
+    sentences,
+    transaction,
+)
 from lbr.database.files import check_file, check_folder
 from lbr.database.migrate import bring_up_to_date
-from lbr.database.models import CALIBRATION, MOTION, MOTION_STEP, ROBOT
-from lbr.database.reader import shown
+from lbr.database.reading import RawTables
 from lbr.database.resources import robot_db_sql
 from lbr.database.rows import AuditRow, GoodFor, RevisionRow, RobotRows, TokenRow
-from lbr.database.tables import TABLES, RawTables, read_tables
+from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
 from lbr.messages.faces import EditCommand
-from lbr.messages.joints import CapturedFrame
+from lbr.messages.rows import Row, shown
 from lbr.messages.system import Event, TokenRole
 
 APPLICATION_ID = 0x4C425231
@@ -91,9 +97,7 @@ class Database:
         For who must not be held up by what rows, views and triggers make SQLite do.
         """
         self._computed_s = computed_s
-        connection = self._connection.connection.driver_connection
-        assert isinstance(connection, sqlite3.Connection)
-        connection.set_progress_handler(lambda: time.thread_time() > self._until_cpu_s, LOOK_EVERY)
+        self._connection.set_progress_handler(lambda: time.thread_time() > self._until_cpu_s, LOOK_EVERY)
 
     @classmethod
     def open(cls, path: Path, *, wall_ns: Callable[[], int] = time.time_ns) -> Self:
@@ -118,7 +122,7 @@ class Database:
     def robots(self) -> tuple[str, ...]:
         """Return the names of all robots in the file."""
         with self._reading() as connection:
-            return tuple(connection.scalars(select(ROBOT.c.name).order_by(ROBOT.c.name)))
+            return tuple(name for (name,) in connection.execute("SELECT name FROM robot ORDER BY name"))
 
     def load(self, robot: str, *, patience_s: float = BUSY_TIMEOUT_S) -> RobotRows:
         """Read a robot's rows in one transaction; bad rows become problems, only an unreadable file raises RowError."""
@@ -127,17 +131,17 @@ class Database:
     def load_all(self, robots: Iterable[str], *, patience_s: float = BUSY_TIMEOUT_S) -> dict[str, RobotRows]:
         """Read the rows of several robots in one transaction, as `load` does."""
         with self._reading(patience_s) as connection:
-            tables, problems = read_tables(connection)
+            tables, schema = read_tables(connection)
             known = tokens.tokens(connection)
             revision, digest = adopted.revision(connection), adopted.digest(tables)
-            problems += adopted.problems(connection, revision, digest)
-        checked = {name: check(tables, name, revision=revision, problems=problems) for name in robots}
+            problems = adopted.problems(connection, revision, digest)
+        checked = {name: check(tables, name, revision=revision, problems=problems, columns=schema) for name in robots}
         return {name: replace(rows, digest=digest, tokens=known) for name, rows in checked.items()}
 
-    def tables(self) -> RawTables:
-        """Return the rows of all robots as they stand, unchecked."""
+    def tables(self) -> tuple[RawTables, Schema]:
+        """Return the rows of all robots as they stand, unchecked, and what their columns are."""
         with self._reading() as connection:
-            return read_tables(connection)[0]
+            return read_tables(connection)
 
     def foreign(self) -> tuple[str, ...]:
         """Return a sentence for each table, trigger, index and view that is not of lbr's schema."""
@@ -192,29 +196,14 @@ class Database:
         told = history.storable(reason)
         self._update_robot(robot, durable=True, patience_s=PATIENCE_S, estop_engaged=int(engaged), estop_reason=told)
 
-    def save_calibration(self, robot: str, device: str, values: dict[str, float]) -> None:
-        """Write a device's calibration, all of it or none; on return it is on the disk."""
-        statement = insert(CALIBRATION)
-        statement = statement.on_conflict_do_update(
-            index_elements=["robot", "device", "name"],
-            set_={"value": statement.excluded.value, "measured_at": statement.excluded.measured_at},
-        )
-        key = {"robot": robot, "device": device, "measured_at": self._now()}
-        rows = [{**key, "name": name, "value": value} for name, value in values.items()]
-        if rows:
-            with self._writing(durable=True) as connection:
-                connection.execute(statement, rows)
+    def learn(self, robot: str, rows: Sequence[Row], known: Container[tuple[str, tuple[Any, ...]]] = ()) -> None:
+        """Write what a capability has learnt of its robot, all of it or none; on return it is on the disk.
 
-    def append_frame(self, robot: str, captured: CapturedFrame) -> None:
-        """Write a key frame after the last of its motion, which is a new row if there is none."""
-        key = {"robot": robot, "motion": captured.motion}
-        new = insert(MOTION).values(robot=robot, name=captured.motion, help=captured.help, lead_in="", lead_out="")
+        Rows that it had, `known` by table and key, are changed; another must not be there yet.
+        """
         with self._writing(durable=True) as connection:
-            connection.execute(new.on_conflict_do_nothing())
-            steps = select(func.max(MOTION_STEP.c.step)).filter_by(**key)
-            positions = msgspec.json.encode(captured.frame.positions).decode()
-            step = {"step": (connection.scalar(steps) or 0) + 1, "positions": positions}
-            connection.execute(insert(MOTION_STEP).values(**key, **step, duration_s=captured.frame.duration_s))
+            for row in rows:
+                edits.put(connection, robot, [row], change=(row.TABLE, row.key) in known)
 
     def revision(self) -> int:
         """Return the number of the last change of rows; 0 for none."""
@@ -229,27 +218,27 @@ class Database:
         """
         for _ in range(EDIT_TRIES):
             with self._reading() as connection:
-                tables, problems = read_tables(connection)
+                tables, schema = read_tables(connection)
                 known = tokens.tokens(connection)
                 revision = adopted.revision(connection)
-                problems += adopted.problems(connection, revision, adopted.digest(tables))
+                problems = adopted.problems(connection, revision, adopted.digest(tables))
                 since = () if edit.revision is None else history.revisions(connection, edit.revision)
             after = edits.applied(tables, robot, edit, since)
-            rows = replace(check(after, robot, revision=revision, problems=problems), tokens=known)
+            rows = check(after, robot, revision=revision, problems=problems, columns=schema)
+            rows = replace(rows, tokens=known)
             if found := tuple(wrong(rows)):
                 raise RowError(found)
             with self._writing(durable=True) as connection:
                 if adopted.revision(connection) == revision:
-                    edits.write(connection, robot, edit)
+                    edits.write(connection, robot, edit.rows)
                     return adopted.revision(connection)
         raise InputError("others edit the rows at the same time: try again")
 
     def add_rows(self, rows: RawTables) -> None:
         """Write new rows, by table, in one transaction; durably."""
         with self._writing(durable=True) as connection:
-            for table in TABLES:
-                if found := rows.get(table.name):
-                    connection.execute(insert(table), [dict(row) for row in found])
+            for table, found in rows.items():
+                insert(connection, table, found)
 
     def tokens(self) -> tuple[TokenRow, ...]:
         """Return every token's row, revoked and expired ones too."""
@@ -307,7 +296,7 @@ class Database:
         connection = self._connection
         if not self.path.stat().st_size:  # as sqlite3 leaves it that was told to change what was not there
             raise RowError((f"database {self.path} is empty: remove it, and `lbr db init` makes a robot's",))
-        tables = run(connection, "SELECT count(*) FROM sqlite_schema WHERE name IN ('robot', 'alembic_version')")
+        tables = connection.scalar("SELECT count(*) FROM sqlite_schema WHERE name IN ('robot', 'alembic_version')")
         if pragma(connection, "application_id") != APPLICATION_ID or tables != 2:
             raise RowError(
                 (f"database {self.path} is not a robot's: name another; `lbr db restore` puts a copy in its place",)
@@ -347,7 +336,8 @@ class Database:
         self, robot: str, *, durable: bool, patience_s: float = BUSY_TIMEOUT_S, **columns: str | int
     ) -> None:
         with self._writing(durable=durable, patience_s=patience_s) as connection:
-            done = connection.execute(update(ROBOT).where(ROBOT.c.name == robot).values(columns))
+            settings = ", ".join(f"{column} = ?" for column in columns)
+            done = connection.execute(f"UPDATE robot SET {settings} WHERE name = ?", (*columns.values(), robot))  # noqa: S608 - our names
             if done.rowcount != 1:
                 raise RowError((f"database {self.path} has no robot '{robot}': name one of its robots",))
 

@@ -163,7 +163,7 @@ class Child:
 
 
 def _environment(config: ProcessConfig) -> dict[str, str]:
-    environment = leaf_environment() if config.lan is None else dict(os.environ)  # the door is a router, no leaf
+    environment = leaf_environment() if config.private is None else dict(os.environ)  # the door is a router, no leaf
     environment.pop(wallet.VARIABLE, None)
     return environment | {"LBR_HOME": config.home}
 

@@ -10,7 +10,8 @@ from lbr.capability import twins
 from lbr.capability.kind import Kind
 from lbr.capability.settings import faults
 from lbr.capability.twins import TwinError
-from lbr.database.rows import CapabilityRow, DeviceRow, Problem, RobotRows
+from lbr.database.reading import Problem
+from lbr.database.rows import CapabilityRow, DeviceRow, RobotRows
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 

@@ -23,8 +23,6 @@ from lbr.executive.choices import choices
 from lbr.executive.reports import Reports
 from lbr.executive.robot import Robot
 from lbr.messages.codes import Reason
-from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
-from lbr.messages.joints import JointMove, JointsCommand, PlayCommand
 from lbr.messages.leases import STOPPED_SINCE, StopCommand
 from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
 
@@ -35,8 +33,6 @@ BOUNDED_RUN_S = 86_400.0
 """What knows its own end is held until then, unless its capability sets a limit."""
 MOST_LEASES = 256
 MOST_RECORDED = 200
-LEASED = (DriveCommand, TurnCommand, HeadingCommand, JointsCommand, JointMove, PlayCommand)
-"""Commands that are held: whoever says one goes on saying it under its lease."""
 
 
 class _Speaker(NamedTuple):
@@ -162,7 +158,8 @@ class Dispatcher:
         if outright := self._robot.vocabulary.confirming(call):
             text = f"{outright.help}. To do it, say {outright.pattern}"
             return ConsoleResult(code=FAILED, text=text, reason_code="confirm", confirm=outright.pattern)
-        moves = self._robot.plan.kinds[name].commands.get(call.command) in LEASED
+        kind = self._robot.plan.kinds[name]
+        moves = call.command in kind.commands and kind.command(call.command).leased
         payload = dict(call.payload)
         lease = self._leases.get(by.holder(name), "") if moves else ""
         answer = self._query(call, payload | ({"lease": lease} if lease else {}), by)

@@ -13,7 +13,8 @@ from msgspec import Struct
 from lbr.bus import stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.database.edits import describe
-from lbr.database.rows import Problem, RobotRows
+from lbr.database.reading import Problem
+from lbr.database.rows import RobotRows
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, MalformedError, RowError
 from lbr.executive.child import LARGEST_DOCUMENT_BYTES

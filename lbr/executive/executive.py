@@ -14,6 +14,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import msgspec
+from msgspec import Raw
 from msgspec.structs import replace
 
 from lbr import home
@@ -24,7 +26,8 @@ from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import copies, store
-from lbr.database.rows import Problem, RobotRows
+from lbr.database.reading import Problem
+from lbr.database.rows import RobotRows
 from lbr.errors import LbrError
 from lbr.executive import hosting, machine, scheduling, terminal, wiring
 from lbr.executive import plan as plans
@@ -36,7 +39,6 @@ from lbr.executive.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint
 from lbr.executive.edits import Edits, Written
 from lbr.executive.emergency import Emergency
 from lbr.executive.external import ExternalCommands
-from lbr.executive.hosting import Measured
 from lbr.executive.hosts import Hosts
 from lbr.executive.inforce import RowsInForce
 from lbr.executive.journal import Journal
@@ -126,8 +128,7 @@ class Executive:
             self._start,
             self._happened,
             lambda name: name in self._presence.names,
-            calibrated=self._rows.calibrated,
-            captured=self._rows.captured,
+            learnt=self._rows.learnt,
             at_once=machine.at_once(),
         )
         self._overview = Overview(self._supervisor)
@@ -258,7 +259,7 @@ class Executive:
             },
             version=hosting.version(),
             happened=self._happened,
-            measured=self._measured,
+            learnt=self._rows.learnt,
             begun=self._begun_elsewhere,
             ways=self._lan,
             present=lambda name: name in self._presence.names,
@@ -378,12 +379,6 @@ class Executive:
     def _begun_elsewhere(self, name: str) -> None:
         self._emergency.forget(name)
 
-    def _measured(self, one: Measured) -> None:
-        if one.calibration:
-            self._rows.calibrated(one.name, one.calibration)
-        if one.captured is not None:
-            self._rows.captured(one.name, one.captured)
-
     def _process(self, name: str) -> object:
         slot = self._supervisor.slots.get(name)
         return slot.child if slot is not None else None
@@ -433,10 +428,12 @@ class Executive:
             return None
         self._emergency.forget(unit.name)
         config = replace(unit.config, estop=self._emergency.state(), endpoints=(place.endpoint,))
-        if config.lan is not None:
+        if unit.lan is not None:
             bus_certificate()
             inside = inside_endpoint(self.plan.robot, unit.name)
-            config = replace(config, lan=replace(config.lan, upstream=place.router_id, inside=inside))
+            config = replace(
+                config, private=Raw(msgspec.json.encode(replace(unit.lan, upstream=place.router_id, inside=inside)))
+            )
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
             return Child(unit, config, log, self._reaper.mark())
 
@@ -456,7 +453,7 @@ class Executive:
         )
 
     def _lan(self) -> tuple[str, ...]:
-        configs = (unit.config.lan for unit in self.plan.units.values())
+        configs = (unit.lan for unit in self.plan.units.values())
         return tuple(endpoint for lan in configs if lan is not None for endpoint in lan.listen)
 
     def _movers(self) -> list[str]:

@@ -4,10 +4,10 @@ from hashlib import blake2b
 from importlib import metadata
 
 import msgspec
-from msgspec import Struct
+from msgspec import Raw, Struct
 
 from lbr.executive.units import Unit
-from lbr.messages.joints import CapturedFrame
+from lbr.messages.codes import ReasonCode
 from lbr.messages.system import CapabilityStatus, Event
 
 REPORT_S = 0.2
@@ -21,18 +21,17 @@ MOST_EVENTS = 16
 LONGEST_TEXT = 500
 
 
-class Measured(Struct, frozen=True, kw_only=True):
-    """What a capability has measured on its device, or a key frame that it has made: to be written down."""
+class Learnt(Struct, frozen=True, kw_only=True):
+    """Rows that a capability has learnt, by table: to be written down."""
 
     name: str
-    calibration: dict[str, float] = {}
-    captured: CapturedFrame | None = None
+    rows: dict[str, Raw]
 
 
 class HostReport(Struct, frozen=True, kw_only=True):
     """How a share of the robot is: `agent` tells one run of an agent from others, `where` says which for people.
 
-    `share` is the mark of the share it has. `events` and `measured` are told until there is an answer.
+    `share` is the mark of the share it has. `events` and `learnt` are told until there is an answer.
     """
 
     agent: str
@@ -40,7 +39,7 @@ class HostReport(Struct, frozen=True, kw_only=True):
     share: str = ""
     states: tuple[CapabilityStatus, ...] = ()
     events: tuple[Event, ...] = ()
-    measured: tuple[Measured, ...] = ()
+    learnt: tuple[Learnt, ...] = ()
     leaving: bool = False
 
 
@@ -55,6 +54,7 @@ class HostShare(Struct, frozen=True, kw_only=True):
     """The answer: `units` are told if the agent has others. `ended`: the robot shuts down, and its processes end."""
 
     accepted: bool
+    code: ReasonCode = ""
     reason: str = ""
     version: str = ""
     ended: bool = False

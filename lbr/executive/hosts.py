@@ -3,12 +3,13 @@
 from collections.abc import Callable, Iterable, Mapping
 from math import inf
 
+from msgspec import Raw
 from msgspec.structs import replace
 
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
-from lbr.executive.hosting import GONE_S, TOLD, HostReport, HostShare, Measured, Placed, mark
+from lbr.executive.hosting import GONE_S, TOLD, HostReport, HostShare, Placed, mark
 from lbr.executive.units import Unit
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import CapabilityStatus
@@ -35,7 +36,7 @@ class Host:
 class Hosts:
     """Answers agents, at the key that `served` has for each host, from one thread.
 
-    `happened(kind, subject, text, level)` hears what people should know, `measured` what is to be written down, and
+    `happened(kind, subject, text, level)` hears what people should know, `learnt(name, rows)` what is to be written down, and
     `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines come in at, and
     `present(name)` says who is on the bus.
     """
@@ -46,14 +47,14 @@ class Hosts:
         *,
         version: str,
         happened: Callable[[str, str, str, str], None],
-        measured: Callable[[Measured], None],
+        learnt: Callable[[str, dict[str, Raw]], None],
         begun: Callable[[str], None],
         ways: Callable[[], tuple[str, ...]],
         present: Callable[[str], bool],
     ) -> None:
         self._version = version
         self._happened = happened
-        self._measured = measured
+        self._learnt = learnt
         self._begun = begun
         self._ways = ways
         self._present = present
@@ -142,9 +143,9 @@ class Hosts:
         for event in report.events:
             if event.subject in host.units and event.kind in TOLD:
                 self._happened(event.kind, event.subject, event.text, event.level)
-        for one in report.measured:
+        for one in report.learnt:
             if one.name in host.units:
-                self._measured(one)
+                self._learnt(one.name, one.rows)
 
     def _why_gone(self, host: Host, now: float) -> str:
         """Say why an agent counts as gone, or nothing; its token may come a little later than its first report."""

@@ -2,8 +2,11 @@
 
 import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
+
+import msgspec
+from msgspec import Raw
 
 from lbr.console.verbs import Vocabulary
 from lbr.database.store import Database
@@ -11,10 +14,11 @@ from lbr.errors import LbrError
 from lbr.executive import plan as plans
 from lbr.executive.keeper import Keeper
 from lbr.executive.plan import Change, Plan
+from lbr.executive.units import read_by
 from lbr.executive.watch import RowWatch
 from lbr.executive.wiring import least_roles
 from lbr.messages.faces import EditCommand
-from lbr.messages.joints import CapturedFrame
+from lbr.messages.rows import Row, by_table
 
 PROBLEMS_TOLD = 3
 """So many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
@@ -85,36 +89,45 @@ class RowsInForce:
             self._database.adopt(rows)
         return {"revision": rows.revision, "rows": rows.digest}
 
-    def calibrated(self, name: str, values: dict[str, float]) -> None:
-        """Write down what a capability has measured; it goes on with it already, and is not restarted for it."""
-        device = self.plan.units[name].config.calibrates if name in self.plan.units else ""
-        if not device:
+    def learnt(self, name: str, told: Mapping[str, Raw]) -> None:
+        """Write down what a capability has learnt; it goes on with it already, and is not restarted for it."""
+        rows = self._may_learn(name, told) if name in self.plan.units else ()
+        if not rows:
             return
         try:
-            self._database.save_calibration(self.plan.robot, device, values)
+            self._database.learn(self.plan.robot, rows, self._known(name))
         except LbrError as err:
-            text = (
-                f"the calibration of '{device}' holds until the next restart only, it could not be written down: {err}"
-            )
-            self._happened("calibration_lost", name, text, "error")
+            what = ", ".join(dict.fromkeys(row.told for row in rows))
+            text = f"the {what} holds until the next restart only, it could not be written down: {err}"
+            self._happened("learnt_lost", name, text, "error")
             return
-        self._keep(plans.calibrated(self.plan, name, values), name)
+        self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
 
-    def captured(self, name: str, frame: CapturedFrame) -> None:
-        """Write down a key frame that a capability has made; it goes on with it already, and is not restarted for it."""
-        if name not in self.plan.kinds or "motion" not in self.plan.kinds[name].rows:
-            return
+    def _may_learn(self, name: str, told: Mapping[str, Raw]) -> tuple[Row, ...]:
+        """Return the rows of those told that the capability's kind may write; the others are told of."""
+        kind, config = self.plan.kinds[name], self.plan.units[name].config
+        found: list[Row] = []
         try:
-            self._database.append_frame(self.plan.robot, frame)
-        except LbrError as err:
-            text = f"the key frame of '{frame.motion}' holds until the next restart only, it was not written: {err}"
-            self._happened("frame_lost", name, text, "error")
-            return
-        self._keep(plans.captured(self.plan, name, frame), name)
+            for read in kind.reads:
+                if read.row in kind.learns and read.row.TABLE in told:
+                    rows = msgspec.json.decode(told[read.row.TABLE], type=list[read.row])  # type: ignore[name-defined]
+                    found += read_by(read, kind.parse(bytes(config.settings)), rows)
+        except msgspec.MsgspecError as err:
+            self._happened("refused", name, f"what it has learnt cannot be written down: {err}", "warning")
+            return ()
+        return tuple(found)
 
     def edited(self, name: str, edit: EditCommand) -> None:
         """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for it."""
-        self._keep(plans.edited(self.plan, name, edit), name)
+        self._keep(plans.learnt(self.plan, name, by_table(edit.rows)), name)
+
+    def _known(self, name: str) -> set[tuple[str, tuple[Any, ...]]]:
+        """Return table and key of the rows that a capability has."""
+        return {
+            (table, tuple(row[column] for column in one.key))
+            for table, one in self.plan.units[name].config.rows.items()
+            for row in msgspec.json.decode(one.rows)
+        }
 
     def _adopt(self, plan: Plan, change: Change, edited: str) -> None:
         self.vocabulary = _words(plan)
@@ -137,5 +150,5 @@ def _first(problems: tuple[str, ...]) -> str:
 
 
 def _words(plan: Plan) -> Vocabulary:
-    messages = {f"{name}.{command}": kind for name in plan.kinds for command, kind in plan.kinds[name].commands.items()}
+    messages = {f"{name}.{command}": kind for name in plan.kinds for command, kind in plan.kinds[name].messages.items()}
     return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages, least_roles(plan.kinds))

@@ -9,7 +9,8 @@ from pathlib import Path
 from msgspec import Struct
 
 from lbr.capability.kind import Kind
-from lbr.database.rows import CapabilityRow, Problem
+from lbr.database.reading import Problem
+from lbr.database.rows import CapabilityRow
 from lbr.executive.profile import Profile
 
 MOST_CAPABILITIES = 100

@@ -4,7 +4,8 @@ import re
 from collections.abc import Iterator, Mapping
 
 from lbr.capability.kind import Kind
-from lbr.database.rows import Problem, RobotRows
+from lbr.database.reading import Problem
+from lbr.database.rows import RobotRows
 from lbr.executive.profile import Profile
 from lbr.executive.units import LAN
 from lbr.executive.wiring import EXECUTIVE

@@ -10,21 +10,21 @@ import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr.bus.door import LanUser
 from lbr.capability import registry
 from lbr.capability.kind import STOP, Kind, KindError
 from lbr.capability.program import ProgramSettings
 from lbr.capability.settings import faults
-from lbr.database.reader import json_strictly
-from lbr.database.rows import CapabilityRow, Problem, RobotRows, TokenRow
+from lbr.database.columns import json_strictly
+from lbr.database.reading import Problem
+from lbr.database.rows import CapabilityRow, RobotRows, TokenRow
 from lbr.executive import machine, placement, rights
 from lbr.executive.devices import check_device_settings, check_devices
 from lbr.executive.machine import Machine
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
-from lbr.executive.units import LAN, Unit, commands_of, edited_rows, measured, posed, streams_of, unit, with_lan
+from lbr.executive.units import LAN, Unit, commands_of, streams_of, unit, with_lan, with_learnt
 from lbr.executive.wiring import EXECUTIVE, check_channels, check_verbs
-from lbr.messages.faces import EditCommand
-from lbr.messages.joints import CapturedFrame
 
 Find = Callable[[str, Path], Kind]
 """Returns the kind of a name in a home, or raises KindError."""
@@ -83,6 +83,7 @@ def make(
             settings[row.name] = parsed
     problems += check_channels(rows, kinds, settings)
     problems += check_verbs(rows, kinds, settings)
+    problems += _check_tables(rows, kinds)
     chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
     problems += check_devices(rows, chosen, kinds, settings)
     problems += check_device_settings(rows, kinds, simulated=profile.simulate)
@@ -131,20 +132,9 @@ def only(change: Change, names: Container[str]) -> Change:
     return Change(start=start, stop=stop, restart=restart)
 
 
-def calibrated(plan: Plan, name: str, values: Mapping[str, float]) -> Plan:
-    """Return the plan with a unit that has these values already: rows that say the same do not restart it."""
-    return replace(plan, units={**plan.units, name: measured(plan.units[name], values)})
-
-
-def captured(plan: Plan, name: str, frame: CapturedFrame) -> Plan:
-    """Return the plan with a unit that has this key frame already: rows that say the same do not restart it."""
-    return replace(plan, units={**plan.units, name: posed(plan.units[name], frame)})
-
-
-def edited(plan: Plan, name: str, edit: EditCommand) -> Plan:
-    """Return the plan with a unit that has made this edit its own: rows that say the same do not restart it."""
-    unit = edited_rows(plan.units[name], edit, plan.kinds[name].rows)
-    return replace(plan, units={**plan.units, name: unit})
+def learnt(plan: Plan, name: str, rows: Mapping[str, msgspec.Raw]) -> Plan:
+    """Return the plan with a unit that has these rows already: a database that says the same does not restart it."""
+    return replace(plan, units={**plan.units, name: with_learnt(plan.units[name], rows)})
 
 
 def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:
@@ -209,6 +199,17 @@ def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
         return False
     wanted = profile.only is None or row.name in profile.only
     return row.enabled and wanted and row.name not in profile.without
+
+
+def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Problem]:
+    """Yield what is wrong with the rows that kinds read, each once."""
+    readers = {read.row: name for name, kind in kinds.items() for read in kind.reads}
+    for row in sorted((registry.tables() | readers.keys()) - {LanUser}, key=lambda row: row.TABLE):
+        if row.TABLE in rows.tables:
+            yield from rows.tables.problems(row)
+        elif name := readers.get(row, ""):
+            text = f"'{kinds[name].name}' reads the table '{row.TABLE}', which is not there: its SQL makes it, with triggers"
+            yield Problem("capability", f"{rows.robot.name}/{name}", "kind", text)
 
 
 def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:

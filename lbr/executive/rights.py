@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 def of_unit(plan: "Plan", unit: Unit) -> dict[str, Rights]:
     """Return the users that a process needs on the bus, and what each may do: what its rows wire, and no more."""
     users = {unit.name: _of_process(plan, unit)}
-    if unit.config.lan is not None:
-        users[unit.config.lan.link.user] = _of_lan(plan, unit)
+    if unit.lan is not None:
+        users[unit.lan.link.user] = _of_lan(plan, unit)
     return users
 
 
@@ -65,8 +65,8 @@ def _of_process(plan: "Plan", unit: Unit) -> Rights:
     inputs = tuple(wire.key for wires in config.wiring.values() for wire in wires)
     commands = tuple(keys.port(robot, name, command) for command in plan.commands(name))
     requests = tuple(key for asked in config.requests.values() for key in asked.values())
-    relayed = _relayed(config.lan.commands, robot) if config.lan is not None else ()
-    watched = (keys.status(robot),) if config.lan is not None else ()
+    relayed = _relayed(unit.lan.commands, robot) if unit.lan is not None else ()
+    watched = (keys.status(robot),) if unit.lan is not None else ()
     acknowledgement = (keys.estop_acknowledgement(robot, name),) if unit.moves else ()
     release = (keys.estop_release(robot, name),) if unit.moves else ()
     return Rights(
@@ -84,8 +84,8 @@ def _of_lan(plan: "Plan", unit: Unit) -> Rights:
 
     So may what processes say that run there, but for what they ask of others: that is relayed.
     """
-    assert unit.config.lan is not None
-    robot, lan = plan.robot, unit.config.lan
+    assert unit.lan is not None
+    robot, lan = plan.robot, unit.lan
     guests = [guest.rights for guest in lan.guests]
     agents = [keys.agent_alive(robot, user.name) for user in lan.users if user.role == "host"]
     asked = {key for rights in guests for key in rights.ask} - set(lan.commands)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import inf
 from pathlib import Path
 
+from msgspec import Raw
 from msgspec.structs import replace
 
 from lbr import home
@@ -20,14 +21,13 @@ from lbr.errors import BusError, MalformedError
 from lbr.executive import hosting, machine
 from lbr.executive import plan as plans
 from lbr.executive.child import Child
-from lbr.executive.hosting import HostReport, HostShare, Measured, Placed
+from lbr.executive.hosting import HostReport, HostShare, Learnt, Placed
 from lbr.executive.logs import open_log, trim_all
 from lbr.executive.mainthread import MainThread
 from lbr.executive.overview import Overview
 from lbr.executive.reaper import Reaper
 from lbr.executive.supervisor import Supervisor
-from lbr.executive.units import Unit, measured, posed
-from lbr.messages.joints import CapturedFrame
+from lbr.executive.units import Unit, with_learnt
 from lbr.messages.system import EstopState, Event, Status
 
 ANSWER_S = 1.0
@@ -71,7 +71,7 @@ class Stay:
         self._mark = ""
         self._placed: dict[str, Placed] = {}
         self._events: deque[Event] = deque(maxlen=MOST_WAITING)
-        self._measured: deque[Measured] = deque()
+        self._learns: deque[Learnt] = deque()
         self._presence = wire.Presence(bus, found.robot, lambda _name, _alive: main.wake())
         self._token = wire.alive(bus, found.robot, keys.agent(host))
         self._links = Links(bus, ("tls", "tcp"), main.wake)
@@ -79,8 +79,7 @@ class Stay:
             self._start,
             self._happened,
             lambda name: name in self._presence.names,
-            calibrated=self._calibrated,
-            captured=self._captured,
+            learnt=self._learnt,
             at_once=machine.at_once(),
         )
         self._overview = Overview(self._supervisor)
@@ -136,7 +135,7 @@ class Stay:
             share=self._mark,
             states=() if leaving else self._overview.capabilities(time.monotonic()),
             events=events,
-            measured=tuple(self._measured),
+            learnt=tuple(self._learns),
             leaving=leaving,
         )
         return wire.Question(
@@ -180,7 +179,7 @@ class Stay:
         told = self._told
         if told is not None:
             self._events = deque((one for one in self._events if one not in told.events), self._events.maxlen)
-            self._measured = deque(one for one in self._measured if one not in told.measured)
+            self._learns = deque(one for one in self._learns if one not in told.learnt)
         self._told = None
 
     def _unanswered(self) -> None:
@@ -250,20 +249,13 @@ class Stay:
         event = Event(kind=kind, subject=subject, text=text[: hosting.LONGEST_TEXT], level=level)  # type: ignore[arg-type]
         self._events.append(event)
 
-    def _calibrated(self, name: str, values: dict[str, float]) -> None:
-        self._keeps(name, lambda unit: measured(unit, values))
-        self._measured.append(Measured(name=name, calibration=values))
-
-    def _captured(self, name: str, frame: CapturedFrame) -> None:
-        self._keeps(name, lambda unit: posed(unit, frame))
-        self._measured.append(Measured(name=name, captured=frame))
-
-    def _keeps(self, name: str, become: Callable[[Unit], Unit]) -> None:
-        """Go on with what was measured here: rows that say the same restart nothing."""
+    def _learnt(self, name: str, rows: dict[str, Raw]) -> None:
+        """Go on with what was learnt here: rows that say the same restart nothing."""
         if name in self._placed:
-            one = replace(self._placed[name], unit=become(self._placed[name].unit))
+            one = replace(self._placed[name], unit=with_learnt(self._placed[name].unit, rows))
             self._placed[name] = one
             self._supervisor.slots[name].unit = one.unit
+        self._learns.append(Learnt(name=name, rows=rows))
 
 
 def _size(fingerprint: str) -> str:

@@ -8,6 +8,8 @@ import time
 from collections.abc import Callable, Mapping
 from math import inf
 
+from msgspec import Raw
+
 from lbr.capability.events import Throttle
 from lbr.errors import LbrError
 from lbr.executive import starving
@@ -18,7 +20,6 @@ from lbr.executive.scheduling import BACKGROUND, MOTION, niceness
 from lbr.executive.slot import Slot, Started
 from lbr.executive.starving import OTHERS_STRETCH, RUNS_SHARE, SUSPICIOUS_S, Look, verdict
 from lbr.executive.units import Unit
-from lbr.messages.joints import CapturedFrame
 
 HANG_S = 1.2
 HANG_MOVER_S = 0.8
@@ -42,8 +43,7 @@ class Supervisor:
     """Owns every process of the plan. `happened(kind, subject, text, level)` is told whatever people should know.
 
     `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
-    `calibrated(name, values)` is told what a capability has measured on the device that it calibrates, and `captured(name, frame)` what
-    key frame it has made. `start(unit)` returns None while its way onto the bus is being opened. At most `at_once` start at a
+    `learnt(name, rows)` is told which rows a capability has learnt, by table. `start(unit)` returns None while its way onto the bus is being opened. At most `at_once` start at a
     time; what moves, drives a device or serves waits for no place among them.
     """
 
@@ -55,8 +55,7 @@ class Supervisor:
         *,
         clock: Callable[[], float] = time.monotonic,
         dice: random.Random | None = None,
-        calibrated: Callable[[str, dict[str, float]], None] = lambda _name, _values: None,
-        captured: Callable[[str, CapturedFrame], None] = lambda _name, _frame: None,
+        learnt: Callable[[str, dict[str, Raw]], None] = lambda _name, _rows: None,
         at_once: int = 1000,
         look: Callable[..., Look] = starving.look,
     ) -> None:
@@ -66,8 +65,7 @@ class Supervisor:
         self._start = start
         self._happened = happened
         self._present = present
-        self._calibrated = calibrated
-        self._captured = captured
+        self._learnt = learnt
         self._at_once = at_once
         self._look = look
         self._busy = Busy()
@@ -194,10 +192,8 @@ class Supervisor:
             slot.beat_at = now
             if report.counts:
                 self._count(slot, report.counts, now)
-            if report.calibration:
-                self._calibrated(slot.unit.name, report.calibration)
-            if report.captured is not None:
-                self._captured(slot.unit.name, report.captured)
+            if report.learnt:
+                self._learnt(slot.unit.name, report.learnt)
             if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
                 slot.said = (report.phase, report.reason)
             elif report.phase in {"failed", "hung"}:

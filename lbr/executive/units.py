@@ -1,6 +1,6 @@
 """From a row to the one document that its process gets: settings, wiring, devices, ways onto the bus. Pure."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,35 +10,25 @@ from msgspec.structs import replace
 
 from lbr.bus import keys
 from lbr.bus.access import Credentials, Rights
+from lbr.bus.door import LanConfig, LanGuest, LanUser
 from lbr.capability import registry
-from lbr.capability.config import (
-    DeviceConfig,
-    InputWire,
-    LanConfig,
-    LanGuest,
-    LanUser,
-    OutputWire,
-    ProcessConfig,
-    with_edit,
-)
+from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
 from lbr.capability.kind import Kind
+from lbr.capability.kind import Rows as Read
 from lbr.capability.program import ProgramSettings
-from lbr.database.rows import ButtonRow, CapabilityRow, ChannelRow, RobotRows
+from lbr.database.rows import CapabilityRow, ChannelRow, RobotRows
 from lbr.executive.credentials import token_secret
 from lbr.executive.devices import device_address
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 from lbr.executive.wiring import EXECUTIVE
-from lbr.messages.dance import DanceStep
-from lbr.messages.faces import Button, EditCommand, Motor
-from lbr.messages.joints import CapturedFrame, Joint, KeyFrame, Motion, with_frame
-from lbr.messages.speech import Phrase
+from lbr.messages.rows import Row, RowSet, row_set, with_rows
 
 LAN = "lan"
 
 
 class Unit(Struct, frozen=True, kw_only=True):
-    """One process of the plan; two equal units need no restart."""
+    """One process of the plan; two equal units need no restart. `lan` is for the door to other machines alone."""
 
     name: str
     kind: str
@@ -50,6 +40,7 @@ class Unit(Struct, frozen=True, kw_only=True):
     config: ProcessConfig
     fingerprint: str = ""
     program: ProgramSettings | None = None
+    lan: LanConfig | None = None
 
 
 def unit(
@@ -76,7 +67,6 @@ def unit(
         if kind.family == "simulation" or (kind.device and d.name == getattr(settings, "device", None))
     )
     device = getattr(settings, "device", "") if kind.device else ""
-    calibrates = str(getattr(settings, kind.calibrates)) if kind.calibrates else ""
     ports = settings if isinstance(settings, ProgramSettings) else kind
     config = ProcessConfig(
         robot=robot,
@@ -93,17 +83,7 @@ def unit(
         wiring=_wiring(row.name, kinds, channels, site, robot),
         outputs={name: _outputs(row.name, name, kinds, channels, site, robot) for name in ports.outputs},
         requests=_requests(row.name, kinds, channels, robot),
-        calibrates=calibrates,
-        calibration={c.name: c.value for c in rows.calibrations if calibrates and c.device == calibrates},
-        phrases=_phrases(rows) if "phrase" in kind.rows else (),
-        dance_steps=_dance_steps(rows) if "choreography" in kind.rows else (),
-        joints=_joints(rows) if "joint" in kind.rows else (),
-        motions=motions_of(rows) if "motion" in kind.rows else (),
-        motors=tuple(msgspec.convert(row, Motor, from_attributes=True) for row in rows.motors)
-        if "motor" in kind.rows
-        else (),
-        buttons=tuple(_button(row) for row in rows.buttons) if "button" in kind.rows else (),
-        users=_users(rows, site, "web") if "user_token" in kind.rows else (),
+        rows={read.row.TABLE: _read(read, settings, rows, site) for read in kind.reads},
         release_key=site.seal(keys.estop_release(robot, row.name)),
     )
     return Unit(
@@ -162,50 +142,18 @@ def with_lan(
         private_key=str(folder / "bus.key"),
         certificate=str(folder / "bus.crt"),
     )
-    return replace(unit, config=replace(unit.config, lan=config))
+    return replace(unit, lan=config)
 
 
-def measured(unit: Unit, values: Mapping[str, float]) -> Unit:
-    """Return a unit that has these values of its device already."""
-    return replace(unit, config=replace(unit.config, calibration={**unit.config.calibration, **values}))
+def with_learnt(unit: Unit, rows: Mapping[str, msgspec.Raw]) -> Unit:
+    """Return a unit that has these rows already, by table, as far as it reads such."""
+    return replace(unit, config=replace(unit.config, rows=with_rows(unit.config.rows, rows)))
 
 
-def posed(unit: Unit, frame: CapturedFrame) -> Unit:
-    """Return a unit that has this key frame already."""
-    return replace(unit, config=replace(unit.config, motions=by_name(with_frame(unit.config.motions, frame))))
-
-
-def edited_rows(unit: Unit, edit: EditCommand, tables: Collection[str]) -> Unit:
-    """Return a unit that has made an edit its own, as far as it has such rows."""
-    return replace(unit, config=replace(unit.config, **with_edit(unit.config, edit, tables)))
-
-
-def by_name(motions: Iterable[Motion]) -> tuple[Motion, ...]:
-    """Return motions in the order of the rows."""
-    return tuple(sorted(motions, key=lambda motion: motion.name))
-
-
-def motions_of(rows: RobotRows) -> tuple[Motion, ...]:
-    """Return the motions of a robot with their key frames."""
-    steps = sorted(rows.motion_steps, key=lambda step: step.step)
-    return by_name(
-        Motion(
-            name=row.name,
-            frames=tuple(
-                KeyFrame(positions=step.positions, duration_s=step.duration_s)
-                for step in steps
-                if step.motion == row.name
-            ),
-            help=row.help,
-            lead_in=row.lead_in,
-            lead_out=row.lead_out,
-            slot=row.slot,
-            slot_s=row.slot_s,
-            limp=row.limp,
-            builtin=row.builtin,
-        )
-        for row in rows.motions
-    )
+def read_by(read: Read, settings: Any, rows: Iterable[Row]) -> tuple[Row, ...]:
+    """Return those of a table's rows that a kind gets with such settings."""
+    wanted = {column: getattr(settings, setting) for column, setting in read.where.items()}
+    return tuple(row for row in rows if all(getattr(row, column) == value for column, value in wanted.items()))
 
 
 def commands_of(unit: Unit, kind: Kind) -> tuple[str, ...]:
@@ -219,23 +167,11 @@ def streams_of(robot: str, units: Iterable[Unit]) -> tuple[str, ...]:
     return tuple(sorted({key for unit, key in keyed if key.startswith(f"{robot}/{unit.name}/")}))
 
 
-def _phrases(rows: RobotRows) -> tuple[Phrase, ...]:
-    return tuple(Phrase(name=row.name, language=row.language, text=row.text) for row in rows.phrases)
-
-
-def _dance_steps(rows: RobotRows) -> tuple[DanceStep, ...]:
-    return tuple(
-        DanceStep(dance=row.dance, step=row.step, power=row.power, angle_deg=row.angle_deg, beats=row.beats)
-        for row in rows.choreographies
-    )
-
-
-def _joints(rows: RobotRows) -> tuple[Joint, ...]:
-    return tuple(msgspec.convert(row, Joint, from_attributes=True) for row in rows.joints)
-
-
-def _button(row: ButtonRow) -> Button:
-    return Button(id=row.id, name=row.name, button=row.button, motion=row.motion or None, builtin=row.builtin)
+def _read(read: Read, settings: Any, rows: RobotRows, site: Site) -> RowSet:
+    """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit."""
+    if read.row is LanUser:
+        return row_set(read.row, _users(rows, site, "web"))
+    return row_set(read.row, read_by(read, settings, rows.of(read.row)))
 
 
 def _users(rows: RobotRows, site: Site, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:

@@ -12,7 +12,8 @@ import msgspec
 
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
-from lbr.database.rows import ChannelRow, Problem, RobotRows, VerbRow
+from lbr.database.reading import Problem
+from lbr.database.rows import ChannelRow, RobotRows, VerbRow
 from lbr.messages.faces import EditCommand
 from lbr.messages.system import EstopResetCommand, Role
 
@@ -107,7 +108,8 @@ def _ports(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], *w
     own = settings.get(name)
     if isinstance(own, ProgramSettings):
         return {port: ANY for group in which for port in getattr(own, group, ())}
-    return {port: kind for group in which for port, kind in getattr(kinds[name], group).items()}
+    groups = ("messages" if group == "commands" else group for group in which)
+    return {port: message for group in groups for port, message in getattr(kinds[name], group).items()}
 
 
 def _same(sends: Any, takes: Any) -> bool:

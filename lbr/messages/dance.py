@@ -4,15 +4,21 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.messages.rows import Row
+from lbr.messages.units import AngleDeg, Name, Power, StepNumber
 
-class DanceStep(Struct, frozen=True, kw_only=True):
-    """A row of the table `choreography`: from one beat to the next, `beats` beats long."""
 
-    dance: str
-    step: int
-    power: float
-    angle_deg: float
-    beats: int
+class DanceStep(Row, frozen=True, kw_only=True):
+    """One move of a dance: this power and angle, `beats` beats long."""
+
+    TABLE = "choreography"
+    KEY = ("dance", "step")
+
+    dance: Name
+    step: StepNumber
+    power: Power
+    angle_deg: AngleDeg
+    beats: Annotated[int, Meta(ge=1, le=64)]
 
 
 class DanceCommand(Struct, frozen=True, kw_only=True):

@@ -1,28 +1,38 @@
 """What faces to the outside number and name motors and motions by, and changes of such rows."""
 
-from collections.abc import Callable, Iterable
-from typing import Annotated, Any, TypeVar
+from collections.abc import Iterator
+from typing import Annotated
 
 from msgspec import Meta, Struct
 
 from lbr.messages.codes import ReasonCode
-from lbr.messages.joints import Motion
-from lbr.messages.units import Name
+from lbr.messages.joints import Motion, motion_there
+from lbr.messages.rows import Fault, Others, Row
+from lbr.messages.servos import ServoId
+from lbr.messages.units import Name, NameOrNone
 
 Counts = Annotated[int, Meta(ge=0, le=16383, description="the servo's own counts")]
+"""Fourteen bits: what a servo's position has at most."""
 Label = Annotated[str, Meta(min_length=1, max_length=40)]
 Text = Annotated[str, Meta(max_length=200)]
 
-R = TypeVar("R", bound=Struct)
+
+def _bounds(row: "Motor", _: Others) -> Iterator[Fault]:
+    if not row.lowest < row.highest:
+        yield "highest", f"{row.highest} is not above lowest, {row.lowest}"
 
 
-class Motor(Struct, frozen=True, kw_only=True):
-    """A row of the table `motor`: a servo as one layer has it."""
+class Motor(Row, frozen=True, kw_only=True):
+    """A servo as one layer of a face to the outside numbers, names and limits it, in the servo's own counts."""
+
+    TABLE = "motor"
+    KEY = ("layer", "id")
+    CHECKS = (_bounds,)
 
     layer: Name
-    id: Annotated[int, Meta(ge=0, le=253)]
+    id: ServoId
     name: Label
-    description: Text = ""
+    description: str = ""
     initial: Counts
     lowest: Counts
     highest: Counts
@@ -30,15 +40,29 @@ class Motor(Struct, frozen=True, kw_only=True):
     inverted: bool = False
     builtin: bool = False
 
+    @property
+    def told(self) -> str:
+        """Which servo of which layer."""
+        return f"motor {self.id} of layer '{self.layer}'"
 
-class Button(Struct, frozen=True, kw_only=True):
-    """A row of the table `button`: a number and a name for a motion; of no motion, for taking the controller over."""
+
+class Button(Row, frozen=True, kw_only=True):
+    """A number and a name for a motion; of no motion, for taking the controller over."""
+
+    TABLE = "button"
+    KEY = ("id",)
+    CHECKS = (motion_there,)
 
     id: Annotated[int, Meta(ge=0, le=9999)]
     name: Label
-    button: Text = ""
-    motion: Name | None = None
+    button: str = ""
+    motion: NameOrNone = ""
     builtin: bool = False
+
+    @property
+    def told(self) -> str:
+        """Which number."""
+        return f"button {self.id}"
 
 
 class EditCommand(Struct, frozen=True, kw_only=True):
@@ -55,6 +79,11 @@ class EditCommand(Struct, frozen=True, kw_only=True):
     revision: int | None = None
     by: Annotated[str, Meta(max_length=80)] = ""
 
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """All rows that it writes; key frames are rows of their own."""
+        return (*self.motors, *(row for motion in self.motions for row in motion.rows), *self.buttons)
+
 
 class EditReply(Struct, frozen=True, kw_only=True):
     """What became of it; `revision` is the newest of the rows in force, also where it was refused."""
@@ -63,39 +92,3 @@ class EditReply(Struct, frozen=True, kw_only=True):
     reason: str = ""
     code: ReasonCode = ""
     revision: int = 0
-
-
-class FaceRows(Struct, frozen=True, kw_only=True):
-    """The rows that an edit may touch, in the order of their keys."""
-
-    motors: tuple[Motor, ...] = ()
-    motions: tuple[Motion, ...] = ()
-    buttons: tuple[Button, ...] = ()
-
-    def edited(self, edit: EditCommand) -> "FaceRows":
-        """Return the rows as they are once an edit is written."""
-        return FaceRows(
-            motors=_merged(self.motors, edit.motors, motor_key),
-            motions=_merged(self.motions, edit.motions, motion_key),
-            buttons=_merged(self.buttons, edit.buttons, button_key),
-        )
-
-
-def motor_key(motor: Motor) -> tuple[str, int]:
-    """Return what tells a motor from all others."""
-    return motor.layer, motor.id
-
-
-def motion_key(motion: Motion) -> str:
-    """Return what tells a motion from all others."""
-    return motion.name
-
-
-def button_key(button: Button) -> int:
-    """Return what tells a button from all others."""
-    return button.id
-
-
-def _merged(rows: Iterable[R], new: Iterable[R], key: Callable[[R], Any]) -> tuple[R, ...]:
-    found = {key(row): row for row in (*rows, *new)}
-    return tuple(found[name] for name in sorted(found))

@@ -1,36 +1,67 @@
 """Messages on `joints/*` and `motions/*`: what moves a humanoid, and what its joints say back."""
 
-from typing import Annotated, Literal
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
-from msgspec.structs import replace
 
 from lbr.messages.codes import ReasonCode
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.leases import LeaseId
-from lbr.messages.servos import ServoPhase
-from lbr.messages.units import Name, TtlS
+from lbr.messages.rows import Fault, Others, Row, shown
+from lbr.messages.servos import ServoId, ServoPhase
+from lbr.messages.units import Name, NameOrNone, StepNumber, TtlS
 
-JointRad = Annotated[float, Meta(ge=-10.0, le=10.0, description="radians from the joint's zero")]
+JointRad = Annotated[
+    float,
+    Meta(ge=-10.0, le=10.0, description="radians from the joint's zero", extra={"meant": "an angle in radians"}),
+]
 JointDeg = Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees from the joint's zero")]
-JointRps = Annotated[float, Meta(gt=0.0, le=100.0, description="radians a second")]
-DurationS = Annotated[float, Meta(gt=0.0, le=60.0, description="seconds")]
+JointRps = Annotated[
+    float, Meta(gt=0.0, le=100.0, description="radians a second", extra={"zero": "0 would never get anywhere"})
+]
+DurationS = Annotated[
+    float, Meta(gt=0.0, le=60.0, description="seconds", extra={"zero": "0 is no time to get anywhere"})
+]
 Strength = Annotated[float, Meta(gt=0.0, le=1.0, description="fraction of a servo's most")]
 Interpolation = Literal["smooth", "linear"]
 MAX_FRAMES = 1000
 
 
-class Joint(Struct, frozen=True, kw_only=True):
-    """A row of the table `joint`: the servo is at `zero_rad + sign * joint angle`."""
+def _limits(row: "Joint", _: Others) -> Iterator[Fault]:
+    if not row.lower_rad < row.upper_rad:
+        yield "upper_rad", f"{row.upper_rad:g} is not above lower_rad, {row.lower_rad:g}"
 
-    name: str
-    device_id: int
+
+def _servo_of(joint: "Joint") -> int:
+    return joint.device_id
+
+
+def _servo(row: "Joint", others: Others) -> Iterator[Fault]:
+    first = others.index(Joint, _servo_of)[row.device_id]
+    if first.name != row.name:
+        yield "device_id", f"servo {row.device_id} moves joint '{first.name}' already"
+
+
+class Joint(Row, frozen=True, kw_only=True):
+    """A joint: the servo is at `zero_rad + sign * joint angle`; how far and how fast it may go."""
+
+    TABLE = "joint"
+    KEY = ("name",)
+    CHECKS = (_limits, _servo)
+
+    name: Name
+    device_id: ServoId
     side: Literal["left", "right", "centre"] = "centre"
-    sign: int = 1
-    zero_rad: float = 0.0
-    lower_rad: float
-    upper_rad: float
-    speed_rps: float
+    sign: Literal[1, -1] = 1
+    zero_rad: JointRad = 0.0
+    lower_rad: JointRad
+    upper_rad: JointRad
+    speed_rps: JointRps
+
+
+Slot = Annotated[int, Meta(ge=1, le=255)]
+SlotS = Annotated[float, Meta(gt=0.0, le=600.0, description="seconds", extra={"zero": "0 is no time to play anything"})]
 
 
 class StoredMotion(Struct, frozen=True, kw_only=True):
@@ -39,8 +70,8 @@ class StoredMotion(Struct, frozen=True, kw_only=True):
     Joints that `pose` leaves out are where they are measured afterwards; `limp`: all of them are let go at its end.
     """
 
-    slot: Annotated[int, Meta(ge=1, le=255)]
-    duration_s: Annotated[float, Meta(gt=0.0, le=600.0, description="seconds")]
+    slot: Slot
+    duration_s: SlotS
     pose: dict[str, JointRad] = {}
     limp: bool = False
 
@@ -52,8 +83,92 @@ class KeyFrame(Struct, frozen=True, kw_only=True):
     duration_s: DurationS
 
 
+def motion_there(row: Any, others: Others) -> Iterator[Fault]:
+    """Check that the motion that a row names, if it names one, is there."""
+    if row.motion and row.motion not in others.names("motion"):
+        yield "motion", f"there is no motion '{row.motion}'"
+
+
+def _lead_in(row: "MotionRow", others: Others) -> Iterator[Fault]:
+    yield from _lead(row.name, "lead_in", row.lead_in, others)
+
+
+def _lead_out(row: "MotionRow", others: Others) -> Iterator[Fault]:
+    yield from _lead(row.name, "lead_out", row.lead_out, others)
+
+
+def _lead(name: str, column: str, other: str, others: Others) -> Iterator[Fault]:
+    if other and (other not in others.names("motion") or other == name):
+        yield column, f"there is no other motion '{other}'"
+
+
+def _slotted(row: "MotionRow", _: Others) -> Iterator[Fault]:
+    if row.slot is None and row.slot_s is not None:
+        yield "slot", "is NULL, and slot_s is not: a slot and the time for it go together"
+    if row.slot_s is None and row.slot is not None:
+        yield "slot_s", "is NULL, and slot is not: a slot and the time for it go together"
+
+
+class MotionRow(Row, frozen=True, kw_only=True):
+    """A motion without its key frames. `lead_in` and `lead_out` name what is played before and after.
+
+    One with a `slot` is kept and played by the robot's own controller, which takes `slot_s` for it.
+    """
+
+    TABLE = "motion"
+    KEY = ("name",)
+    CHECKS = (_lead_in, _lead_out, _slotted)
+
+    name: Name
+    help: str = ""
+    lead_in: NameOrNone = ""
+    lead_out: NameOrNone = ""
+    slot: Slot | None = None
+    slot_s: SlotS | None = None
+    limp: bool = False
+    builtin: bool = False
+
+
+def _joints(row: "MotionStep", others: Others) -> Iterator[Fault]:
+    for name in row.positions:
+        if name not in others.names("joint"):
+            yield "positions", f"there is no joint '{shown(name)}'"
+
+
+def _range(joint: Joint) -> tuple[str, float, float]:
+    return joint.name, joint.lower_rad, joint.upper_rad
+
+
+def _within(row: "MotionStep", others: Others) -> Iterator[Fault]:
+    joints = {joint.name: joint for joint in others.index(Joint, _range).values()}
+    for name, angle in row.positions.items():
+        joint = joints.get(name)
+        if joint is not None and not joint.lower_rad <= angle <= joint.upper_rad:
+            text = f"{name}: {angle:g} is outside {joint.lower_rad:g} to {joint.upper_rad:g}, the joint's limits"
+            yield "positions", text
+
+
+class MotionStep(Row, frozen=True, kw_only=True):
+    """A key frame: the angles that the named joints have `duration_s` after the step before."""
+
+    TABLE = "motion_step"
+    KEY = ("motion", "step")
+    PART_OF = "motion"
+    CHECKS = (motion_there, _joints, _within)
+
+    motion: Name
+    step: StepNumber
+    duration_s: DurationS
+    positions: dict[str, JointRad]
+
+    @property
+    def told(self) -> str:
+        """Which key frame of which motion."""
+        return f"key frame {self.step} of '{self.motion}'"
+
+
 class Motion(Struct, frozen=True, kw_only=True):
-    """A row of the table `motion` with its key frames; those of one in a `slot` say where it leads."""
+    """A motion with its key frames, which are rows of their own; those of one in a `slot` say where it leads."""
 
     name: str
     frames: tuple[KeyFrame, ...]
@@ -65,13 +180,19 @@ class Motion(Struct, frozen=True, kw_only=True):
     limp: bool = False
     builtin: bool = False
 
+    @property
+    def row(self) -> MotionRow:
+        """Its row without the key frames."""
+        return MotionRow(**{field: getattr(self, field) for field in MotionRow.__struct_fields__})
 
-class CapturedFrame(Struct, frozen=True, kw_only=True):
-    """A key frame that was made here, to be written down after the last of its motion; `help` is for a new one."""
-
-    motion: str
-    frame: KeyFrame
-    help: str = ""
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Its row, and those of its key frames, counted from 1."""
+        steps = (
+            MotionStep(motion=self.name, step=step, duration_s=frame.duration_s, positions=frame.positions)
+            for step, frame in enumerate(self.frames, 1)
+        )
+        return (self.row, *steps)
 
 
 class JointsCommand(Struct, frozen=True, kw_only=True):
@@ -230,10 +351,14 @@ class MotionsState(Struct, frozen=True, kw_only=True):
     code: ReasonCode = ""
 
 
-def with_frame(motions: tuple[Motion, ...], captured: CapturedFrame) -> tuple[Motion, ...]:
-    """Return the motions with a key frame after the last of its motion, which is a new one if there is none."""
-    known = next((motion for motion in motions if motion.name == captured.motion), None)
-    if known is None:
-        return (*motions, Motion(name=captured.motion, frames=(captured.frame,), help=captured.help))
-    longer = replace(known, frames=(*known.frames, captured.frame))
-    return tuple(longer if motion is known else motion for motion in motions)
+def motions_of(rows: Iterable[MotionRow], steps: Iterable[MotionStep]) -> tuple[Motion, ...]:
+    """Return motions with their key frames, by name."""
+    frames: dict[str, list[KeyFrame]] = {}
+    for step in sorted(steps, key=lambda step: step.key):
+        frame = KeyFrame(positions=step.positions, duration_s=step.duration_s)
+        frames.setdefault(step.motion, []).append(frame)
+    fields = MotionRow.__struct_fields__
+    return tuple(
+        Motion(**{field: getattr(row, field) for field in fields}, frames=tuple(frames.get(row.name, ())))
+        for row in sorted(rows, key=lambda row: row.name)
+    )

@@ -5,16 +5,23 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.messages.codes import ReasonCode
+from lbr.messages.rows import Row
+from lbr.messages.units import Name
 
 Language = Annotated[str, Meta(max_length=20, description="a language tag such as en; empty: the robot's own")]
 
 
-class Phrase(Struct, frozen=True, kw_only=True):
-    """A row of the table `phrase`."""
+class Phrase(Row, frozen=True, kw_only=True):
+    """What the robot says, in one language; phrases are every robot's."""
 
-    name: str
-    language: str
-    text: str
+    TABLE = "phrase"
+    KEY = ("name", "language")
+
+    name: Name
+    language: Annotated[
+        str, Meta(pattern="^[a-z]{2}[a-z0-9-]{0,18}$", extra={"meant": "a language tag in small letters, such as en"})
+    ]
+    text: Annotated[str, Meta(min_length=1)]
 
 
 class SayCommand(Struct, frozen=True, kw_only=True):

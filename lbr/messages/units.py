@@ -13,7 +13,12 @@ RangeCm = Annotated[float, Meta(ge=0.0, le=769.0, description="centimetres; 0 se
 IntervalS = Annotated[float, Meta(ge=0.0, le=3600.0, description="seconds; 0 sets no time")]
 TtlS = Annotated[float, Meta(gt=0.0, le=1.0, description="seconds a command lives unless it is renewed")]
 NAME_PATTERN = "^[a-z][a-z0-9_]*$"
-Name = Annotated[str, Meta(pattern=NAME_PATTERN, max_length=40)]
+A_NAME = {"meant": "a name (small letters, digits, underscores; at most 40)"}
+Name = Annotated[str, Meta(pattern=NAME_PATTERN, max_length=40, extra=A_NAME)]
+NameOrNone = Annotated[str, Meta(pattern=f"^$|{NAME_PATTERN}", max_length=40, extra=A_NAME)]
+"""A name, or empty for none."""
+StepNumber = Annotated[int, Meta(ge=1, le=10_000)]
+"""The place of a row among those of one motion or dance, from 1."""
 Vector = tuple[float, float, float]
 """Along x, y and z."""
 Quaternion = tuple[float, float, float, float]

@@ -1,6 +1,6 @@
 """The simulated world: physics, emulated devices that speak the real bytes, and a view from above."""
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind
 from lbr.messages.simulation import WorldPose, WorldScene
 from lbr.simulation.requests import (
     FaultReply,
@@ -22,7 +22,12 @@ KIND = Kind(
     entry="lbr.simulation.capability:World",
     settings=WorldSettings,
     outputs={"pose": WorldPose, "scene": WorldScene},
-    commands={"picture": PictureRequest, "fault": FaultRequest, "place": PlaceRequest, "remove": RemoveRequest},
+    commands={
+        "picture": PictureRequest,
+        "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
+        "place": PlaceRequest,
+        "remove": RemoveRequest,
+    },
     roles={"picture": "admin", "fault": "admin", "place": "admin", "remove": "admin"},
     emulates=True,
     replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},

@@ -1,6 +1,6 @@
 """A capability's context without a bus."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from math import nan
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -9,17 +9,14 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.bus.stamp import sent_s
-from lbr.capability.config import LanUser
 from lbr.capability.context import Call, Context, Device, Received
 from lbr.messages.codes import MEANINGS, Code, Reason
-from lbr.messages.dance import DanceStep
-from lbr.messages.faces import Button, EditCommand, Motor
-from lbr.messages.joints import CapturedFrame, Joint, Motion, with_frame
 from lbr.messages.leases import refused
-from lbr.messages.speech import Phrase
+from lbr.messages.rows import Row
 from lbr.messages.system import Stamp
 
 S = TypeVar("S", bound=Struct)
+R = TypeVar("R", bound=Row)
 BEGAN_S = 100.0
 """Not zero, so that a time that was never set is not mistaken for one that was."""
 
@@ -95,8 +92,8 @@ class FakeContext(Generic[S]):
     """A capability's context: `now` is the time, `published` and `events` are kept, `arrive` is what it hears.
 
     A question is answered with what stands in `replies` for its request, at once; without an entry it waits. Who is wired
-    to a port or request stands in `wired`, by default one of that name; who is dead, in `gone`. Any row or attribute of
-    `Context` may be given by its name.
+    to a port or request stands in `wired`, by default one of that name; who is dead, in `gone`. `given` are its rows, of
+    whatever tables, and `kept` what it has learnt. Any attribute of `Context` may be given by its name.
     """
 
     robot = "robot"
@@ -105,14 +102,7 @@ class FakeContext(Generic[S]):
     device: Device | None = None
     devices: tuple[Device, ...] = ()
     home = "/nonexistent"
-    calibration: Mapping[str, float] = {}
-    phrases: tuple[Phrase, ...] = ()
-    dance_steps: tuple[DanceStep, ...] = ()
-    joints: tuple[Joint, ...] = ()
-    motions: tuple[Motion, ...] = ()
-    motors: tuple[Motor, ...] = ()
-    buttons: tuple[Button, ...] = ()
-    users: tuple[LanUser, ...] = ()
+    given: tuple[Row, ...] = ()
     on_tick = True
 
     def __init__(self, settings: S, **given: Any) -> None:
@@ -240,19 +230,18 @@ class FakeContext(Generic[S]):
         """Keep the reason."""
         self.latched.append(reason)
 
-    def keep_calibration(self, values: Mapping[str, float]) -> None:
+    def rows(self, row: type[R]) -> tuple[R, ...]:
+        """Return the rows of a table, of those that are given."""
+        return tuple(one for one in self.given if type(one) is row)
+
+    def learn(self, *rows: Row) -> None:
         """Go on with them, as the runtime does."""
-        self.kept.append(dict(values))
-        self.calibration = {**self.calibration, **values}
+        self.kept.append(rows)
+        self.adopt(rows)
 
-    def keep_frame(self, captured: CapturedFrame) -> None:
-        """Go on with it, as the runtime does."""
-        self.motions = with_frame(self.motions, captured)
-        self.kept.append(captured)
-
-    def adopt(self, edit: EditCommand) -> None:
-        """Keep it."""
-        self.kept.append(edit)
+    def adopt(self, rows: Iterable[Row]) -> None:
+        """Go on with them, as the runtime does."""
+        self.given = tuple({(one.TABLE, one.key): one for one in (*self.given, *rows)}.values())
 
     def ready(self, reason: str = "") -> None:
         """Keep that it works: `health` says "ready"."""

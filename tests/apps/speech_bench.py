@@ -71,7 +71,7 @@ class SpeechContext(FakeContext):
     def __init__(self, home: Path, address: str, **settings: Any) -> None:
         chosen = KIND.settings(device="speaker", **{"greets": False, **settings})
         speaker = Device("speaker", "speaker", address, {})
-        super().__init__(chosen, robot="lbr", name="speech", home=str(home), device=speaker, phrases=PHRASES)
+        super().__init__(chosen, robot="lbr", name="speech", home=str(home), device=speaker, given=PHRASES)
 
     def clock(self) -> float:
         return time.monotonic()

@@ -50,7 +50,7 @@ class World(FakeContext):
     """The context of tracking: joints, a camera in the head and a ball; one tick is 5 ms."""
 
     def __init__(self, **settings):
-        super().__init__(KIND.settings(**settings), robot="uxa90", name="tracking", joints=JOINTS)
+        super().__init__(KIND.settings(**settings), robot="uxa90", name="tracking", given=JOINTS)
         self.head = Head(delay_s=0.02)
         self.ball = None
         self.trusted = True
@@ -379,9 +379,9 @@ def test_what_cannot_be_followed_is_refused_with_a_reason(world, monkeypatch):
     assert begin(world).answer.reason == "the camera is off: switch camera_head on"
     world.camera_on = True
     world.run(0.1)
-    world.joints = JOINTS[:1]
+    world.given = JOINTS[:1]
     assert "no row for joint head_pitch" in track(world).answer.reason
-    world.joints = JOINTS
+    world.given = JOINTS
     world.unheard("joints")
     assert "has not told" in track(world).answer.reason
     world.run(0.1)

@@ -16,7 +16,7 @@ from tests.support.robot import until
 
 HEAD = """
 from msgspec import Struct
-from lbr.capability import Capability, Kind
+from lbr.capability import Capability, Command, Kind, Row, Rows
 class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     device: str = ""
 class Go(Struct, frozen=True):
@@ -29,6 +29,16 @@ class Thing:
     pass
 class Odd(Struct, frozen=True):
     thing: Thing
+class Untold(Row, frozen=True, kw_only=True):
+    a: int
+class Keyless(Row, frozen=True, kw_only=True):
+    TABLE = "keyless"
+    KEY = ("gone",)
+    a: int
+class Told(Row, frozen=True, kw_only=True):
+    TABLE = "told"
+    KEY = ("a",)
+    a: int
 """
 GOOD = {"name": "'own'", "summary": "''", "family": "'app'", "entry": "Capability"}
 KIND_LINE = HEAD.count("\n") + 1
@@ -107,8 +117,20 @@ def test_what_is_wrong_with_a_file_is_one_sentence_with_its_line(folder, text, w
         ({"commands": "{'go': Go}", "roles": "{'go': 'king'}"}, "'roles' gives 'go' 'king', and must give one of view"),
         ({"roles": "{'go': 'view'}"}, "'roles' names 'go', which is none of its commands"),
         ({"device": "'servo'"}, "'device' needs a field 'device' in NoSettings"),
-        ({"calibrates": "'gone'"}, "'calibrates' names 'gone', which is no field of NoSettings"),
-        ({"rows": "('gone',)"}, "'rows' is ('gone',), and must be a tuple of"),
+        ({"rows": "'gone'"}, "'rows' is 'gone', and must be a tuple of Row classes"),
+        ({"rows": "('gone',)"}, "'rows' names 'gone', which is no Row: class NAME(Row, frozen=True, kw_only=True)"),
+        ({"rows": "(Untold,)"}, "'rows' names Untold, which is no table: its TABLE is '', and must be the name of one"),
+        ({"rows": "(Keyless,)"}, "'rows' names Keyless, which is no table: its KEY is ('gone',), and must be"),
+        (
+            {"rows": "(Rows(Told, where={'gone': 'device'}),)"},
+            "'rows' looks for 'gone' in Told, which has no such column",
+        ),
+        (
+            {"rows": "(Rows(Told, where={'a': 'device'}),)"},
+            "names the setting 'device', which is no field of NoSettings",
+        ),
+        ({"learns": "(Told,)"}, "'learns' names Told, which is none of its rows"),
+        ({"commands": "{'go': Command(Soft, leased=True)}"}, "port 'go' carries Soft, which must be frozen"),
         (
             {"device_settings": "{'servo': dict}"},
             "'device_settings' gives 'servo' dict, and must give a msgspec Struct",

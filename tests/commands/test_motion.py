@@ -6,6 +6,7 @@ import pytest
 
 from lbr import cli
 from lbr.database import store
+from lbr.messages.joints import MotionRow
 from tests.database.test_motion_files import NOD, content
 
 
@@ -24,7 +25,7 @@ def lbr(capsys, *arguments: object) -> tuple[int, str, str]:
 
 def motion(place, name):
     with store.Database.open(place / "robot.db") as database:
-        return [row.help for row in database.load("uxa90").motions if row.name == name]
+        return [row.help for row in database.load("uxa90").of(MotionRow) if row.name == name]
 
 
 def test_a_factory_motion_is_looked_at_taken_listed_and_taken_again_only_if_told(place, capsys):

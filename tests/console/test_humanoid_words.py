@@ -23,9 +23,9 @@ from lbr.operations.joints import KIND as JOINTS
 from lbr.operations.motions import KIND as MOTIONS
 from lbr.operations.power import KIND as POWER
 
-ROWS = check(shipped(), "bioloid")
+ROWS = check(shipped()[0], "bioloid")
 MESSAGES = {
-    f"{kind.name}.{command}": message for kind in (JOINTS, MOTIONS, POWER) for command, message in kind.commands.items()
+    f"{kind.name}.{command}": message for kind in (JOINTS, MOTIONS, POWER) for command, message in kind.messages.items()
 }
 WORDS = Vocabulary(ROWS.verbs, ROWS.external_commands, MESSAGES)
 NAMES = {
@@ -116,7 +116,7 @@ def test_letting_go_of_all_joints_needs_a_word_more_and_of_one_does_not():
     ("typed", "offered"),
     [
         ("/j/l", ["left_elbow", "left_knee"]),
-        ("/torque/o", ["on", "off"]),
+        ("/torque/o", ["off", "on"]),
         ("/torque/on/r", ["right_elbow"]),
         ("/play/", ["sit", "stand"]),
         ("/mirror/st", ["stand"]),

@@ -3,17 +3,26 @@
 import copy
 import json
 import sqlite3
+from functools import partial
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.database.checks import check
+from lbr.database.checks import check as check_rows
 from lbr.database.resources import robot_db_sql
 from lbr.database.rows import RobotRow
-from lbr.database.tables import KEYS, TABLES
+from lbr.database.shipped import shipped as shipped_tables
+from lbr.messages.calibration import CalibrationValue
+from lbr.messages.dance import DanceStep
+from lbr.messages.faces import Button, Motor
+from lbr.messages.joints import Joint, MotionRow, MotionStep
+from lbr.messages.speech import Phrase
 
-COLUMNS = {table.name: [column.name for column in table.columns] for table in TABLES}
+READ = (Phrase, DanceStep, CalibrationValue, Joint, MotionRow, MotionStep, Motor, Button)
+"""What the kinds that come with lbr read."""
+check = partial(check_rows, also=READ)
+_, COLUMNS = shipped_tables()
 
 
 def shipped() -> dict:
@@ -291,7 +300,7 @@ def test_mutated_rows_never_raise_and_are_named_or_sound(mutations):
         tables[table][number][column] = value
     rows = check(tables, "lbr")
     for problem in rows.problems:
-        assert problem.table in KEYS
+        assert problem.table in COLUMNS
         assert problem.column in COLUMNS[problem.table]
         assert problem.text
         str(problem).encode()
@@ -318,7 +327,7 @@ def check_sound(rows):
 
 @given(
     st.dictionaries(
-        st.sampled_from([*KEYS, "other"]),
+        st.sampled_from([*COLUMNS, "other"]),
         st.lists(
             st.dictionaries(
                 st.sampled_from(sorted({c for columns in COLUMNS.values() for c in columns})), SQLITE_VALUES, max_size=8

@@ -11,6 +11,7 @@ from lbr.database.constraints import refused, words
 from lbr.database.resources import robot_db_sql
 from lbr.database.store import Database, create
 from lbr.errors import RowError
+from lbr.messages.calibration import measured
 from tests.support.robot import lbr
 
 CHECKS = re.findall(r"CHECK \((.*)\),?(?:\s*--.*)?$", robot_db_sql().read_text(), re.MULTILINE)
@@ -92,7 +93,7 @@ def test_what_lbr_itself_writes_is_told_so_too(tmp_path):
             f"database {tmp_path / 'robot.db'} refuses the row: table joint, device_id: must be from 0 to 253"
         )
         with pytest.raises(RowError, match=r"table calibration: robot/device must be that of a row of 'device'"):
-            database.save_calibration("lbr", "gone", {"scale": 1.0})
+            database.learn("lbr", list(measured("gone", {"scale": 1.0})))
 
 
 def test_rows_of_ones_own_that_are_refused_are_told_with_their_line(home, tmp_path):

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from lbr.database.shipped import shipped
 from lbr.database.store import Database, create
-from lbr.database.tables import KEYS
 
 RELEASED = sorted((Path(__file__).parent / "released").glob("*.sql"))
 STRUCTURE = "SELECT type, name, tbl_name FROM sqlite_schema WHERE name NOT LIKE 'sqlite%' ORDER BY 1, 2"
@@ -25,7 +25,9 @@ def shape(path: Path) -> list[object]:
 
 def columns(connection: sqlite3.Connection) -> dict[str, list[str]]:
     """The columns of the tables that make robots and are there."""
-    names = {table: connection.execute(f"SELECT name FROM pragma_table_info('{table}')").fetchall() for table in KEYS}
+    names = {
+        table: connection.execute(f"SELECT name FROM pragma_table_info('{table}')").fetchall() for table in shipped()[1]
+    }
     return {table: [name for (name,) in found] for table, found in names.items() if found}
 
 

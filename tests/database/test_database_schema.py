@@ -1,54 +1,55 @@
-"""robot.db.sql: the models agree with it, its checks refuse bad rows, and its triggers keep the revisions."""
+"""robot.db.sql: the structs agree with it, its checks refuse bad rows, and its triggers keep the revisions."""
 
 import json
 import re
 import sqlite3
+from pathlib import Path
 
 import pytest
-from sqlalchemy import create_engine, inspect
 
-from lbr.database.models import CONFIGURATION, METADATA
+from lbr.capability import registry
+from lbr.database.columns import WrongError, columns
 from lbr.database.resources import launch_profiles, robot_db_sql
+from lbr.database.rows import CORE
+from lbr.database.shipped import shipped
 from lbr.database.store import Database
 from tests.support import needs, programs
 
 TABLE = re.compile(r"CREATE TABLE (\w+) \((.*?)\n\) STRICT", re.DOTALL)
-MODELS = METADATA.tables
+_, SCHEMA = shipped()
+NOWHERE = Path("/nowhere")
+READ = {read.row for name in registry.names(NOWHERE) for read in registry.find(name, NOWHERE).reads}
+ROWS = {row.TABLE: row for row in (*CORE, *READ)}
+"""A struct for each table: those of every robot, and what the kinds that come with lbr read."""
 
 
-@pytest.fixture
-def inspector(path):
-    engine = create_engine(f"sqlite:///{path}")
-    yield inspect(engine)
-    engine.dispose()
+OWN = {"user_token", "revision", "event", "audit", "adopted", "alembic_version"}
+"""What lbr writes for itself: no rows that make a robot."""
 
 
-def test_every_table_has_a_model(inspector):
-    assert set(inspector.get_table_names()) == {*MODELS, "alembic_version"}
+@pytest.mark.parametrize("name", sorted(SCHEMA))
+def test_struct_and_schema_are_the_same(name):
+    row = ROWS[name]
+    owned = ("robot",) if "robot" in SCHEMA[name] else ()
+    assert {*owned, *columns(row)} == set(SCHEMA[name])
+    assert (*owned, *row.KEY) == SCHEMA.keys_of[name]
 
 
-@pytest.mark.parametrize("name", sorted(MODELS))
-def test_model_and_schema_are_the_same(inspector, client, name):
-    table = MODELS[name]
-    found = [(c["name"], str(c["type"]), c["nullable"]) for c in inspector.get_columns(name)]
-    assert found == [(c.name, str(c.type), bool(c.nullable)) for c in table.columns]
-    assert inspector.get_pk_constraint(name)["constrained_columns"] == [c.name for c in table.primary_key]
-    assert foreign_keys(client, name) == {
-        (
-            key.referred_table.name,
-            key.onupdate,
-            key.ondelete,
-            tuple((e.parent.name, e.column.name) for e in key.elements),
-        )
-        for key in table.foreign_key_constraints
-    }
+@pytest.mark.parametrize("name", sorted(SCHEMA))
+def test_what_a_struct_lets_be_null_is_what_the_schema_does(client, name):
+    for column, not_null in client.execute('SELECT name, "notnull" FROM pragma_table_info(?)', (name,)):
+        if column != "robot":
+            try:
+                columns(ROWS[name])[column].read(None)
+            except WrongError:
+                assert not_null, column
+            else:
+                assert not not_null, column
 
 
-def foreign_keys(client, table):
-    found = {}
-    for number, _, other, here, there, update, delete, _ in client.execute(f"PRAGMA foreign_key_list({table})"):
-        found.setdefault((number, other, update, delete), []).append((here, there))
-    return {(*key[1:], tuple(pairs)) for key, pairs in found.items()}
+def test_every_table_that_makes_a_robot_keeps_its_changes(client):
+    tables = {name for (name,) in client.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")}
+    assert tables - OWN - {"sqlite_sequence"} == set(SCHEMA)
 
 
 def test_every_table_is_strict(client):
@@ -60,7 +61,7 @@ def test_every_table_is_strict(client):
 
 def test_every_table_is_introduced_by_a_comment():
     tables = re.findall(r"^(.*)\nCREATE TABLE (\w+)", robot_db_sql().read_text(), re.MULTILINE)
-    assert len(tables) == len(MODELS) + 1
+    assert {name for _, name in tables} == {*SCHEMA, *OWN}
     assert [name for above, name in tables if not above.startswith("--")] == []
 
 
@@ -218,7 +219,7 @@ GOOD_ROWS = [
 
 
 def insert(client: sqlite3.Connection, table: str, columns: dict) -> None:
-    if "robot" in MODELS[table].columns:
+    if "robot" in SCHEMA.get(table, ()):
         columns = {"robot": "lbr", **columns}
     marks = ", ".join("?" * len(columns))
     client.execute(f"INSERT INTO {table} ({', '.join(columns)}) VALUES ({marks})", tuple(columns.values()))
@@ -266,7 +267,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("table", [table.name for table in CONFIGURATION])
+@pytest.mark.parametrize("table", list(SCHEMA))
 def test_every_change_of_a_row_is_a_revision(client, database, table):
     client.execute("DELETE FROM calibration")
     insert(client, "calibration", {"device": "range_board", "name": "n", "value": 1.0})
@@ -275,7 +276,7 @@ def test_every_change_of_a_row_is_a_revision(client, database, table):
     insert(client, "motor", MOTOR)
     insert(client, "button", {"id": 4, "name": "walk"})
     since = database.load("lbr").revision
-    keys = [c.name for c in MODELS[table].primary_key]
+    keys = SCHEMA.keys_of[table]
     rowid, *key = client.execute(f"SELECT rowid, {', '.join(keys)} FROM {table}").fetchone()
     client.execute(f"UPDATE {table} SET {CHANGES[table]} WHERE rowid = {rowid}")
     client.execute(f"DELETE FROM {table} WHERE rowid = {rowid}")
@@ -286,7 +287,7 @@ def test_every_change_of_a_row_is_a_revision(client, database, table):
     assert update.old[column] != update.new[column]
     assert str(update.new[column]) == value.strip("'")
     assert delete.old == update.new
-    assert set(delete.old) == {c.name for c in MODELS[table].columns} - RUN_COLUMNS.get(table, set())
+    assert set(delete.old) == set(SCHEMA[table]) - RUN_COLUMNS.get(table, set())
 
 
 RUN_COLUMNS = {"robot": {"last_start", "last_shutdown", "estop_engaged", "estop_reason"}}

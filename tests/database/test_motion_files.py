@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from lbr.database import motion_files, rbm, store
+from lbr.database.checks import check
+from lbr.database.shipped import shipped
 from lbr.errors import InputError
-from lbr.messages.joints import KeyFrame, Motion
+from lbr.messages.joints import Joint, KeyFrame, Motion, MotionStep
 
 STAND = (127, 127, 127, 127, 48, 206, 127, 127, 127, 127, 127, 127, 80, 174, 137, 117, 127, 127, 206, 48, 127, 127, 127, 127, 127)  # fmt: skip
 HEADER = ["1", "13", "6012000010005", "someone", "a@b.c", "7", "A: test", "0", "4"]
@@ -50,7 +52,9 @@ def test_a_file_is_read_field_by_field(rows):
 
 
 def test_nominal_counts_become_angles_of_the_joints_whatever_the_robots_own_zeros_are(rows):
-    moved = replace(rows, joints=tuple(replace(row, zero_rad=row.zero_rad + 0.1) for row in rows.joints))
+    raw, columns = shipped()
+    other = {**raw, "joint": [{**row, "zero_rad": row["zero_rad"] + 0.1} for row in raw["joint"]]}
+    moved = check(other, "uxa90", columns=columns)
     for known in (rows, moved):
         motion, notes = motion_files.of_rbm(rbm.parse(NOD), known)
         assert notes == []
@@ -69,7 +73,7 @@ def test_nominal_counts_become_angles_of_the_joints_whatever_the_robots_own_zero
 def test_the_walking_stance_is_the_one_that_the_rows_have(rows):
     stance = (125, 127, 102, 150, 89, 166, 146, 109, 127, 127, 127, 127, 63, 191, 137, 117, 131, 123, 174, 80, 127, 127, 127, 127, 127)  # fmt: skip
     motion, _ = motion_files.of_rbm(rbm.parse(content((10, 400, dict(enumerate(stance))))), rows)
-    (shipped,) = [step.positions for step in rows.motion_steps if step.motion == "basic_motion"]
+    (shipped,) = [step.positions for step in rows.of(MotionStep) if step.motion == "basic_motion"]
     assert motion.frames[0].positions | motion.frames[1].positions == pytest.approx(shipped, abs=1e-3)
 
 
@@ -129,17 +133,17 @@ def nod(angle: float) -> Motion:
 
 def test_joints_beyond_their_limits_are_named_or_clipped(rows):
     with pytest.raises(InputError, match=r"head_pitch: 2.000 is outside -0.832 to 0.925\. --clip"):
-        motion_files.within_limits(nod(2.0), rows.joints, clip=False)
-    clipped, count = motion_files.within_limits(nod(2.0), rows.joints, clip=True)
+        motion_files.within_limits(nod(2.0), rows.of(Joint), clip=False)
+    clipped, count = motion_files.within_limits(nod(2.0), rows.of(Joint), clip=True)
     assert (clipped.frames[0].positions, count) == ({"head_pitch": 0.925}, 1)
     tail = replace(nod(0.0), frames=(KeyFrame(positions={"tail": 0.0}, duration_s=1.0),))
     with pytest.raises(InputError, match="there is no joint 'tail' here"):
-        motion_files.within_limits(tail, rows.joints, clip=True)
+        motion_files.within_limits(tail, rows.of(Joint), clip=True)
 
 
 def test_the_fastest_joint_is_the_one_nearest_its_limit(rows):
     motion, _ = motion_files.of_rbm(rbm.parse(NOD), rows)
-    about = motion_files.summary(motion, rows.joints)
+    about = motion_files.summary(motion, rows.of(Joint))
     assert (about.frames, about.duration_s, about.joints) == (3, 1.7, 25)
     assert about.fastest == "head_pitch"
     assert degrees(about.speed_rps) == pytest.approx(23 * 269 / 254 / 0.3, rel=1e-3)

@@ -7,8 +7,9 @@ import sys
 import pytest
 
 from lbr.console.verbs import VerbCall, Vocabulary
-from lbr.database import builtin
+from lbr.database.rows import BUILT_IN_VERBS
 from lbr.database.store import Database, create
+from lbr.messages.joints import MotionRow
 from tests.docs.pages import ROOT, said
 from tests.support import programs
 
@@ -26,7 +27,7 @@ def rows(tmp_path_factory):
 def test_every_word_of_the_bioloid_is_on_its_page_and_no_other(rows):
     words = Vocabulary(rows.verbs, rows.external_commands)
     calls = [words.parse(line) for line in said(PAGE)]
-    assert {row.pattern for row in (*builtin.WORDS, *rows.verbs)} - {
+    assert {row.pattern for row in (*BUILT_IN_VERBS, *rows.verbs)} - {
         call.verb.pattern for call in calls if isinstance(call, VerbCall)
     } == set()
 
@@ -35,9 +36,9 @@ def test_every_motion_that_is_played_there_is_a_row_or_captured_there(rows):
     text = PAGE.read_text()
     captured = set(re.findall(r"/capture/([a-z_]+)", text))
     played = set(re.findall(r"/(?:play|mirror|pose)/([a-z_]+)", text))
-    assert played <= {row.name for row in rows.motions} | captured
+    assert played <= {row.name for row in rows.of(MotionRow)} | captured
     told = set(re.findall(r"`([a-z_]+)`", text.split("| motion | what |")[1].split("\n\n")[0]))
-    assert {row.name for row in rows.motions} == told
+    assert {row.name for row in rows.of(MotionRow)} == told
 
 
 def test_the_script_shows_angles_and_their_bounds_so_far():

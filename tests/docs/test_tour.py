@@ -5,7 +5,7 @@ import re
 import pytest
 
 from lbr.console.verbs import ExternalCall, ExternalStop, PythonLine, VerbCall, Vocabulary
-from lbr.database import builtin
+from lbr.database.rows import BUILT_IN_VERBS
 from lbr.database.store import Database, create
 from lbr.errors import InputError
 from tests.docs.pages import ROOT, blocks
@@ -32,7 +32,7 @@ def test_every_word_of_the_console_is_in_the_tour(rows):
     words = Vocabulary(rows.verbs, rows.external_commands)
     said = [words.parse(line) for line in typed() if line not in REFUSED]
     patterns = {call.verb.pattern for call in said if isinstance(call, VerbCall)}
-    assert {row.pattern for row in (*builtin.WORDS, *rows.verbs)} - patterns == set()
+    assert {row.pattern for row in (*BUILT_IN_VERBS, *rows.verbs)} - patterns == set()
     started = {call.command.name for call in said if isinstance(call, ExternalCall)}
     assert {row.name for row in rows.external_commands if row.enabled} - started == set()
     assert any(isinstance(call, ExternalStop) for call in said)
@@ -42,7 +42,7 @@ def test_every_word_of_the_console_is_in_the_tour(rows):
 def test_what_the_tour_refuses_is_refused(rows):
     from lbr.operations.drive import KIND
 
-    messages = {f"drive.{name}": message for name, message in KIND.commands.items()}
+    messages = {f"drive.{name}": message for name, message in KIND.messages.items()}
     words = Vocabulary(rows.verbs, rows.external_commands, messages)
     for line in REFUSED:
         with pytest.raises(InputError):

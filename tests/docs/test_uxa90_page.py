@@ -6,9 +6,10 @@ import pytest
 
 from lbr.console.fields import Message
 from lbr.console.verbs import VerbCall, Vocabulary
-from lbr.database import builtin
+from lbr.database.rows import BUILT_IN_VERBS
 from lbr.database.store import Database, create
 from lbr.executive.reports import NAMES
+from lbr.messages.joints import MotionRow
 from lbr.messages.uxa90 import InquireCommand
 from tests.docs.pages import ROOT, said
 
@@ -29,15 +30,15 @@ def test_every_word_of_the_uxa90_is_on_its_page_and_no_other(rows):
     words = Vocabulary(rows.verbs, rows.external_commands)
     calls = [words.parse(line) for line in said(PAGE)]
     found = {call.verb.pattern for call in calls if isinstance(call, VerbCall)}
-    assert {row.pattern for row in (*builtin.WORDS, *rows.verbs)} - found == set()
+    assert {row.pattern for row in (*BUILT_IN_VERBS, *rows.verbs)} - found == set()
 
 
 def test_every_motion_that_is_played_there_is_a_row_or_made_there(rows):
     text = PAGE.read_text()
     played = set(re.findall(r"/(?:play|mirror|capture)/([a-z_0-9]+)", text))
-    assert played <= {row.name for row in rows.motions} | OWN
+    assert played <= {row.name for row in rows.of(MotionRow)} | OWN
     told = set(re.findall(r"`([a-z_0-9]+)`", text.split("| motion | number | takes |")[1].split("\n\n")[0]))
-    assert {row.name for row in rows.motions} == told
+    assert {row.name for row in rows.of(MotionRow)} == told
 
 
 def test_whatever_the_page_has_somebody_ask_may_be_asked_at_the_console():

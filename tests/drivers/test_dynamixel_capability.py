@@ -33,7 +33,7 @@ class Rig:
         self.ahead_s = 0.0
         self.ctx = DriverContext(KIND.parse(settings), chain.path, "dynamixel")
         self.ctx.wired["setpoint"] = ("joints",)
-        self.ctx.joints = tuple(joint(servo) for servo in chain.servos)
+        self.ctx.given = tuple(joint(servo) for servo in chain.servos)
         self.ctx.clock = lambda: time.monotonic() + self.ahead_s
         self.driver = Dynamixel(self.ctx)
         self.sent = None
@@ -423,7 +423,7 @@ from lbr.messages.servos import ServoGoal, ServoSetpoint
 settings = '{"device": "servos", "hold_s": %s, "release_s": 0.3, "reply_margin_s": 0.05}' % sys.argv[2]
 ctx = DriverContext(KIND.parse(settings), sys.argv[1], "dynamixel")
 ctx.wired["setpoint"] = ("joints",)
-ctx.joints = tuple(
+ctx.given = tuple(
     Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in (1, 2, 3)
 )
 servos = Dynamixel(ctx)

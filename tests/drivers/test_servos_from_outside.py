@@ -41,7 +41,7 @@ while True:
 def context(address, settings=SETTINGS):
     ctx = FakeContext(KIND.parse(settings), address, "feetech")
     ctx.wired, ctx.living = ("joints",), {"joints"}
-    ctx.joints = tuple(Joint(name=f"j{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in IDS)
+    ctx.given = tuple(Joint(name=f"j{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in IDS)
     return ctx
 
 

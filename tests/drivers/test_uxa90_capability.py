@@ -32,7 +32,7 @@ class Rig:
         row = msgspec.json.encode(SETTINGS | settings).decode()
         self.ctx = DriverContext(KIND.parse(row), board.path, "uxa90")
         self.ctx.wired["setpoint"] = ("joints",)
-        self.ctx.joints = tuple(joint(servo) for servo in board.servos)
+        self.ctx.given = tuple(joint(servo) for servo in board.servos)
         self.ctx.clock = lambda: time.monotonic() + self.ahead_s
         self.driver = Uxa90(self.ctx)
         self.sent = None

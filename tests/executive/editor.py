@@ -5,7 +5,8 @@ from dataclasses import replace
 from msgspec import Struct
 
 from lbr.capability import Capability, Kind
-from lbr.messages.faces import EditCommand, EditReply
+from lbr.messages.faces import EditCommand, EditReply, Motor
+from lbr.messages.joints import MotionRow, MotionStep
 
 
 class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -22,15 +23,15 @@ class Editor(Capability[Settings]):
         self.asked = []
 
     def step(self) -> None:
-        names = tuple(motor.name for motor in self.ctx.motors)
-        self.ctx.publish("known", Known(names, tuple(motion.name for motion in self.ctx.motions)))
+        names = tuple(motor.name for motor in (self.ctx.rows(Motor) if "motor" in self.ctx.config.rows else ()))
+        self.ctx.publish("known", Known(names, tuple(motion.name for motion in self.ctx.rows(MotionRow))))
         for call, edit, asked in list(self.asked):
             answers = asked.answers()
             if answers is not None:
                 self.asked.remove((call, edit, asked))
                 reply = answers["executive"] or EditReply(accepted=False, reason="nobody answered")
                 if reply.accepted:
-                    self.ctx.adopt(edit)
+                    self.ctx.adopt(edit.rows)
                 call.reply(reply)
 
     def command(self, call) -> None:
@@ -50,6 +51,6 @@ KIND = Kind(
     commands={"write": EditCommand},
     requests={"edit": EditCommand},
     replies={"edit": EditReply, "write": EditReply},
-    rows=("motion", "motor"),
+    rows=(MotionRow, MotionStep, Motor),
 )
-ONLOOKER = replace(KIND, name="onlooker", rows=("motion",))
+ONLOOKER = replace(KIND, name="onlooker", rows=(MotionRow, MotionStep))

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from lbr.capability import Capability
-from lbr.messages.joints import JointsState, JointState
+from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.leases import CommandReply
 from lbr.operations.joints import KIND as JOINTS
 
@@ -11,7 +11,7 @@ from lbr.operations.joints import KIND as JOINTS
 class ScriptedJoints(Capability):
     def step(self) -> None:
         now = self.ctx.clock()
-        joints = {one.name: JointState(id=one.device_id, position_rad=0.25, age_s=0.0) for one in self.ctx.joints}
+        joints = {one.name: JointState(id=one.device_id, position_rad=0.25, age_s=0.0) for one in self.ctx.rows(Joint)}
         state = JointsState(sequence=1, measured_s=now, moving=False, phase="released", joints=joints)
         self.ctx.publish("state", state)
 

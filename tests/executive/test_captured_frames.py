@@ -79,8 +79,8 @@ def test_what_was_captured_is_played_without_a_restart_and_after_one(place):
         assert robot.capability("motions")["pid"] == pid
         assert robot.ask("motions/stop")["accepted"]
         capture(robot, "nod")
-        (lost,) = soon(lambda: of_motions(robot, "frame_lost"))
-        assert "the key frame of 'nod' holds until the next restart only" in lost
+        (lost,) = soon(lambda: of_motions(robot, "learnt_lost"))
+        assert "the motion 'nod', key frame 1 of 'nod' holds until the next restart only" in lost
         assert "no room for nods" in lost
         assert play(robot, "nod")["accepted"]
     assert rows(place, "nod") == []

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from lbr.console.verbs import Vocabulary
-from lbr.database import builtin
+from lbr.database.rows import BUILT_IN_VERBS
 from lbr.errors import InputError
 from lbr.executive import service
 from lbr.executive.dispatch import Dispatcher
@@ -33,7 +33,7 @@ def test_each_has_a_least_role():
 
 
 def test_the_words_of_every_robot_have_the_roles_of_what_they_ask_for():
-    assert all(row.role == EXECUTIVE_ROLES[row.target_end[1]] for row in builtin.WORDS)
+    assert all(row.role == EXECUTIVE_ROLES[row.target_end[1]] for row in BUILT_IN_VERBS)
 
 
 @pytest.mark.parametrize(

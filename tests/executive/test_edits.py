@@ -5,6 +5,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import msgspec
 import pytest
 from msgspec.structs import replace
 
@@ -14,6 +15,7 @@ from lbr.executive import plan as plans
 from lbr.executive import rights
 from lbr.executive.profile import Profile
 from lbr.messages.faces import EditCommand, Motor
+from lbr.messages.rows import by_table
 from tests.executive.test_plan import planned, problems
 from tests.support.robot import Robot, prepare, running, until
 
@@ -148,6 +150,6 @@ def test_who_has_made_an_edit_its_own_is_not_restarted_by_rows_that_say_the_same
     motor = Motor(layer="mine", id=1, name="one", initial=1, lowest=0, highest=2, rest=1)
     plan = planned(rows, PROFILE)
     edit = EditCommand(motors=(motor,), create=True)
-    again = plans.edited(plan, "web", edit)
+    again = plans.learnt(plan, "web", by_table(edit.rows))
     assert plans.difference(plan, again).restart == ("web",)
-    assert motor in again.units["web"].config.motors
+    assert motor in msgspec.json.decode(again.units["web"].config.rows["motor"].rows, type=list[Motor])

@@ -221,7 +221,8 @@ def _refused(robot: Robot, hold: dict) -> str:
 
 COMPASS = """
 from msgspec import Struct
-from lbr.capability import Capability, Kind
+from lbr.capability import Capability, Kind, Rows
+from lbr.messages.calibration import CalibrationValue, measured, values
 from lbr.messages.speech import HushCommand
 
 class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -232,14 +233,15 @@ class Known(Struct, frozen=True):
 
 class Compass(Capability[Settings]):
     def step(self) -> None:
-        self.ctx.publish("known", Known(dict(self.ctx.calibration)))
+        self.ctx.publish("known", Known(values(self.ctx.rows(CalibrationValue))))
 
     def command(self, call) -> None:
-        self.ctx.keep_calibration({"offset_ut": 7.5})
+        self.ctx.learn(*measured(self.ctx.settings.device, {"offset_ut": 7.5}))
         call.refuse("measured")
 
 KIND = Kind(name="compass", summary="measures", family="app", entry=Compass, settings=Settings,
-            outputs={"known": Known}, commands={"measure": HushCommand}, calibrates="device")
+            outputs={"known": Known}, commands={"measure": HushCommand},
+            rows=(Rows(CalibrationValue, where={"device": "device"}),), learns=(CalibrationValue,))
 """
 
 

@@ -123,7 +123,7 @@ def test_a_share_survives_the_way_over_the_bus(rows):
 
 def test_what_is_elsewhere_has_its_rights_at_the_door_and_none_at_the_core(rows):
     plan = planned(rows, "dance")
-    lan = plan.units["lan"].config.lan
+    lan = plan.units["lan"].lan
     assert lan is not None
     (guest,) = lan.guests
     assert guest.credentials.user == "operator.dance"
@@ -141,8 +141,8 @@ def test_what_is_elsewhere_has_its_rights_at_the_door_and_none_at_the_core(rows)
 def test_without_its_token_a_host_has_nothing_that_comes_in(rows):
     plan = planned(replace(rows, tokens=()), "dance")
     assert plan.units["dance"].config.credentials is None
-    assert plan.units["lan"].config.lan is not None
-    assert plan.units["lan"].config.lan.guests == ()
+    assert plan.units["lan"].lan is not None
+    assert plan.units["lan"].lan.guests == ()
     executive = Executive(plan)
     assert executive.hosts.capabilities()["dance"].reason.endswith("lbr token add operator --role host")
     renewed = planned(replace(rows, tokens=(replace(TOKEN, created_at="2027-01-01T00:00:00.000Z"),)), "dance")
@@ -172,13 +172,13 @@ class Executive:
     """The executive's side of two hosts, of which `operator` has agents that report."""
 
     def __init__(self, plan):
-        self.wire, self.told, self.measured, self.begun, self.now = Wire(), [], [], [], 100.0
+        self.wire, self.told, self.learnt, self.begun, self.now = Wire(), [], [], [], 100.0
         self.present = {"dance"}
         self.hosts = Hosts(
             {"operator": self.wire, "bench": Wire()},
             version="1",
             happened=lambda *about: self.told.append(about),
-            measured=self.measured.append,
+            learnt=lambda *learnt: self.learnt.append(learnt),
             begun=self.begun.append,
             ways=lambda: ("tls/0.0.0.0:7447",),
             present=lambda name: name in self.present,

@@ -12,7 +12,7 @@ import pytest
 from lbr.apps.http.rates import Bucket
 from lbr.apps.lan import KIND, rights
 from lbr.bus.access import Credentials
-from lbr.capability.config import LanConfig
+from lbr.bus.door import LanConfig
 from tests.support.door import ROLES, Door, add_token, answer
 from tests.support.machine import Stopwatch
 from tests.support.robot import free_port, lbr, running, until

@@ -31,7 +31,7 @@ class Bench:
             Device("ups", "pico", f"unix:{folder}/ups", {}),
         )
         self.ctx = WorldContext(HumanoidWorldSettings(**{"model": "bioloid", "hand_s": 0.2, **settings}), devices)
-        self.ctx.robot, self.ctx.home, self.ctx.joints = "bioloid", str(folder), rows()[0]
+        self.ctx.robot, self.ctx.home, self.ctx.given = "bioloid", str(folder), rows()[0]
         self.world = HumanoidWorld(self.ctx)
 
     @property

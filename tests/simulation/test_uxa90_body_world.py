@@ -37,7 +37,7 @@ class Stage:
             Device("head_camera", "camera", f"unix:{self.eye}", {}),
         )
         self.ctx = WorldContext(settings(), devices)
-        self.ctx.robot, self.ctx.home, self.ctx.joints = "uxa90", str(folder), joints()
+        self.ctx.robot, self.ctx.home, self.ctx.given = "uxa90", str(folder), joints()
         self.world = HumanoidWorld(self.ctx)
         self.over = threading.Event()
         self.thread = threading.Thread(target=self._step)

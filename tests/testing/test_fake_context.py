@@ -1,15 +1,17 @@
 """The context that tests of capabilities are given does as the runtime's does, without a bus."""
 
 import inspect
-from types import SimpleNamespace
 
 import pytest
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.capability import NoSettings
 from lbr.capability.context import Call, Context, EmergencyStop
 from lbr.capability.runtime import ProcessContext
+from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.speech import Phrase
 from lbr.messages.system import Stamp
 from lbr.testing import FakeCall, FakeContext, FakeEstop
 
@@ -97,18 +99,19 @@ def test_a_call_is_answered_once_and_says_why_it_was_refused(ctx):
         call.reply(CommandReply(accepted=True))
 
 
-def test_rows_are_given_by_name_and_what_no_context_has_is_refused():
-    joints = (SimpleNamespace(name="neck"),)
-    assert FakeContext(NoSettings(), joints=joints).joints is joints
-    with pytest.raises(TypeError, match="no 'joint'"):
-        FakeContext(NoSettings(), joint=joints)
+def test_rows_are_given_learnt_by_their_key_and_what_no_context_has_is_refused():
+    neck = Joint(name="neck", device_id=1, lower_rad=-1.0, upper_rad=1.0, speed_rps=1.0)
+    hello = Phrase(name="hello", language="en", text="Hello.")
+    ctx = FakeContext(NoSettings(), given=(neck, hello))
+    assert (ctx.rows(Joint), ctx.rows(Phrase)) == ((neck,), (hello,))
+    faster = replace(neck, speed_rps=2.0)
+    ctx.learn(faster)
+    assert (ctx.rows(Joint), ctx.kept) == ((faster,), [(faster,)])
+    with pytest.raises(TypeError, match="no 'joints'"):
+        FakeContext(NoSettings(), joints=(neck,))
 
 
-def test_what_is_kept_goes_on_in_force(ctx):
-    ctx.keep_calibration({"a": 1.0})
-    ctx.keep_calibration({"b": 2.0})
-    assert ctx.calibration == {"a": 1.0, "b": 2.0}
-    assert ctx.kept == [{"a": 1.0}, {"b": 2.0}]
+def test_what_a_capability_tells_is_kept(ctx):
     ctx.event("fallen", "it fell", level="warning", data={"roll": 1})
     assert (ctx.told("fallen"), ctx.levels, ctx.data) == (["it fell"], ["warning"], [{"roll": 1}])
     ctx.warn("no voltage")

@@ -4,7 +4,7 @@ from lbr.apps.http.pages import Pages
 from lbr.apps.web.access import Access
 from lbr.apps.web.face import Client, Refused, Request, refuse_without
 from lbr.bus import tokens
-from lbr.capability.config import LanUser
+from lbr.bus.door import LanUser
 
 SECRET = "s" * 43
 FINGERPRINT = "f" * 22

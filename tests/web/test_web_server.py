@@ -302,7 +302,7 @@ def test_edited_rows_are_the_robots_at_once(served):
         assert asyncio.run(edited).revision == 3
         assert robot.motors == (motor,)
     finally:
-        served.stage.motors = ()
+        served.stage.given = ()
         served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
 
 

@@ -14,6 +14,7 @@ from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, JointsState, JointState, Motion, MotionsState
 from lbr.messages.leases import CommandReply
+from tests.support.rows import given
 
 
 def shipped() -> SimpleNamespace:
@@ -33,10 +34,7 @@ def shipped() -> SimpleNamespace:
                 Motor(**row | {"inverted": bool(row["inverted"]), "builtin": bool(row["builtin"])})
                 for row in rows("motor")
             ),
-            buttons=tuple(
-                Button(**row | {"motion": row["motion"] or None, "builtin": bool(row["builtin"])})
-                for row in rows("button")
-            ),
+            buttons=tuple(Button(**row | {"builtin": bool(row["builtin"])}) for row in rows("button")),
             motions=tuple(
                 Motion(name=row["name"], frames=(), slot=row["slot"], slot_s=row["slot_s"], builtin=True)
                 for row in rows("motion")
@@ -75,8 +73,8 @@ class FakeContext:
 
     def __init__(self) -> None:
         self.settings = WebSettings(faces=("uxa90",))
-        self.joints, self.motors = SHIPPED.joints, SHIPPED.motors
-        self.buttons, self.motions = SHIPPED.buttons, SHIPPED.motions
+        motions = (row for motion in SHIPPED.motions for row in motion.rows)
+        self.rows = given(*SHIPPED.joints, *SHIPPED.motors, *SHIPPED.buttons, *motions)
         self.now = 100.0
         self.asked: list[Asked] = []
         self.events: list[str] = []

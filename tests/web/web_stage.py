@@ -5,7 +5,7 @@ import json
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -14,8 +14,9 @@ from lbr.apps.web.capability import Web
 from lbr.apps.web.face import Face
 from lbr.capability.context import Received
 from lbr.errors import DeviceError
-from lbr.messages.faces import EditCommand, Motor
 from lbr.messages.leases import CommandReply
+from lbr.messages.rows import Row
+from tests.support.rows import given
 
 REQUESTS = ("move", "halt", "torque", "play", "stop_motion", "take_control", "edit", "estop_reset")
 
@@ -32,13 +33,9 @@ class Stage:
     """What the server has of its robot. `answer` answers what it asks, in the loop."""
 
     name, robot, on_tick, simulated = "web", "uxa90", True, True
-    joints: tuple[Any, ...] = ()
-    motions: tuple[Any, ...] = ()
-    buttons: tuple[Any, ...] = ()
-    motors: tuple[Motor, ...] = ()
 
     def __init__(self, settings: WebSettings, users: tuple[Any, ...] = ()) -> None:
-        self.settings, self.users = settings, users
+        self.settings, self.given = settings, users
         self.asked: list[tuple[str, Any]] = []
         self.events: list[tuple[str, str, str]] = []
         self.published: dict[str, Any] = {}
@@ -79,8 +76,11 @@ class Stage:
     def publish(self, output: str, message: Any) -> None:
         self.published[output] = message
 
-    def adopt(self, edit: EditCommand) -> None:
-        self.motors = edit.motors
+    def rows(self, row: type[Row]) -> tuple[Any, ...]:
+        return given(*self.given)(row)
+
+    def adopt(self, rows: Iterable[Row]) -> None:
+        self.given = tuple(rows)
 
     def engage_estop(self, reason: str) -> None:
         self.engaged.append(reason)
@@ -148,7 +148,8 @@ def serving(
     stage = Stage(WebSettings(**{"port": 0, "announce": False, **settings}), users)
     stage.simulated = simulated
     if rows is not None:
-        stage.joints, stage.motions, stage.motors, stage.buttons = rows.joints, rows.motions, rows.motors, rows.buttons
+        stage.given = (*users, *rows.joints, *rows.motors, *rows.buttons)
+        stage.given += tuple(row for motion in rows.motions for row in motion.rows)
     web = Web(stage)  # type: ignore[arg-type]
     for face in faces:
         web._faces.add(face)

@@ -2,13 +2,22 @@
 
 from msgspec import Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind, Known
 from lbr.messages.camera import CamerasState, CameraState, SelectCommand, SwitchCommand
 from lbr.messages.leases import CommandReply
 
 
 class CamerasSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `cameras` may set."""
+
+
+OFF = "off"
+_CAMERA = "camera_"
+
+
+def _cameras(known: Known) -> set[str]:
+    """Return what may be switched on, and that none may be."""
+    return {OFF, *(name.removeprefix(_CAMERA) for name in known.wired if name.startswith(_CAMERA))}
 
 
 KIND = Kind(
@@ -19,7 +28,7 @@ KIND = Kind(
     settings=CamerasSettings,
     inputs={"states": CameraState},
     outputs={"state": CamerasState},
-    commands={"select": SelectCommand},
+    commands={"select": Command(SelectCommand, choices={"name": _cameras})},
     replies={"select": CommandReply, "switch": CommandReply},
     requests={"switch": SwitchCommand},
 )

@@ -3,14 +3,13 @@
 from collections import deque
 from dataclasses import dataclass
 
-from lbr.apps.cameras import CamerasSettings
+from lbr.apps.cameras import OFF, CamerasSettings
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context
 from lbr.messages.camera import CameraPhase, CamerasState, CameraState, SelectCommand, SwitchCommand
 from lbr.messages.leases import CommandReply
 
 PREFIX = "camera_"
-OFF = "off"
 OFF_S, ON_S = 0.7, 1.2
 """A camera answers a little sooner."""
 STATE_PERIOD_S = 1.0

@@ -4,8 +4,8 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
-from lbr.messages.dance import DanceCommand, DanceState
+from lbr.capability.kind import Command, Kind, Known, names
+from lbr.messages.dance import DanceCommand, DanceState, DanceStep
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState
@@ -22,6 +22,14 @@ class DanceSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     ] = 0.0
 
 
+CLICKS = "metronome"
+
+
+def _songs(known: Known) -> set[str]:
+    """Return the songs that there are beats for, and the one that every robot has."""
+    return {CLICKS, *(path.stem for path in (known.home / "music").glob("*.json"))}
+
+
 KIND = Kind(
     name="dance",
     summary="plays a song and dances to its beats",
@@ -30,7 +38,10 @@ KIND = Kind(
     settings=DanceSettings,
     inputs={"speech": SpeechState},
     outputs={"state": DanceState},
-    commands={"play": DanceCommand, "stop": StopCommand},
+    commands={
+        "play": Command(DanceCommand, choices={"song": _songs, "dance": names(DanceStep, "dance")}),
+        "stop": StopCommand,
+    },
     replies={
         "play": CommandReply,
         "stop": CommandReply,
@@ -40,5 +51,5 @@ KIND = Kind(
         "hush": CommandReply,
     },
     requests={"motion": DriveCommand, "halt": StopCommand, "sound": SongCommand, "hush": HushCommand},
-    rows=("choreography",),
+    rows=(DanceStep,),
 )

@@ -12,7 +12,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.codes import Reason
-from lbr.messages.dance import DanceCommand, DanceState
+from lbr.messages.dance import DanceCommand, DanceState, DanceStep
 from lbr.messages.leases import CommandReply, StopCommand
 
 STATE_EVERY_S = 1.0
@@ -78,7 +78,7 @@ class Dance(Capability[DanceSettings]):
     def _begin(self, call: Call, command: DanceCommand) -> None:
         if self._dance is not None:
             raise InputError(f"'{self._dance.song.name}' is being danced to; stop it first", "busy")
-        choreography = choose(self.ctx.dance_steps, command.dance or self.ctx.settings.dance)
+        choreography = choose(self.ctx.rows(DanceStep), command.dance or self.ctx.settings.dance)
         try:
             metronome.ensure(self._music)
         except OSError as err:

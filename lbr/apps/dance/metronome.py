@@ -4,10 +4,11 @@ import json
 import math
 from pathlib import Path
 
+from lbr.apps.dance import CLICKS
 from lbr.apps.dance.songs import KEY
 from lbr.apps.sound import wav
 
-NAME = "metronome"
+NAME = CLICKS
 RATE_HZ = 8000
 BEAT_S = 0.75
 BEATS = 17

@@ -6,17 +6,19 @@ import time
 from collections import deque
 from pathlib import Path
 
+import msgspec
+
 from lbr.apps.lan import LanSettings, rights
 from lbr.apps.lan.doorman import Doorman
 from lbr.apps.lan.passage import Passage, Standstill
 from lbr.apps.lan.relay import Relay
 from lbr.bus import keys, session, tokens, wire
 from lbr.bus.access import Credentials
+from lbr.bus.door import LanConfig, LanUser
 from lbr.bus.library_log import ACCEPTED, LibraryLog
 from lbr.bus.links import Coming, Links
 from lbr.bus.session import Router, Session, Tls
 from lbr.capability.base import Capability
-from lbr.capability.config import LanConfig, LanUser
 from lbr.capability.runtime import ProcessContext
 from lbr.errors import BusError, DeviceError
 
@@ -36,9 +38,9 @@ class Lan(Capability[LanSettings]):
 
     def __init__(self, ctx: ProcessContext) -> None:
         super().__init__(ctx)
-        if ctx.config.lan is None:
+        if ctx.config.private is None:
             raise ValueError("the executive gave no door to open")
-        self._lan: LanConfig = ctx.config.lan
+        self._lan = msgspec.json.decode(ctx.config.private, type=LanConfig)
         self._users = _proven(self._lan)
         self._sessions: list[Session] = []
         self._question: wire.Question | None = None

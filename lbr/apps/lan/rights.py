@@ -4,7 +4,7 @@ from msgspec.structs import replace
 
 from lbr.bus import keys
 from lbr.bus.access import Limits, Rights, everything
-from lbr.capability.config import LanConfig
+from lbr.bus.door import LanConfig
 from lbr.messages.system import RANKS, Role, TokenRole
 
 RELAY = "@relay"

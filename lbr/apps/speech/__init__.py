@@ -4,9 +4,9 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind, names
 from lbr.messages.leases import CommandReply
-from lbr.messages.speech import HushCommand, PlayReply, SayCommand, SongCommand, SpeechState
+from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
 from lbr.messages.units import Fraction, Name
 
 LanguageTag = Annotated[str, Meta(pattern="^[a-z][a-z]+(-[a-z0-9]+)*$", max_length=20)]
@@ -36,9 +36,9 @@ KIND = Kind(
     entry="lbr.apps.speech.capability:Speech",
     settings=SpeechSettings,
     outputs={"state": SpeechState},
-    commands={"say": SayCommand, "hush": HushCommand, "play": SongCommand},
+    commands={"say": Command(SayCommand, choices={"phrase": names(Phrase)}), "hush": HushCommand, "play": SongCommand},
     replies={"say": CommandReply, "hush": CommandReply, "play": PlayReply},
     device="speaker",
     emulated="folder",
-    rows=("phrase",),
+    rows=(Phrase,),
 )

@@ -18,7 +18,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import DeviceError, InputError
 from lbr.messages.leases import CommandReply
-from lbr.messages.speech import HushCommand, PlayReply, SayCommand, SongCommand, SpeechState
+from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
 
 RECORDING = "<"
 STATE_EVERY_S = 1.0
@@ -113,7 +113,7 @@ class Speech(Capability[SpeechSettings]):
         if command.text.startswith(RECORDING) and not command.save:
             job = Job(text=command.text, sound=files.recording(self._home, command.text[1:].strip()))
         else:
-            text, language = to_say(command, self.ctx.phrases, self.ctx.settings.language)
+            text, language = to_say(command, self.ctx.rows(Phrase), self.ctx.settings.language)
             keep = files.place_for(self._home, command.save) if command.save else None
             job = Job(text=text, language=language, keep=keep)
         if why := self._why_not(job):
@@ -230,7 +230,7 @@ class Speech(Capability[SpeechSettings]):
 
     def _say_of_itself(self, name: str, keep: Path | None) -> None:
         with suppress(InputError):  # without such a phrase nothing is said
-            found = phrase(self.ctx.phrases, name, self.ctx.settings.language)
+            found = phrase(self.ctx.rows(Phrase), name, self.ctx.settings.language)
             self._jobs.add(Job(text=found.text, language=found.language, keep=keep, own=True))
 
     def _bid_farewell(self, speaker: Speaker) -> None:

@@ -6,7 +6,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
-from lbr.messages.joints import JointsCommand, JointsState
+from lbr.messages.joints import Joint, JointsCommand, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 from lbr.messages.units import Name
@@ -55,5 +55,5 @@ KIND = Kind(
     commands={"track": TrackCommand, "stop": StopCommand, "look": LookCommand},
     requests={"move": JointsCommand, "halt": StopCommand},
     replies={**dict.fromkeys(("track", "stop", "move", "halt"), CommandReply), "look": SnapshotReply},
-    rows=("joint",),
+    rows=(Joint,),
 )

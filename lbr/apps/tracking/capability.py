@@ -19,7 +19,7 @@ from lbr.capability.context import Call, Context, Received
 from lbr.errors import InputError
 from lbr.messages.camera import CameraState, SnapshotReply
 from lbr.messages.codes import Reason
-from lbr.messages.joints import JointsState
+from lbr.messages.joints import Joint, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 
@@ -105,7 +105,7 @@ class Tracking(Capability[TrackingSettings]):
         if self._following is not None:
             raise InputError(f"the head follows a {self._following.command.target} already; stop that first", "busy")
         settings = self.ctx.settings
-        missing = {settings.yaw_joint, settings.pitch_joint} - {joint.name for joint in self.ctx.joints}
+        missing = {settings.yaw_joint, settings.pitch_joint} - {joint.name for joint in self.ctx.rows(Joint)}
         if missing:
             raise InputError(
                 f"there is no row for joint {', '.join(sorted(missing))}; see the settings of {self.ctx.name}",
@@ -266,7 +266,7 @@ class Tracking(Capability[TrackingSettings]):
 
     def _tuning(self) -> Tuning:
         settings = self.ctx.settings
-        limits = {joint.name: (joint.lower_rad, joint.upper_rad) for joint in self.ctx.joints}
+        limits = {joint.name: (joint.lower_rad, joint.upper_rad) for joint in self.ctx.rows(Joint)}
         return Tuning(
             yaw_limits=limits[settings.yaw_joint],
             pitch_limits=limits[settings.pitch_joint],

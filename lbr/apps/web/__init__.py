@@ -6,11 +6,21 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.bus.door import LanUser
 from lbr.capability.kind import Kind
 from lbr.messages.battery import BatteryState
 from lbr.messages.drive import DriveState, GoalResult
-from lbr.messages.faces import EditCommand, EditReply
-from lbr.messages.joints import JointsCommand, JointsState, MotionsState, PlayCommand, TorqueCommand
+from lbr.messages.faces import Button, EditCommand, EditReply, Motor
+from lbr.messages.joints import (
+    Joint,
+    JointsCommand,
+    JointsState,
+    MotionRow,
+    MotionsState,
+    MotionStep,
+    PlayCommand,
+    TorqueCommand,
+)
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import EstopResetCommand
@@ -106,5 +116,5 @@ KIND = Kind(
         ),
     },
     roles={"address": "view"},
-    rows=("joint", "motion", "motor", "button", "user_token"),
+    rows=(Joint, MotionRow, MotionStep, Motor, Button, LanUser),
 )

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from lbr.apps.http import names, peers
 from lbr.apps.web.face import Client, Refused
 from lbr.bus import tokens
-from lbr.capability.config import LanUser
+from lbr.bus.door import LanUser
 from lbr.errors import InputError
 from lbr.messages.system import Role
 

@@ -23,6 +23,7 @@ from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.states import HEARD, States
 from lbr.apps.web.streams import Streams
+from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import DeviceError, InputError
@@ -124,7 +125,7 @@ class Web(Capability[WebSettings]):
 
     def _application(self) -> ASGIApp:
         settings, pages, states = self.ctx.settings, Pages(self.ctx.settings.cors), States(self.ctx.robot)
-        gate = Gate(Access(settings.trusted, self.ctx.users, legacy=self._legacy), pages)
+        gate = Gate(Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy), pages)
         self._streams = Streams(self._robot, states, gate)
         builtin = BuiltinRoutes(self._robot, states, self._place, self._faces)
         routes = builtin.routes()

@@ -9,7 +9,7 @@ from lbr.apps.web.face import Refused
 from lbr.capability.context import Context, Received
 from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
-from lbr.messages.joints import JointsState, Motion, MotionsState
+from lbr.messages.joints import Joint, JointsState, Motion, MotionRow, MotionsState, MotionStep, motions_of
 from lbr.messages.uxa90 import ControllerState
 
 if TYPE_CHECKING:
@@ -65,26 +65,30 @@ class Robot:
         self.ctx = ctx
         self.name = ctx.robot
         self.settings = ctx.settings
-        self.joints = ctx.joints
+        self.joints = ctx.rows(Joint)
         self.snapshot = Snapshot(at=ctx.clock())
         self.moved: tuple[GoalResult, ...] = ()
         self.played: tuple[GoalResult, ...] = ()
         self._bridge = bridge
+        self._composed: tuple[tuple[MotionRow, ...], tuple[MotionStep, ...], tuple[Motion, ...]] = (), (), ()
 
     @property
     def motions(self) -> tuple[Motion, ...]:
-        """Rows of the table `motion`, as they are now."""
-        return self.ctx.motions
+        """The motions as they are now."""
+        rows, steps = self.ctx.rows(MotionRow), self.ctx.rows(MotionStep)
+        if (rows, steps) != self._composed[:2]:
+            self._composed = rows, steps, motions_of(rows, steps)
+        return self._composed[2]
 
     @property
     def motors(self) -> tuple[Motor, ...]:
         """Rows of the table `motor`, as they are now."""
-        return self.ctx.motors
+        return self.ctx.rows(Motor)
 
     @property
     def buttons(self) -> tuple[Button, ...]:
         """Rows of the table `button`, as they are now."""
-        return self.ctx.buttons
+        return self.ctx.rows(Button)
 
     def now(self) -> float:
         """Monotonic seconds."""
@@ -112,7 +116,7 @@ class Robot:
         """Have rows written; once they are, this robot has them."""
         reply = cast("EditReply", await self.ask("edit", command, timeout_s=EDIT_S))
         if reply.accepted:
-            self.ctx.adopt(command)
+            self.ctx.adopt(command.rows)
         return reply
 
 

@@ -22,6 +22,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
+from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
 from lbr.messages.system import Role
@@ -90,5 +91,5 @@ def servos_kind(
         moves=True,
         device=device or name,
         line="polled",
-        rows=("joint",),
+        rows=(Joint,),
     )

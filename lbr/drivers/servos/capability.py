@@ -13,6 +13,7 @@ from lbr.drivers.guard import WOKEN, Guard
 from lbr.drivers.servos import ServosSettings
 from lbr.drivers.servos.gate import first, receive, strength, tick
 from lbr.errors import DeviceError
+from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoPhase, ServoSetpoint
 
 SWITCH_S = 1e-4
@@ -65,7 +66,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
 
     def __init__(self, ctx: Context[S]) -> None:
         super().__init__(ctx)
-        self._joints = {joint.device_id: joint.name for joint in ctx.joints}
+        self._joints = {joint.device_id: joint.name for joint in ctx.rows(Joint)}
         self._gate = first(ctx.clock())
         self._session: T | None = None
         self._told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()

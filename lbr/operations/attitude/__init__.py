@@ -1,7 +1,8 @@
 """Attitude: from samples of an inertial unit to orientation and heading, and the compass's calibration."""
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, Rows
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress, ObserveCommand
+from lbr.messages.calibration import CalibrationValue
 from lbr.messages.drive import DriveCommand
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply, StopCommand
@@ -24,5 +25,6 @@ KIND = Kind(
         "halt": CommandReply,
     },
     requests={"motion": DriveCommand, "halt": StopCommand},
-    calibrates="device",
+    rows=(Rows(CalibrationValue, where={"device": "device"}),),
+    learns=(CalibrationValue,),
 )

@@ -8,6 +8,7 @@ from pathlib import Path
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress
+from lbr.messages.calibration import CalibrationValue, measured, values
 from lbr.messages.codes import Code, Reason
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
@@ -229,8 +230,8 @@ class Calibration:
             self._refused(len(samples), wanted, samples.coverage, Reason("failed", str(err)))
             self._draw(samples, None, file, "refused")
             return str(err)
-        self._ctx.keep_calibration(found.calibration.values())
-        self._fusion.calibrate(self._ctx.calibration)
+        self._ctx.learn(*measured(self._ctx.settings.device, found.calibration.values()))
+        self._fusion.calibrate(values(self._ctx.rows(CalibrationValue)))
         self._kept = Kept(samples, wanted, found, file, self._ctx.clock() + HEADING_S)
         return ""
 

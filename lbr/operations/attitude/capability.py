@@ -3,6 +3,7 @@
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.calibration import CalibrationValue, values
 from lbr.messages.leases import CommandReply
 from lbr.operations.attitude.calibration import Calibration
 from lbr.operations.attitude.fusion import Fusion
@@ -23,7 +24,7 @@ class Attitude(Capability[AttitudeSettings]):
     def __init__(self, ctx: Context[AttitudeSettings]) -> None:
         super().__init__(ctx)
         self.rate_hz = ctx.settings.publish_hz
-        self._fusion = Fusion(ctx.settings, ctx.calibration, f"{ctx.name}-{ctx.clock():.3f}")
+        self._fusion = Fusion(ctx.settings, values(ctx.rows(CalibrationValue)), f"{ctx.name}-{ctx.clock():.3f}")
         self._turns = Turns(ctx.settings.observe_s)
         self._calibration = Calibration(ctx, self._fusion)
         self._known_s = ctx.clock() + FIRST_S - TELL_S

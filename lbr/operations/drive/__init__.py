@@ -1,8 +1,16 @@
 """Drive operations: one holder, leases, rules, limits and bounded moves between drive commands and the motors."""
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.drive import CheckRequest, DriveCommand, DriveState, GoalResult, HeadingCommand, TurnCommand
+from lbr.messages.drive import (
+    CheckRequest,
+    CheckVerdict,
+    DriveCommand,
+    DriveState,
+    GoalResult,
+    HeadingCommand,
+    TurnCommand,
+)
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
@@ -17,8 +25,16 @@ KIND = Kind(
     settings=DriveSettings,
     inputs={"ranges": Ranges, "motors": MotorsState, "attitude": AttitudeState, "odometry": OdometryState},
     outputs={"setpoint": MotorSetpoint, "state": DriveState, "result": GoalResult},
-    commands={"command": DriveCommand, "turn": TurnCommand, "heading": HeadingCommand, "stop": StopCommand},
-    replies={"command": CommandReply, "turn": CommandReply, "heading": CommandReply, "stop": CommandReply},
+    commands={
+        "command": Command(DriveCommand, leased=True),
+        "turn": Command(TurnCommand, leased=True),
+        "heading": Command(HeadingCommand, leased=True),
+        "stop": StopCommand,
+    },
+    replies={
+        **dict.fromkeys(("command", "turn", "heading", "stop"), CommandReply),
+        "checks": CheckVerdict,
+    },
     requests={"checks": CheckRequest},
     moves=True,
 )

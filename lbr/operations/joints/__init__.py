@@ -1,8 +1,8 @@
 """Joints operation: one holder, leases, limits and smooth ways between joint commands and the servos of a humanoid."""
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind, names
 from lbr.messages.drive import GoalResult
-from lbr.messages.joints import JointMove, JointsCommand, JointsState, RecoverCommand, TorqueCommand
+from lbr.messages.joints import Joint, JointMove, JointsCommand, JointsState, RecoverCommand, TorqueCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
 from lbr.operations.joints.settings import JointsSettings
@@ -16,14 +16,14 @@ KIND = Kind(
     inputs={"servos": ServosState},
     outputs={"setpoint": ServoSetpoint, "state": JointsState, "result": GoalResult},
     commands={
-        "command": JointsCommand,
-        "move": JointMove,
-        "torque": TorqueCommand,
-        "recover": RecoverCommand,
+        "command": Command(JointsCommand, leased=True),
+        "move": Command(JointMove, leased=True, choices={"joint": names(Joint)}),
+        "torque": Command(TorqueCommand, choices={"joints": names(Joint)}),
+        "recover": Command(RecoverCommand, choices={"joints": names(Joint)}),
         "stop": StopCommand,
     },
     replies=dict.fromkeys(("command", "move", "torque", "recover", "stop", "servos_recover"), CommandReply),
     requests={"servos_recover": RecoverServos},
     moves=True,
-    rows=("joint",),
+    rows=(Joint,),
 )

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context
 from lbr.messages.drive import LoopStatistics
-from lbr.messages.joints import JointsCommand, JointsState, RecoverCommand
+from lbr.messages.joints import Joint, JointsCommand, JointsState, RecoverCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos
 from lbr.operations.joints import asked
@@ -108,7 +108,7 @@ class Joints(Capability[JointsSettings]):
         self._report()
 
     def _begin(self) -> None:
-        self._state = first_state(self.ctx.settings, body(self.ctx.joints), self.ctx.clock())
+        self._state = first_state(self.ctx.settings, body(self.ctx.rows(Joint)), self.ctx.clock())
         self._beat = Beat(self.rate_hz)
         self._sweeps = Beat(self.rate_hz)
         self._meter = LoopMeter(self.rate_hz)

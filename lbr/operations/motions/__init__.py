@@ -2,9 +2,18 @@
 
 from msgspec import Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind, names
 from lbr.messages.drive import GoalResult
-from lbr.messages.joints import CaptureCommand, JointsCommand, JointsState, MotionsState, PlayCommand
+from lbr.messages.joints import (
+    CaptureCommand,
+    Joint,
+    JointsCommand,
+    JointsState,
+    MotionRow,
+    MotionsState,
+    MotionStep,
+    PlayCommand,
+)
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.units import TtlS
 
@@ -23,10 +32,15 @@ KIND = Kind(
     settings=MotionsSettings,
     inputs={"joints": JointsState, "ended": GoalResult},
     outputs={"state": MotionsState, "result": GoalResult},
-    commands={"play": PlayCommand, "capture": CaptureCommand, "stop": StopCommand},
+    commands={
+        "play": Command(PlayCommand, leased=True, choices={"motion": names(MotionRow)}),
+        "capture": Command(CaptureCommand, choices={"motion": names(MotionRow)}),
+        "stop": StopCommand,
+    },
     replies=dict.fromkeys(("play", "capture", "stop", "move", "halt"), CommandReply),
     requests={"move": JointsCommand, "halt": StopCommand},
     roles={"capture": "admin"},
     moves=True,
-    rows=("joint", "motion"),
+    rows=(Joint, MotionRow, MotionStep),
+    learns=(MotionRow, MotionStep),
 )

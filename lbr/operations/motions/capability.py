@@ -12,12 +12,16 @@ from lbr.messages.codes import Reason
 from lbr.messages.joints import (
     MAX_FRAMES,
     CaptureCommand,
-    CapturedFrame,
+    Joint,
     JointsCommand,
     JointsState,
     KeyFrame,
+    Motion,
+    MotionRow,
     MotionsState,
+    MotionStep,
     PlayCommand,
+    motions_of,
 )
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.leasing.state import Ask, EstopChanged, Happened, Reply, Stop
@@ -107,7 +111,7 @@ class Motions(Capability[MotionsSettings]):
         wanted: Programme | None = None
         why: Reason | None = None
         try:
-            wanted = programme(self.ctx.motions, command)
+            wanted = programme(self._motions(), command)
         except InputError as err:
             why = Reason(err.code, str(err))
         event = Play(
@@ -119,12 +123,16 @@ class Motions(Capability[MotionsSettings]):
         )
         self._decide(event, call)
 
+    def _motions(self) -> tuple[Motion, ...]:
+        """Return the motions as they are now."""
+        return motions_of(self.ctx.rows(MotionRow), self.ctx.rows(MotionStep))
+
     def _from_here(self, frames: tuple[KeyFrame, ...], *, mirror: bool) -> tuple[KeyFrame, ...]:
         """Return key frames with a way to the first that no joint is too slow for."""
         newest = self.ctx.latest("joints")
         if newest is None or not frames:
             return frames
-        way_s = reach_s(self.ctx.joints, newest.message, frames[0], mirror=mirror)
+        way_s = reach_s(self.ctx.rows(Joint), newest.message, frames[0], mirror=mirror)
         return (replace(frames[0], duration_s=max(frames[0].duration_s, way_s)), *frames[1:])
 
     def _capture(self, command: CaptureCommand, source: str) -> str:
@@ -135,14 +143,17 @@ class Motions(Capability[MotionsSettings]):
         if newest is None or not newest.age_s(self.ctx.clock()) <= OLDEST_S:
             raise InputError("joints operation has not told for a while where the joints are; see /report/joints")
         state: JointsState = newest.message
-        motion = next((motion for motion in self.ctx.motions if motion.name == command.motion), None)
+        motion = next((motion for motion in self._motions() if motion.name == command.motion), None)
         if motion is not None and (motion.builtin or motion.slot is not None):
             raise InputError(f"motion '{command.motion}' stays as it is; capture under another name")
         known = motion.frames if motion is not None else ()
         if len(known) >= MAX_FRAMES:
             raise InputError(f"motion '{command.motion}' has {MAX_FRAMES} key frames, the most there can be")
-        frame = key_frame(self.ctx.joints, state, command.duration_s)
-        self.ctx.keep_frame(CapturedFrame(motion=command.motion, frame=frame, help=command.help))
+        frame = key_frame(self.ctx.rows(Joint), state, command.duration_s)
+        last = max((step.step for step in self.ctx.rows(MotionStep) if step.motion == command.motion), default=0)
+        new = () if motion is not None else (MotionRow(name=command.motion, help=command.help),)
+        step = MotionStep(motion=command.motion, step=last + 1, duration_s=frame.duration_s, positions=frame.positions)
+        self.ctx.learn(*new, step)
         text = f"key frame {len(known) + 1} of '{command.motion}' is the pose of now"
         self.ctx.event("captured", f"{source}: {text}", about=source)
         return text

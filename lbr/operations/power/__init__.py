@@ -4,7 +4,8 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, Rows
+from lbr.messages.calibration import CalibrationValue
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand, TorqueCommand
 from lbr.messages.leases import CommandReply, StopCommand
@@ -73,5 +74,6 @@ KIND = Kind(
     replies=dict.fromkeys(("arm", "cancel", "park", "halt", "let_go", "say"), CommandReply),
     requests={"park": PlayCommand, "halt": StopCommand, "let_go": TorqueCommand, "say": SayCommand},
     roles={"arm": "admin"},
-    calibrates="device",
+    rows=(Rows(CalibrationValue, where={"device": "device"}),),
+    learns=(CalibrationValue,),
 )

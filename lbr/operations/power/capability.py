@@ -4,6 +4,7 @@ from math import ceil, inf, isfinite
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
+from lbr.messages.calibration import CalibrationValue, measured, values
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import ArmCommand, CancelCommand, PowerState, UpsState
 from lbr.messages.speech import SayCommand
@@ -100,7 +101,7 @@ class Power(Capability[PowerSettings]):
 
     def _kept(self) -> tuple[bool, float, float]:
         """Return what was kept of an earlier run, or else the settings; numbers that cannot be are told and left out."""
-        kept, settings = self.ctx.calibration, self.ctx.settings
+        kept, settings = values(self.ctx.rows(CalibrationValue)), self.ctx.settings
         warn_v, shutdown_v = kept.get("warn_v", settings.warn_v), kept.get("shutdown_v", settings.shutdown_v)
         if not (isfinite(warn_v) and 0.0 < shutdown_v <= warn_v <= 100.0):
             text = f"thresholds {warn_v:g} V and {shutdown_v:g} V beside device '{settings.device}' cannot be used; "
@@ -133,7 +134,7 @@ class Power(Capability[PowerSettings]):
                 self._ask_at = self.ctx.clock()
             case "keep":
                 kept = {"armed": float(watch.armed), "warn_v": watch.warn_v, "shutdown_v": watch.shutdown_v}
-                self.ctx.keep_calibration(kept)
+                self.ctx.learn(*measured(self.ctx.settings.device, kept))
 
     def _stop_parking(self) -> None:
         parking, self._parking = self._parking, None

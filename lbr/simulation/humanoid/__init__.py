@@ -1,6 +1,7 @@
 """The simulated world of a humanoid: its body in the physics engine, and emulated twins of its devices."""
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind
+from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.requests import (
@@ -23,9 +24,14 @@ KIND = Kind(
     entry="lbr.simulation.humanoid.capability:HumanoidWorld",
     settings=HumanoidWorldSettings,
     outputs={"pose": HumanoidPose},
-    commands={"picture": PictureRequest, "fault": FaultRequest, "pick_up": PickUpRequest, "ball": BallRequest},
+    commands={
+        "picture": PictureRequest,
+        "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
+        "pick_up": PickUpRequest,
+        "ball": BallRequest,
+    },
     roles={"picture": "admin", "fault": "admin"},
     emulates=True,
     replies={"picture": PictureReply, "fault": FaultReply, "pick_up": PickUpReply, "ball": BallReply},
-    rows=("joint",),
+    rows=(Joint,),
 )

@@ -7,6 +7,7 @@ from pathlib import Path
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.engine import HumanoidEngine
@@ -48,7 +49,7 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         sys.setswitchinterval(SWITCH_S)
         settings, self._pose_at, self._was = self.ctx.settings, self.ctx.clock(), None
         self._painter = Painter()
-        engine = self._engine = HumanoidEngine(settings, self.ctx.joints, self.ctx.home)
+        engine = self._engine = HumanoidEngine(settings, self.ctx.rows(Joint), self.ctx.home)
         cameras = self._cameras = CameraHost(engine.packed(), len(engine.view()))
         around = Surroundings(settings.seed, self._pose_at, cameras=cameras, mounts=engine.body.cameras)
         self._plugged = Plugged(self.ctx, around)

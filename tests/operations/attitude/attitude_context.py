@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from lbr.messages.attitude import CalibrateCommand, ObserveCommand
+from lbr.messages.calibration import values
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand, refused
@@ -91,6 +92,16 @@ class AttitudeContext(FakeContext):
 
     def answer(self, request, message):
         return self.drive.answer(request, message, self.clock())
+
+    @property
+    def calibration(self):
+        """What was measured on the device."""
+        return values(self.given)
+
+    def learn(self, *rows):
+        """Keep the numbers by their names."""
+        super().learn(*rows)
+        self.kept[-1] = values(rows)
 
     def run(self, seconds, until=lambda: False):
         """Let the base turn, the inertial unit measure at 100 Hz and the capability step at 50 Hz."""

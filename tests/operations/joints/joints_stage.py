@@ -19,6 +19,8 @@ from lbr.executive.child import Child
 from lbr.executive.logs import open_log
 from lbr.executive.reaper import Reaper
 from lbr.executive.units import Unit
+from lbr.messages.joints import Joint
+from lbr.messages.rows import row_set
 from lbr.simulation.twins.base import Surroundings
 from lbr.simulation.twins.dynamixel import DynamixelTwin
 from tests.operations.joints.joints_bench import BODY, ROWS
@@ -135,7 +137,7 @@ class Stage:
             wiring=wiring,
             outputs=outputs,
             requests={"servos_recover": {"servos": "r/servos/recover"}} if name == "joints" else {},
-            joints=JOINTS,
+            rows={"joint": row_set(Joint, JOINTS)},
             release_key=KEY,
         )
         family = "driver" if name == "servos" else "operation"

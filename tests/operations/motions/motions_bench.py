@@ -137,7 +137,8 @@ class World(FakeContext):
     """The context of motions, with joints that do as they are told."""
 
     def __init__(self):
-        super().__init__(KIND.settings(), robot="bioloid", name="motions", joints=JOINTS, motions=MOTIONS)
+        rows = (*JOINTS, *(row for motion in MOTIONS for row in motion.rows))
+        super().__init__(KIND.settings(), robot="bioloid", name="motions", given=rows)
         self.body = FakeJoints()
         self.pose = {"right_elbow": -0.1, "left_elbow": -0.1, "neck": 0.0}
         self.unmeasured: dict[str, str] = {}
@@ -163,7 +164,7 @@ class World(FakeContext):
         if not self.told_of_joints:
             return None
         joints = {
-            one.name: JointState(id=one.device_id, position_rad=self.pose[one.name], age_s=0.01) for one in self.joints
+            one.name: JointState(id=one.device_id, position_rad=self.pose[one.name], age_s=0.01) for one in JOINTS
         }
         missing = {name: JointState(id=0, reason=why) for name, why in self.unmeasured.items()}
         doubted = {name: JointState(id=19, trusted=False, raw=200) for name in self.doubted}

@@ -6,6 +6,7 @@ from msgspec import Struct
 
 from lbr.capability import Capability
 from lbr.drivers.dynamixel import KIND as DYNAMIXEL
+from lbr.messages.joints import Joint
 from lbr.messages.servos import ServosState, ServoState
 
 VALID_S = 0.1
@@ -20,7 +21,7 @@ class ScriptedServos(Capability):
 
     def __init__(self, ctx) -> None:
         super().__init__(ctx)
-        self._angles: dict[int, float] = {joint.device_id: joint.zero_rad for joint in ctx.joints}
+        self._angles: dict[int, float] = {joint.device_id: joint.zero_rad for joint in ctx.rows(Joint)}
         self._torque: dict[int, float] = dict.fromkeys(self._angles, 0.0)
         self._sweep = 0
 

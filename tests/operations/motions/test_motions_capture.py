@@ -2,6 +2,7 @@
 
 from math import radians
 
+from lbr.messages.joints import MotionRow
 from tests.operations.motions.motions_bench import JOINTS
 
 
@@ -10,9 +11,10 @@ def test_the_pose_of_now_becomes_a_motion_that_is_played_at_once(stage, world):
     call = stage.capture("bow", duration_s=1.5, help="Bows")
     assert call.answer.accepted
     assert call.answer.reason == "key frame 1 of 'bow' is the pose of now"
-    (kept,) = world.kept
-    assert (kept.motion, kept.help, kept.frame.duration_s) == ("bow", "Bows", 1.5)
-    assert kept.frame.positions == {"right_elbow": -1.2346, "left_elbow": -0.1, "neck": 0.5}
+    ((motion, step),) = world.kept
+    assert motion == MotionRow(name="bow", help="Bows")
+    assert (step.motion, step.step, step.duration_s) == ("bow", 1, 1.5)
+    assert step.positions == {"right_elbow": -1.2346, "left_elbow": -0.1, "neck": 0.5}
     assert world.events[-1] == ("captured", "console: key frame 1 of 'bow' is the pose of now")
     world.pose["neck"] = 0.0
     assert stage.capture("bow").answer.reason == "key frame 2 of 'bow' is the pose of now"
@@ -25,7 +27,7 @@ def test_a_joint_a_little_beyond_its_limit_is_taken_at_its_limit(stage, world):
     lower = JOINTS[0].lower_rad
     world.pose["right_elbow"] = lower - radians(0.9)
     assert stage.capture().answer.accepted
-    assert world.kept[0].frame.positions["right_elbow"] == lower
+    assert world.kept[0][-1].positions["right_elbow"] == lower
 
 
 def test_joints_far_beyond_their_limits_are_named(stage, world):

@@ -3,7 +3,7 @@
 import pytest
 
 from lbr.messages.joints import Motion
-from tests.operations.motions.motions_bench import MOTIONS, frame
+from tests.operations.motions.motions_bench import frame
 
 
 def positions(world):
@@ -277,12 +277,12 @@ def test_a_stop_of_the_joints_is_the_end_of_what_is_played(stage, world):
     ],
 )
 def test_what_cannot_be_played_is_refused_and_nothing_moves(stage, world, command, why):
-    world.motions = (
-        *MOTIONS,
+    motions = (
         Motion(name="slow", frames=(frame(10.0, neck=0.1),)),
         Motion(name="broken", frames=(frame(neck=0.1),), lead_in="gone"),
         Motion(name="still", frames=(frame(),)),
     )
+    world.learn(*(row for motion in motions for row in motion.rows))
     assert why in stage.play(**command).answer.reason
     stage.run(0.1)
     assert world.body.commands == []

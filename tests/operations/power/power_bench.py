@@ -4,6 +4,7 @@ import time
 
 from msgspec.structs import replace
 
+from lbr.messages.calibration import measured, values
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply
@@ -59,9 +60,14 @@ class PowerContext(FakeContext):
 
     def __init__(self, bus="", calibration=None, **settings):
         chosen = KIND.settings(device="ups", bus=bus, **settings)
-        super().__init__(chosen, robot="tester", name="power", calibration=dict(calibration or {}))
+        super().__init__(chosen, robot="tester", name="power", given=tuple(measured("ups", calibration or {})))
         self.body = Body()
         self.wired = {"park": ("motions",), "halt": ("motions",), "let_go": ("joints",), "say": ("speech",)}
+
+    @property
+    def calibration(self):
+        """What was written down beside the device."""
+        return values(self.given)
 
     def targets(self, request):
         return self.wired.get(request, ())

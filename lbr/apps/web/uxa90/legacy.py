@@ -19,7 +19,7 @@ class Uxa90Face(web.Face):
     def __init__(self, robot: Robot) -> None:
         self._work = Work(robot)
         self._handlers = Handlers(robot, self._work)
-        layer, layers = robot.settings.layer, sorted({motor.layer for motor in robot.ctx.motors})
+        layer, layers = robot.settings.layer, sorted({motor.layer for motor in robot.motors})
         if layers and layer not in layers:
             text = f"no row of the table motor has the layer '{layer}', so the API has no motors; there are "
             robot.ctx.event("no_motors", text + ", ".join(layers), level="warning")

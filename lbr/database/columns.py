@@ -1,0 +1,228 @@
+"""A column of a table by its field's annotation: from what SQLite holds to a value, or to why it is none; and back."""
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, NoReturn, get_args
+
+import msgspec
+from msgspec import inspect
+
+from lbr.messages.rows import Row, shown
+
+MAX_TEXT = 100_000
+_HALF = re.compile("[\ud800-\udfff]")
+_OBJECT = 'is not a JSON object like {"key": 1}'
+_LIST = 'is not a JSON list like ["a", "b"]'
+_TEXTS = 'is not a JSON list of strings like ["a", "b"]'
+
+
+class WrongError(Exception):
+    """A value that its column may not have; the text says what it is not."""
+
+
+@cache
+def columns(row: type[Row]) -> Mapping[str, "Column"]:
+    """Return the columns of a table, by name."""
+    return {field.name: Column(field) for field in msgspec.structs.fields(row)}
+
+
+def raw(row: Row) -> dict[str, Any]:
+    """Return what SQLite is to hold for a row."""
+    return {name: column.write(getattr(row, name)) for name, column in columns(type(row)).items()}
+
+
+class Column:
+    """Reads and writes one column. `stand_in` is a harmless value for one that cannot be read."""
+
+    def __init__(self, field: msgspec.structs.FieldInfo) -> None:
+        self._type = field.type
+        info, self._extra, self._nullable = _bare(inspect.type_info(field.type))
+        self._info: Any = info
+        self._is_flag = isinstance(info, inspect.BoolType)
+        self._is_text = isinstance(info, inspect.StrType)
+        self._is_json = not self._is_flag and not isinstance(
+            info, inspect.StrType | inspect.IntType | inspect.FloatType | inspect.LiteralType
+        )
+        pattern = getattr(info, "pattern", None)
+        self._pattern = re.compile(pattern) if pattern else None
+        self.stand_in: Any = self._stand_in(field)
+
+    def read(self, value: Any) -> Any:
+        """Return the value of a column; WrongError says what is wrong with it."""
+        if value is None and self._nullable:
+            return None
+        if self._is_text and "meant" not in self._extra:
+            self._check_text(value)
+        if self._is_flag and not (isinstance(value, int) and value in (0, 1)):
+            raise WrongError(f"'{shown(value)}' is neither 0 nor 1")
+        plain = bool(value) if self._is_flag else self._json(value) if self._is_json else value
+        try:
+            found = msgspec.convert(plain, self._type)
+        except (msgspec.ValidationError, UnicodeError) as err:  # SQLite holds what is no text, too
+            raise WrongError(self._sentence(plain, str(err))) from None
+        if self._pattern is not None and not self._pattern.fullmatch(found):
+            raise WrongError(self._sentence(plain, "is not of its form"))
+        if isinstance(found, float) and not math.isfinite(found):
+            raise WrongError(self._number(plain))
+        if self._is_json and _texts(self._info) and any(map(text_fault, found)):
+            raise WrongError(_TEXTS)
+        if self._extra.get("json") == "object" and not isinstance(self._json(value), dict):
+            raise WrongError(_OBJECT)
+        return found
+
+    def write(self, value: Any) -> Any:
+        """Return what SQLite is to hold for a value."""
+        if value is None or not (self._is_flag or self._is_json):
+            return value
+        return int(value) if self._is_flag else json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
+
+    def _check_text(self, value: Any) -> None:
+        if not isinstance(value, str):
+            raise WrongError(f"is {_type(value)}, not a text")
+        if fault := text_fault(value):
+            raise WrongError(fault)
+        if self._info.min_length and not value.strip():
+            raise WrongError("is empty")
+
+    def _json(self, value: Any) -> Any:
+        if not isinstance(value, str):
+            raise WrongError(f"is {_type(value)}, not a text")
+        if fault := text_fault(value):
+            raise WrongError(fault)
+        try:
+            return json_strictly(value)
+        except RecursionError:
+            raise WrongError("is not JSON: nested too deeply") from None
+        except ValueError as err:
+            raise WrongError(f"is not JSON: {err}") from None
+
+    def _sentence(self, value: Any, said: str) -> str:
+        """Return what a value is not, as its annotation has it; or what msgspec says of it."""
+        info = self._info
+        if "meant" in self._extra and self._is_text:
+            return f"'{shown(value)}' is not {self._extra['meant']}"
+        if isinstance(info, inspect.LiteralType):
+            told = get_args(self._type) or info.values  # in the order in which they were declared
+            return f"'{shown(value)}' is none of {', '.join(map(str, told))}"
+        if isinstance(info, inspect.IntType):
+            bounds = f" from {info.ge} to {info.le}" if info.ge is not None and info.le is not None else ""
+            return f"'{shown(value)}' is not a whole number{bounds}"
+        if isinstance(info, inspect.FloatType):
+            return self._number(value)
+        if isinstance(info, inspect.StrType):
+            longer = info.max_length is not None and len(str(value)) > info.max_length
+            return f"is longer than {info.max_length} characters" if longer else said
+        return self._no_json(value, said)
+
+    def _no_json(self, value: Any, said: str) -> str:
+        if isinstance(self._info, inspect.DictType):
+            return self._entries(value) or said if isinstance(value, dict) else _OBJECT
+        return _TEXTS if _texts(self._info) else _LIST if not isinstance(value, list) else said
+
+    def _number(self, value: Any) -> str:
+        info, zero = self._info, self._extra.get("zero")
+        null = " (or NULL)" if self._nullable else ""
+        if info.gt is not None and zero is None:
+            return f"'{shown(value)}' is not above {info.gt:g} and at most {info.le:g}{null}"
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            return f"'{shown(value)}' is not a finite number"
+        lowest = info.ge if info.ge is not None else info.gt
+        return str(zero) if value == info.gt else f"{value:g} is outside {lowest:g} to {info.le:g}"
+
+    def _entries(self, value: Mapping[str, Any]) -> str:
+        """Return what is wrong with the entries of an object, as far as their annotation says what is meant."""
+        _, extra, _ = _bare(self._info.value_type)
+        return "; ".join(
+            f"'{shown(name)}': '{shown(one)}' is not {extra['meant']}"
+            for name, one in value.items()
+            if "meant" in extra and not _fits(one, self._type, name)
+        )
+
+    def _stand_in(self, field: msgspec.structs.FieldInfo) -> Any:
+        if field.default is not msgspec.NODEFAULT:
+            return field.default
+        if field.default_factory is not msgspec.NODEFAULT:
+            return field.default_factory()
+        if self._nullable:
+            return None
+        info = self._info
+        if isinstance(info, inspect.LiteralType):
+            return info.values[0]
+        if self._is_json:
+            return {} if isinstance(info, inspect.DictType) else ()
+        return "" if self._is_text else False if self._is_flag else 0
+
+
+def _fits(one: Any, of: Any, name: str) -> bool:
+    try:
+        msgspec.convert({name: one}, of)
+    except msgspec.ValidationError:
+        return False
+    return True
+
+
+def _bare(info: Any) -> tuple[Any, dict[str, Any], bool]:
+    """Return a type without what is said of it, what is said, and whether it may be NULL."""
+    if isinstance(info, inspect.Metadata):
+        bare, extra, nullable = _bare(info.type)
+        return bare, {**(info.extra or {}), **extra}, nullable
+    if isinstance(info, inspect.UnionType):
+        others = [one for one in info.types if not isinstance(one, inspect.NoneType)]
+        if len(others) < len(info.types):
+            bare, extra, _ = _bare(others[0]) if len(others) == 1 else (inspect.AnyType(), {}, True)
+            return bare, extra, True
+    return info, {}, False
+
+
+def _texts(info: Any) -> bool:
+    return isinstance(info, inspect.VarTupleType) and isinstance(info.item_type, inspect.StrType)
+
+
+def text_fault(text: str) -> str:
+    """Return why a text cannot be used, or nothing."""
+    if len(text) > MAX_TEXT:
+        return f"is longer than {MAX_TEXT} characters"
+    if "\0" in text:
+        return "contains a NUL character"
+    if not text.isascii() and _HALF.search(text):
+        return "is not valid UTF-8"
+    return ""
+
+
+def json_strictly(text: str) -> Any:
+    """Decode JSON; doubled keys, NaN, numbers beyond 64 bits and half characters are ValueErrors too."""
+    value = json.loads(text, object_pairs_hook=_pairs, parse_constant=_constant, parse_float=_finite, parse_int=_short)
+    json.dumps(value, ensure_ascii=False).encode()
+    return value
+
+
+def _pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError("a key stands twice in one object")
+    return found
+
+
+def _constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no number")
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text[:30]} is too large")
+    return value
+
+
+def _short(text: str) -> int:
+    if len(text) > 20 or not -(2**63) <= int(text) < 2**63:
+        raise ValueError(f"{text[:30]} is too large")
+    return int(text)
+
+
+def _type(value: object) -> str:
+    names = {type(None): "NULL", bytes: "a blob", int: "a number", float: "a number", str: "a text"}
+    return names.get(type(value), type(value).__name__)

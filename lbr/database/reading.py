@@ -1,0 +1,173 @@
+"""Tables of one robot as they are read and checked: each once it is asked for, all problems of a row at once."""
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, TypeVar, cast
+
+from msgspec import Struct
+
+from lbr.database.columns import WrongError, columns
+from lbr.messages.rows import Row, shown
+
+R = TypeVar("R", bound=Row)
+RawRow = Mapping[str, Any]
+RawTables = Mapping[str, Sequence[RawRow]]
+"""Table name to rows, each column name to what SQLite holds."""
+ROBOT = "robot"
+"""The table of the robots themselves, and the column that says whose a row is."""
+
+
+class Problem(Struct, frozen=True):
+    """What is wrong with one row: `row` is its key as people read it, `column` may be empty for the whole row."""
+
+    table: str
+    row: str
+    column: str
+    text: str
+
+    def __str__(self) -> str:
+        where = f"{self.table} '{self.row}'" if self.row else self.table
+        return f"{where}, {self.column}: {self.text}" if self.column else f"{where}: {self.text}"
+
+
+class _UnreadError(Exception):
+    """A check has asked for a column that could not be read; what is wrong there has been told."""
+
+
+class _Partial:
+    """A row of which some columns could not be read."""
+
+    def __init__(self, row: Row, unread: frozenset[str]) -> None:
+        self._row = row
+        self._unread = unread
+
+    def __getattr__(self, name: str) -> Any:
+        if name in self._unread or (name == "key" and not self._unread.isdisjoint(self._row.KEY)):
+            raise _UnreadError
+        return getattr(self._row, name)
+
+
+class Read(Struct):
+    """A row as it was read; in `unread` columns are stand-ins, and in `wrong` ones what is against others."""
+
+    label: str
+    row: Any
+    unread: frozenset[str]
+    wrong: set[str]
+
+    @property
+    def view(self) -> Any:
+        """The row as checks see it."""
+        return _Partial(self.row, self.unread) if self.unread else self.row
+
+
+class Tables:
+    """All tables of one robot as they stand; a table's rows are read, and checked, once they are asked for."""
+
+    def __init__(self, raw: RawTables, robot: str, columns: Mapping[str, Iterable[str]]) -> None:
+        self._raw = raw
+        self._robot = robot
+        self._columns = columns
+        self._own = {
+            table: [one for one in rows if one.get("robot", robot) == robot]
+            for table, rows in raw.items()
+            if table != ROBOT
+        }
+        self._read: dict[type[Row], tuple[list[Read], list[Problem]]] = {}
+        self._judged: dict[type[Row], tuple[Problem, ...]] = {}
+        self._indexes: dict[tuple[type[Row], Callable[[Any], Hashable]], dict[Hashable, Any]] = {}
+        self._names: dict[str, frozenset[Any]] = {}
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Tables) and (self._robot, self._own) == (other._robot, other._own)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __contains__(self, table: str) -> bool:
+        return table in self._raw
+
+    def good(self, row: type[R]) -> tuple[R, ...]:
+        """Return the rows of a table that nothing is wrong with."""
+        self.problems(row)
+        return tuple(cast("R", one.row) for one in self.rows(row) if not one.wrong)
+
+    def rows(self, row: type[Row]) -> list[Read]:
+        """Return the rows of a table, the bad ones too."""
+        if row not in self._read:
+            found: list[Problem] = []
+            self._read[row] = [self._one(row, values, found) for values in self._of(row, found)], found
+        return self._read[row][0]
+
+    def problems(self, row: type[Row]) -> tuple[Problem, ...]:
+        """Return what is wrong with a table's rows, by themselves and among others."""
+        if row not in self._judged:
+            found = list(self._read[row][1]) if self.rows(row) or row in self._read else []
+            for check in row.CHECKS:
+                for one in self.rows(row):
+                    for column, text in _told(check(one.view, self)):
+                        one.wrong.add(column)
+                        found.append(Problem(row.TABLE, one.label, column, text))
+            self._judged[row] = tuple(found)
+        return self._judged[row]
+
+    def names(self, table: str) -> frozenset[Any]:
+        """Return the column `name` of a table's rows, of bad ones too."""
+        if table not in self._names:
+            self._names[table] = frozenset(values.get("name") for values in self._own.get(table, ()))
+        return self._names[table]
+
+    def index(self, row: type[R], by: Callable[[R], Hashable]) -> Mapping[Hashable, R]:
+        """Return the first row for each value of `by`, of those that it can be told of."""
+        if (row, by) not in self._indexes:
+            found: dict[Hashable, Any] = {}
+            for one in self.rows(row):
+                for key in _told(iter([one.view]), by):
+                    found.setdefault(key, one.view)
+            self._indexes[row, by] = found
+        return self._indexes[row, by]
+
+    def _of(self, row: type[Row], problems: list[Problem]) -> Sequence[RawRow]:
+        """Return a table's rows, if it has all columns; note rows of robots that are not there."""
+        table, known = row.TABLE, set(self._columns.get(row.TABLE, ()))
+        wanted = set(columns(row))
+        if known:
+            problems += [Problem(table, "", name, "this column is missing") for name in sorted(wanted - known)]
+            problems += [
+                Problem(table, "", shown(name), "lbr knows no column of this name: drop it")
+                for name in sorted(known - wanted - {"robot"})
+            ]
+            if wanted - known:
+                return ()
+        if row.TABLE == ROBOT:
+            return [values for values in self._raw.get(table, ()) if values.get("name") == self._robot]
+        robots = [values.get("name") for values in self._raw.get(ROBOT, ())]
+        for values in self._raw.get(table, ()):
+            if "robot" in values and values["robot"] not in robots:
+                text = f"there is no robot '{shown(values['robot'])}'"
+                problems.append(Problem(table, _label(row, values), "robot", text))
+        return self._own.get(table, ())
+
+    def _one(self, row: type[Row], values: RawRow, problems: list[Problem]) -> Read:
+        label, unread, found = _label(row, values), set[str](), dict[str, Any]()
+        for name, column in columns(row).items():
+            try:
+                found[name] = column.read(values.get(name))
+            except WrongError as err:
+                unread.add(name)
+                found[name] = column.stand_in
+                problems.append(Problem(row.TABLE, label, name, str(err)))
+        return Read(label, row(**found), frozenset(unread), set(unread))
+
+
+def _label(row: type[Row], values: RawRow) -> str:
+    """Return a row's key as people read it."""
+    key = ("robot", *row.KEY) if "robot" in values else row.KEY
+    return "/".join(shown(values.get(column)) for column in key)
+
+
+def _told(faults: Iterator[Any], by: Callable[[Any], Any] = lambda one: one) -> Iterator[Any]:
+    """Yield what comes until it asks for what could not be read."""
+    try:
+        for one in faults:
+            yield by(one)
+    except _UnreadError:
+        return

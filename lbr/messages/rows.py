@@ -1,0 +1,100 @@
+"""What a table is to the program: one struct, whose annotations are its constraints. The SQL beside it makes the table.
+
+    robot.db ── read, checked (lbr.database) ──► Phrase(…) ── one document ──► ctx.rows(Phrase)
+             ◄── written by key ─────────────── learnt ◄──── heartbeat pipe ── ctx.learn(Phrase(…))
+
+A kind names the rows that it reads and those that it may write back; nothing between knows a particular table.
+"""
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from typing import Any, ClassVar, Protocol, TypeVar
+
+import msgspec
+from msgspec import Raw, Struct
+
+R = TypeVar("R", bound="Row")
+Fault = tuple[str, str]
+"""A column, and what is wrong there."""
+Check = Callable[[Any, "Others"], Iterator[Fault]]
+"""Yields what a row has against itself, or against others. It is left out for a row of which it reads a bad column."""
+
+
+class Others(Protocol):
+    """The rows of a robot as a check sees them; to read a column that could not be read ends the check."""
+
+    def names(self, table: str) -> frozenset[Any]:
+        """Return the column `name` of a table's rows, of bad ones too."""
+
+    def index(self, row: type[R], by: Callable[[R], Hashable]) -> Mapping[Hashable, R]:
+        """Return the first row for each value of `by`."""
+
+
+class Row(Struct, frozen=True, kw_only=True):
+    """A row of TABLE, told from others by KEY. A field is a column; whose robot's it is, is not one of them.
+
+    CHECKS are what annotations cannot say. Rows that are PART_OF those of another table, whose key begins theirs, are
+    written together with them: those that are not there any more go.
+    """
+
+    TABLE: ClassVar[str] = ""
+    KEY: ClassVar[tuple[str, ...]] = ()
+    PART_OF: ClassVar[str] = ""
+    CHECKS: ClassVar[tuple[Check, ...]] = ()
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What tells it from other rows of its robot."""
+        return tuple(getattr(self, column) for column in self.KEY)
+
+    @property
+    def told(self) -> str:
+        """Which row it is, for people."""
+        return f"{self.TABLE} '{'/'.join(map(str, self.key))}'"
+
+
+class RowSet(Struct, frozen=True, kw_only=True):
+    """Rows of one table as documents carry them: JSON, in the order of their keys."""
+
+    key: tuple[str, ...]
+    part_of: str = ""
+    rows: Raw
+
+
+def row_set(row: type[Row], rows: Iterable[Row]) -> RowSet:
+    """Return rows of one table for a document."""
+    ordered = sorted(rows, key=lambda one: one.key)
+    return RowSet(key=row.KEY, part_of=row.PART_OF, rows=Raw(msgspec.json.encode(ordered)))
+
+
+def by_table(rows: Iterable[Row]) -> dict[str, Raw]:
+    """Return rows by their tables, as they are told to others."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(row.TABLE, []).append(row)
+    return {table: Raw(msgspec.json.encode(of_table)) for table, of_table in found.items()}
+
+
+def with_rows(known: Mapping[str, RowSet], new: Mapping[str, Raw]) -> dict[str, RowSet]:
+    """Return sets of rows with new ones in the place of those with the same key; tables that are not known stay so."""
+    told = {table: msgspec.json.decode(rows, type=list[dict[str, Any]]) for table, rows in new.items()}
+    return {
+        table: before if table not in told and before.part_of not in told else _with(before, table, told)
+        for table, before in known.items()
+    }
+
+
+def _with(before: RowSet, table: str, told: Mapping[str, list[dict[str, Any]]]) -> RowSet:
+    new = {tuple(row[column] for column in before.key): row for row in told.get(table, ())}
+    wholes = {row[before.key[0]] for row in new.values()} if before.part_of in told else set()
+    rows = {
+        tuple(row[column] for column in before.key): row
+        for row in msgspec.json.decode(before.rows, type=list[dict[str, Any]])
+        if row[before.key[0]] not in wholes
+    } | new
+    return msgspec.structs.replace(before, rows=Raw(msgspec.json.encode([rows[key] for key in sorted(rows)])))
+
+
+def shown(value: object) -> str:
+    """Return a value as one short printable line."""
+    text = value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+    return "".join(c if c.isprintable() else "?" for c in text[:60]) + ("…" if len(text) > 60 else "")
