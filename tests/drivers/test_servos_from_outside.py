@@ -15,7 +15,7 @@ from lbr.drivers.servos.protocol1 import packet
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
 from lbr.simulation.twins import ServoBus, Surroundings
-from tests.drivers.peers import FakeContext, until
+from tests.drivers.peers import DriverContext, until
 from tests.drivers.sts.driver import KIND, RAD_PER_STEP, Sts, StsBus
 from tests.drivers.sts.twin import TWIN
 from tests.support import programs
@@ -39,8 +39,8 @@ while True:
 
 
 def context(address, settings=SETTINGS):
-    ctx = FakeContext(KIND.parse(settings), address, "feetech")
-    ctx.wired, ctx.living = ("joints",), {"joints"}
+    ctx = DriverContext(KIND.parse(settings), address, "feetech")
+    ctx.wired["setpoint"] = ("joints",)
     ctx.given = tuple(Joint(name=f"j{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in IDS)
     return ctx
 
