@@ -15,6 +15,7 @@ from lbr.drivers.servos.protocol1 import packet
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
 from lbr.simulation.twins import ServoBus, Surroundings
+from lbr.testing.context import FakeCall
 from tests.drivers.peers import DriverContext, until
 from tests.drivers.sts.driver import KIND, RAD_PER_STEP, Sts, StsBus
 from tests.drivers.sts.twin import TWIN
@@ -182,15 +183,10 @@ def test_a_servo_is_recovered_by_the_drivers_own_job(rig):
     rig.until(lambda: all(rig.torques))
     rig.twin.fault("overload", (3,))
     rig.until(lambda: any(servo.latched for servo in rig.ctx.state.servos))
-    answers = []
-
-    class Call:
-        name, message = "recover", RecoverServos()
-        reply, refuse = answers.append, answers.append
-
-    rig.driver.command(Call())
-    rig.until(lambda: bool(answers))
-    assert "recovered, without torque: j3" in answers[0].reason
+    call = FakeCall("recover", RecoverServos())
+    rig.driver.command(call)
+    rig.until(lambda: call.answer is not None)
+    assert "recovered, without torque: j3" in call.answer.reason
 
 
 def test_a_killed_driver_leaves_servos_that_hold_and_are_then_let_go(twin):
