@@ -223,6 +223,15 @@ def test_declaring_kinds_loads_nothing_heavy():
     assert "zenoh" not in loaded
 
 
+def test_what_device_rows_may_set_is_known_without_loading_what_emulates_them():
+    devices = [dotted(path) for path in (PACKAGE / "simulation" / "devices").glob("*.py")]
+    script = "import sys, importlib\nfor name in sys.argv[1:]: importlib.import_module(name)\nprint(*sys.modules)"
+    done = programs.run([sys.executable, "-c", script, *devices], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert not set(HEAVY) & {name.split(".")[0] for name in loaded}
+    assert not [name for name in loaded if name.startswith(("lbr.simulation.twins", "lbr.simulation.cameras"))]
+
+
 def test_a_driver_or_operation_loads_nothing_heavy_in_its_process():
     entries = [dotted(path) for path in MODULES if floor(dotted(path)) in {"drivers", "operations"}]
     light = [name for name in entries if not name.startswith(NUMERIC)]

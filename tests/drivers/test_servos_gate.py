@@ -78,6 +78,12 @@ def test_what_is_no_number_ends_the_motion():
     assert not state.follows
 
 
+def test_what_is_no_number_ends_the_motion_even_when_it_comes_late():
+    state = receive(following("a"), setpoint(ServoGoal(id=1, position_rad=nan)), 9.0, 10.01, VALID_S)
+    assert not state.follows
+    assert not receive(state, setpoint(lease="a"), 10.02, 10.02, VALID_S).follows
+
+
 def test_a_source_that_is_gone_is_lost_at_once():
     state = tick(following(), 10.0, VALID_S, gone="'joints' is not on the bus")
     assert not state.follows

@@ -2,6 +2,7 @@
 
 import os
 import select
+import socket
 import subprocess
 import sys
 import threading
@@ -11,10 +12,10 @@ import pytest
 
 from lbr.capability.faults import faults
 from lbr.drivers.wheels import EnableCommand
-from lbr.drivers.wheels.guard_stop import heard
+from lbr.drivers.wheels.guard_stop import heard, stopped
 from lbr.messages.motors import MotorSetpoint
 from tests.drivers.peers import DriverContext, Pty, until
-from tests.drivers.tiny_wheels import KIND, Tiny
+from tests.drivers.tiny_wheels import KIND, STOP, Tiny
 from tests.support import programs
 from tests.support.machine import Stopwatch
 
@@ -120,6 +121,14 @@ def test_a_killed_driver_leaves_wheels_at_zero_and_no_guard(peer):
     until(lambda: peer.motor == (0, 0), 0.3)
     assert watch.given_s < 0.15, watch
     process.wait()
+
+
+def test_a_stop_reaches_a_line_that_is_no_tty():
+    controller, line = socket.socketpair()
+    with controller, line:
+        controller.send(b"ok\r")
+        assert stopped(line.fileno(), STOP, b"ok\r")
+        assert controller.recv(64) == STOP
 
 
 def test_an_acknowledgement_counts_only_where_there_is_one():
