@@ -11,9 +11,10 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
-from lbr.capability import registry
+from lbr.capability import registry, twins
 from lbr.capability.context import Device
 from lbr.capability.kind import KindError
+from lbr.capability.twins import TwinError
 from lbr.commands.finding import Finding, Level
 from lbr.database.rows import DeviceRow
 from lbr.drivers import access
@@ -82,6 +83,18 @@ def speech() -> Iterator[Finding]:
     else:
         text = "no speech engine: the robot stays silent"
         yield Finding(about="speech", level="hint", text=text, do="sudo apt install espeak-ng")
+
+
+def emulated() -> Iterator[Finding]:
+    """Say which packages bring twins of devices that cannot be used; the rest of the robots is none the worse."""
+    wrong = list(twins.refused())
+    for device_type in twins.names():
+        try:
+            twins.find(device_type)
+        except TwinError as err:
+            wrong.append(str(err))
+    for text in wrong:
+        yield Finding(about="twins of devices", level="hint", text=text, do="pip list, then pip uninstall PACKAGE")
 
 
 def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:

@@ -1,9 +1,11 @@
 """What the doctor says of device rows."""
 
 import re
+from importlib.metadata import EntryPoint
 
 import pytest
 
+from lbr.capability import twins
 from lbr.commands import device_checks
 from lbr.database.resources import robot_db_sql
 from lbr.database.rows import DeviceRow
@@ -46,6 +48,16 @@ def test_a_machine_without_a_sound_card_says_so(tmp_path, monkeypatch):
     assert "apt install alsa-utils" in judged("alsa:default", "speaker").do
     monkeypatch.setattr(device_checks.shutil, "which", lambda program: f"/usr/bin/{program}")
     assert judged("alsa:default", "speaker").level == "good"
+
+
+def test_a_package_whose_twin_cannot_be_used_is_named(monkeypatch):
+    assert list(device_checks.emulated()) == []
+    brought = {name: (EntryPoint(name, "no_arm:TWIN", twins.GROUP),) for name in ("arm", "roboteq")}
+    monkeypatch.setattr(twins, "_brought", lambda: brought)
+    taken, broken = device_checks.emulated()
+    assert "the twin of 'roboteq' from 'no_arm:TWIN' is not used" in taken.text
+    assert "the twin of 'arm' from 'no_arm:TWIN'" in broken.text
+    assert {taken.level, broken.level} == {"hint"}
 
 
 def test_no_speech_engine_is_a_hint(monkeypatch):
