@@ -390,8 +390,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('lbr', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
      'The door to other machines: whoever has a token comes in'),
-    ('lbr', 'web', 'web', 0, '{}',
-     'The robot over HTTP: its state, stop and emergency stop; on this machine only, unless the settings say otherwise');
+    ('lbr', 'web', 'web', 0, '{"faces": ["cameras"]}',
+     'The robot over HTTP: its state, stop, cameras; on this machine only, unless the settings say otherwise');
 
 INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
@@ -417,6 +417,10 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.state', 'web.drive', 1),
     ('lbr', 'ranges.readings', 'web.ranges', 1),
     ('lbr', 'battery.state', 'web.battery', 1),
+    ('lbr', 'camera_front.frame', 'web.frames', 2),
+    ('lbr', 'camera_rear.frame', 'web.frames', 2),
+    ('lbr', 'camera_front.state', 'web.cameras', 4),
+    ('lbr', 'camera_rear.state', 'web.cameras', 4),
     ('lbr', 'web.halt', 'drive.stop', 1),
     ('lbr', 'web.estop_reset', 'executive.estop_reset', 1);
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from lbr import home
-from lbr.apps.navcam import guard
+from lbr.apps.navcam import access
 from lbr.commands import checks
 from lbr.console import wallet
 from lbr.database.store import create
@@ -28,7 +28,7 @@ def place(tmp_path, monkeypatch):
     home.directory("run")
     credentials.token_key()
     credentials.bus_certificate()
-    guard.token()
+    access.token()
     return home.home()
 
 
@@ -94,7 +94,7 @@ def test_a_folder_for_sockets_that_a_stranger_made_first_is_refused(place, share
     [
         ("token.key", credentials.token_key),
         ("bus.key", credentials.bus_certificate),
-        ("navcam.token", guard.token),
+        ("navcam.token", access.token),
     ],
 )
 @pytest.mark.parametrize("fault", ["read", "changed", "empty", "foreign"])

@@ -257,6 +257,6 @@ def test_the_state_says_what_goes_on(bench):
 @pytest.mark.parametrize(("layer", "told"), [("safe", 0), ("save", 1)])
 def test_a_layer_that_no_motor_has_is_told(bench, layer, told):
     bench.ctx.settings = WebSettings(faces=("uxa90",), layer=layer)
-    Uxa90Face(Robot(bench.ctx, bench.bridge))
+    Uxa90Face(Robot(bench.ctx, bench.bridge, None, None))
     assert [one for one in bench.ctx.events if "there are api, factory, safe" in one] == bench.ctx.events
     assert len(bench.ctx.events) == told

@@ -99,7 +99,7 @@ class Bench:
         self.ctx = FakeContext()
         self.failed: list[Exception] = []
         self.bridge = Bridge(lambda: None, self.failed.append)
-        self.robot = Robot(self.ctx, self.bridge)  # type: ignore[arg-type]
+        self.robot = Robot(self.ctx, self.bridge, None, None)  # type: ignore[arg-type]
         self.work = Work(self.robot)
         self.leases = 0
         self.refusal = ""

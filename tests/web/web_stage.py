@@ -41,6 +41,8 @@ class Stage:
         self.published: dict[str, Any] = {}
         self.engaged: list[str] = []
         self.warned: list[str] = []
+        self.came: dict[str, list[Received]] = {}
+        self.dead: set[str] = set()
         self.inputs: dict[str, Received] = {}
         self.wired = set(REQUESTS)
         self.answer: Callable[[str, Any], Any] = lambda _request, _message: CommandReply(accepted=True)
@@ -56,7 +58,15 @@ class Stage:
         return self.inputs.get(port)
 
     def take(self, port: str) -> list[Received]:
-        return []
+        return self.came.pop(port, [])
+
+    def alive(self, capability: str) -> bool:
+        return capability not in self.dead
+
+    def bring(self, port: str, source: str, message: Any, *, age_s: float = 0.0) -> None:
+        """Have a message come to an input."""
+        last = Received(message, None, time.monotonic() - age_s, source)
+        self.came[port] = [*self.came.get(port, []), last]
 
     def targets(self, request: str) -> tuple[str, ...]:
         return ("joints",) if request in self.wired else ()

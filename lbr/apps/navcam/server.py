@@ -1,38 +1,115 @@
-"""How navcam serves, and how it ends: at once, whoever watches."""
+"""navcam is the web server with one face, the cameras, at a port and behind a token of its own."""
 
 import asyncio
+import hashlib
 import socket
+import ssl
+import sys
+from collections.abc import Coroutine, Iterable
+from contextlib import ExitStack
+from pathlib import Path
 from types import FrameType
+from typing import Any
 
+from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp
 
+from lbr import home
 from lbr.apps.http import listening, serving
-from lbr.apps.navcam.hub import Hub
+from lbr.apps.http.pages import Pages
+from lbr.apps.http.rates import Rates
+from lbr.apps.navcam.access import NAME, TokenAccess, token
+from lbr.apps.navcam.source import Door
+from lbr.apps.program import Robot
+from lbr.apps.web.application import Gate, application
+from lbr.apps.web.cameras.routes import CamerasFace
+from lbr.apps.web.face import TEXT, Request, Route
+from lbr.apps.web.guards import Counts
+from lbr.apps.web.login import Login
+from lbr.apps.web.sessions import Sessions
 from lbr.errors import InputError
+
+SESSIONS = "navcam.sessions"
+REQUESTS_PER_S = 200.0
 
 
 class Server(serving.Server):
     """Ends the open streams when it is told to end."""
 
-    hub: Hub
-    loop: asyncio.AbstractEventLoop
+    face: CamerasFace
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Take SIGTERM or SIGINT."""
         super().handle_exit(sig, frame)
-        self.loop.call_soon_threadsafe(self.hub.close)
+        self.face.close()
 
 
-def listen(host: str, port: int) -> list[socket.socket]:
-    """Return listening sockets whose connections hold little; InputError says what is wrong with the address."""
+def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
+    """Serve the cameras until told to end."""
+    with ExitStack() as stack:
+        sockets = [stack.enter_context(one) for one in _listen(host, port)]
+        tls, port = not listening.is_loopback(sockets[0]), sockets[0].getsockname()[1]
+        secret = token()
+        sessions = Sessions(home.directory("credentials") / SESSIONS, {NAME: secret})
+        face = CamerasFace(Door(robot.bus, robot.name, robot.source, sessions))
+        login = Login(sessions, f"lbr_navcam_{port}", tls=tls)
+        server = Server(serving.config(_app(face, login, secret, own_names), tls=tls))
+        server.face = face
+        page = f"{_origin(host, port, tls=tls)}/index.html#token={secret}"
+        told = home.directory("run") / f"{robot.name}-navcam.url"
+        home.write_private(told, f"{page}\n".encode())
+        _say(f"navcam is at {page}", f"this address is in {told} too")
+        if tls:
+            _say(f"the certificate's SHA-256 fingerprint is {_fingerprint(Path(listening.certificate()[1]))}")
+        try:
+            asyncio.run(server.serve(sockets=sockets))
+        finally:
+            told.unlink(missing_ok=True)
+
+
+def _app(face: CamerasFace, login: Login, secret: str, own_names: Iterable[str]) -> ASGIApp:
+    pages = Pages()
+    root = Route(method="GET", path="/", handle=_to_index, summary="", replies={301: TEXT}, role=None, page=True)
+    return application(
+        [root, *face.routes(), *login.routes()],
+        gate=Gate(TokenAccess(secret, login), pages),
+        pages=pages,
+        rates=Rates(REQUESTS_PER_S),
+        own_names=frozenset(name.lower() for name in own_names),
+        counts=Counts(),
+        in_loop=_here,
+        names_are="by --name in the row of navcam",
+    )
+
+
+async def _here(work: Coroutine[Any, Any, Response], *, timeout_s: float) -> Response:
+    """Run a handler on the server's thread: there is no other loop."""
+    return await asyncio.wait_for(work, timeout_s)
+
+
+def _to_index(_request: Request) -> Response:
+    return RedirectResponse("/index.html", 301)
+
+
+def _listen(host: str, port: int) -> list[socket.socket]:
     try:
         return listening.listen(host, port)
     except InputError as err:
         raise InputError(f"{err}; choose another by --port, or by --host in its row") from err
 
 
-def server(app: ASGIApp, hub: Hub, *, tls: bool) -> Server:
-    """Return a server for an app; with `tls` it speaks nothing else."""
-    made = Server(serving.config(app, tls=tls))
-    made.hub = hub
-    return made
+def _origin(host: str, port: int, *, tls: bool) -> str:
+    """Return by what a browser gets here: the machine's name stands for all of its addresses."""
+    name = socket.gethostname() if host in {"0.0.0.0", "::"} else host  # noqa: S104 - compared, not bound
+    return f"{'https' if tls else 'http'}://{f'[{name}]' if ':' in name else name}:{port}"
+
+
+def _fingerprint(certificate: Path) -> str:
+    digest = hashlib.sha256(ssl.PEM_cert_to_DER_cert(certificate.read_text())).hexdigest().upper()
+    return ":".join(digest[at : at + 2] for at in range(0, len(digest), 2))
+
+
+def _say(*lines: str) -> None:
+    for line in lines:
+        sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()

@@ -9,6 +9,7 @@ from msgspec import Meta, Struct
 from lbr.bus.door import LanUser
 from lbr.capability.kind import Kind
 from lbr.messages.battery import BatteryState
+from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.drive import DriveState, GoalResult
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
 from lbr.messages.joints import (
@@ -94,8 +95,10 @@ KIND = Kind(
         "drive": DriveState,
         "ranges": Ranges,
         "battery": BatteryState,
+        "cameras": CameraState,
+        "frames": JpegFrame,
     },
-    optional=("joints", "motions", "moved", "played", "controller", "drive", "ranges", "battery"),
+    optional=("joints", "motions", "moved", "played", "controller", "drive", "ranges", "battery", "cameras", "frames"),
     outputs={"state": WebState},
     commands={"address": AddressCommand, "stop": StopCommand},
     requests={

@@ -3,6 +3,8 @@
 import ipaddress
 import secrets
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from lbr.apps.http import names, peers
 from lbr.apps.web.face import Client, Refused
@@ -10,6 +12,9 @@ from lbr.bus import tokens
 from lbr.bus.door import LanUser
 from lbr.errors import InputError
 from lbr.messages.system import Role
+
+if TYPE_CHECKING:
+    from lbr.apps.web.login import Login
 
 HERE: Role = "view"
 """What every program of this machine may, whoever runs it; stopping is part of it."""
@@ -20,22 +25,38 @@ TRUSTED: Role = "operate"
 class Access:
     """Knows the trusted networks and the tokens; a token is proven against its row when it is shown first.
 
-    `legacy`: programs of this machine operate, and a GET of theirs or of a trusted network's may move.
+    `legacy`: programs of this machine operate, and a GET of theirs or of a trusted network's may move. `login` knows
+    the cookies: who shows one looks, besides what its place allows.
     """
 
-    def __init__(self, trusted: Iterable[str], users: Iterable[LanUser], *, legacy: bool = False) -> None:
+    def __init__(
+        self,
+        trusted: Iterable[str],
+        users: Iterable[LanUser],
+        *,
+        legacy: bool = False,
+        login: "Login | None" = None,
+    ) -> None:
+        self._login = login
         self._networks = [ipaddress.ip_network(network, strict=False) for network in trusted]
         self._users = {user.name: user for user in users}
         self._legacy = legacy
         self._proven: dict[str, bool] = {}
 
     def client(
-        self, address: str, headers: Mapping[str, str], shown: str = "", *, port: int = 0, owner: bool = False
+        self,
+        address: str,
+        headers: Mapping[str, str],
+        shown: str = "",
+        *,
+        port: int = 0,
+        owner: bool = False,
+        whose: str | None = None,
     ) -> Client:
         """Return who asks at `port`; Refused (401) for a token that is none. `shown` is a token that no header has.
 
         What a proxy says of others is not believed, but it says that this is not somebody at this machine. `owner`:
-        the kernel says that the program that asks is of this robot's own user.
+        the kernel says that the program that asks is of this robot's own user; `whose` is what else it says.
         """
         if not shown and "authorization" in headers:
             scheme, _, shown = headers["authorization"].partition(" ")
@@ -43,6 +64,11 @@ class Access:
                 raise _no_token("'Authorization' must be 'Bearer NAME.SECRET.FINGERPRINT'")
         if shown:
             return self._by_token(address, shown)
+        client = self._by_place(address, headers, port, owner=owner)
+        session = self._login.session(headers, whose) if self._login is not None else ""
+        return replace(client, session=session, role=client.role or "view") if session else client
+
+    def _by_place(self, address: str, headers: Mapping[str, str], port: int, *, owner: bool) -> Client:
         here = names.is_loopback(address)
         if peers.is_relayed(headers, port) or (here and not names.means_loopback(headers.get("host", ""))):
             return Client(address)

@@ -2,9 +2,10 @@
 
 import asyncio
 from collections.abc import Callable, Coroutine, Iterable, Mapping
+from dataclasses import replace
 from html import escape
 from inspect import isawaitable
-from typing import Any
+from typing import Any, Protocol
 from urllib.parse import quote
 
 from starlette.middleware import Middleware
@@ -18,8 +19,7 @@ from lbr.apps.http import names, peers, serving
 from lbr.apps.http.pages import Pages, is_visit
 from lbr.apps.http.rates import Rates
 from lbr.apps.web import routing
-from lbr.apps.web.access import Access
-from lbr.apps.web.face import HTML, Client, Refused, Request, Route, refuse_without, text
+from lbr.apps.web.face import HTML, Client, Refused, Request, Route, refuse_unknown, refuse_without, text
 from lbr.apps.web.guards import Answering, Counts, Hosts, Limits, address_of, headers_of
 from lbr.apps.web.routing import Endpoint, asked_path
 
@@ -45,10 +45,26 @@ _PREFLIGHT = {
 InLoop = Callable[..., Coroutine[Any, Any, Response]]
 
 
+class Knows(Protocol):
+    """Who knows who asks."""
+
+    def client(
+        self,
+        address: str,
+        headers: Mapping[str, str],
+        shown: str = "",
+        *,
+        port: int = 0,
+        owner: bool = False,
+        whose: str | None = None,
+    ) -> Client:
+        """Return who asks; Refused (401) for a token that is none."""
+
+
 class Gate:
     """Says of a request who asks, and lets it pass or refuses it."""
 
-    def __init__(self, access: Access, pages: Pages) -> None:
+    def __init__(self, access: Knows, pages: Pages) -> None:
         self._access = access
         self._pages = pages
 
@@ -65,10 +81,14 @@ class Gate:
         """Say whether pages of an origin may ask."""
         return self._pages.allows(origin)
 
-    def client(self, scope: Scope, headers: Mapping[str, str], shown: str = "", *, owner: bool = False) -> Client:
+    async def client(
+        self, scope: Scope, headers: Mapping[str, str], shown: str = "", *, owner: bool = False, signs_in: bool = False
+    ) -> Client:
         """Return who asks; Refused (401) for a token that is none."""
         port = (scope.get("server") or ("", 0))[1] or 0
-        return self._access.client(address_of(scope), headers, shown, port=port, owner=owner)
+        whose = await _whose(scope) if signs_in or "cookie" in headers else None
+        client = self._access.client(address_of(scope), headers, shown, port=port, owner=owner, whose=whose)
+        return replace(client, whose=whose)
 
     async def request(self, route: Route, scope: Scope, receive: Receive) -> Request:
         """Return a request that may be answered, read as its route declares; Refused for all others."""
@@ -77,6 +97,8 @@ class Gate:
         client = await self._client_of(route, scope, headers)
         if not (route.regardless and names.is_loopback(client.address)):
             refuse_without(client, route.role)
+        if route.private:
+            refuse_unknown(client)
         body, data = await _content(route, scope, receive, headers)
         query = routing.parameters(scope["query_string"])
         request = Request(
@@ -101,7 +123,7 @@ class Gate:
         everybody = route.role is None or (route.regardless and names.is_loopback(address))
         try:
             owner = not everybody and "authorization" not in headers and await _is_owners(scope, address)
-            return self.client(scope, headers, owner=owner)
+            return await self.client(scope, headers, owner=owner, signs_in=route.private)
         except Refused:
             if not everybody:
                 raise
@@ -127,6 +149,8 @@ def application(
             answered = route.handle(request)
             return await in_loop(answered, timeout_s=route.within_s) if isawaitable(answered) else answered
         except Refused as err:
+            if err.status == 401 and route.otherwise is not None:
+                return route.otherwise()
             err.bare = route.bare
             raise
 
@@ -185,6 +209,16 @@ async def _is_owners(scope: Scope, address: str) -> bool:
     if connection.owner is None:
         connection.owner = await asyncio.to_thread(peers.is_owners, scope["client"], scope["server"])
     return connection.owner
+
+
+async def _whose(scope: Scope) -> str | None:
+    """Return whose program asks; looked up once for a connection, beside the server's thread."""
+    connection = serving.connection_of(scope)
+    if connection is None:
+        return None
+    if connection.whose is None:
+        connection.whose = await asyncio.to_thread(peers.whose, scope["client"], scope["server"])
+    return connection.whose
 
 
 async def _content(route: Route, scope: Scope, receive: Receive, headers: Mapping[str, str]) -> tuple[bytes, object]:

@@ -7,6 +7,7 @@ from importlib.metadata import version
 
 from starlette.types import ASGIApp
 
+from lbr import home
 from lbr.apps.http import listening, names
 from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
@@ -18,9 +19,11 @@ from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.builtin import STOPS, BuiltinRoutes
 from lbr.apps.web.faces import Faces
 from lbr.apps.web.guards import Counts
+from lbr.apps.web.login import Login
 from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.serving import Serving
+from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.states import HEARD, States
 from lbr.apps.web.streams import Streams
 from lbr.bus.door import LanUser
@@ -47,10 +50,12 @@ class Web(Capability[WebSettings]):
         super().__init__(ctx)
         sys.setswitchinterval(SWITCH_S)
         self._bridge = Bridge(ctx.wake, self._failed)
-        self._robot = Robot(ctx, self._bridge)
+        self._counts = Counts()
+        kept = home.home() / "credentials" / f"web.{ctx.robot}.{ctx.name}.sessions"
+        self._sessions = Sessions(kept, {user.name: user.secret for user in ctx.rows(LanUser)})
+        self._robot = Robot(ctx, self._bridge, self._sessions, self._counts.tell)
         self._faces = Faces(ctx.settings.faces, self._robot, f"{ctx.robot}/{ctx.name}")
         self._told = ""
-        self._counts = Counts()
         self._serving: Serving | None = None
         self._streams: Streams | None = None
         self._announcer: Announcer | None = None
@@ -118,6 +123,7 @@ class Web(Capability[WebSettings]):
         if self._streams is not None:
             self._streams.close(ENDS)
         self._faces.stopped(ENDS)
+        self._faces.close()
         if self._serving is not None:
             self._serving.stop()
             self._serving = None
@@ -125,10 +131,11 @@ class Web(Capability[WebSettings]):
 
     def _application(self) -> ASGIApp:
         settings, pages, states = self.ctx.settings, Pages(self.ctx.settings.cors), States(self.ctx.robot)
-        gate = Gate(Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy), pages)
+        login = Login(self._sessions, f"lbr_web_{self._place.port}", tls=self._place.tls)
+        gate = Gate(Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy, login=login), pages)
         self._streams = Streams(self._robot, states, gate)
         builtin = BuiltinRoutes(self._robot, states, self._place, self._faces)
-        routes = builtin.routes()
+        routes = [*builtin.routes(), *login.routes()]
         routes += self._faces.open(routes)
         builtin.describe(routes, version("lbr"))
         return application(

@@ -70,20 +70,29 @@ class Refused(Exception):  # noqa: N818 - an answer, not a fault
 class Client:
     """Who asks: from which address, by which token (empty: by none), and what that allows (None: nothing).
 
-    `legacy`: the row lets a GET move that nothing proves to be no web page's.
+    `legacy`: the row lets a GET move that nothing proves to be no web page's. `session` is what is kept of the cookie that
+    a browser was given for a token. `whose` program asks, the kernel says: a user's of this machine, or of another machine (empty).
     """
 
     address: str
     name: str = ""
     role: Role | None = None
     legacy: bool = False
+    session: str = ""
+    whose: str | None = None
+
+    @property
+    def known(self) -> bool:
+        """Whether it is known who that is: by a token, a cookie, or as this robot's own user, and not by a place alone."""
+        return bool(self.name or self.session) or self.role == "admin"
 
     def may(self, role: Role | None) -> bool:
         """Say whether this client may do what needs a role; None is for everybody."""
         return role is None or (self.role is not None and RANKS[self.role] >= RANKS[role])
 
     def __str__(self) -> str:
-        return f"{self.name} at {self.address}" if self.name else self.address
+        name = self.name or self.session.partition(":")[0]
+        return f"{name} at {self.address}" if name else self.address
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,6 +153,13 @@ def refuse_without(client: Client, role: Role | None) -> None:
     )
 
 
+def refuse_unknown(client: Client) -> None:
+    """Raise Refused unless it is known who a client is."""
+    if not client.known:
+        text = "this is for who is known: show the token, 'Authorization: Bearer TOKEN', or sign in at /index.html"
+        raise Refused(401, text, {"WWW-Authenticate": 'Bearer realm="lbr"'})
+
+
 def json(data: Any, status: int = 200, **headers: str) -> Response:
     """Return an answer in JSON, keys in the order that they have; a header's `_` stands for `-`."""
     return encoded(_encode(data), status, **headers)
@@ -181,6 +197,7 @@ class Route:
     `replies` maps each status to what is then returned: a Struct, or a media type; refusals need not be named.
     `role` is the least that is needed, None for nobody's leave. A `page` may be opened by a link from any other page,
     so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
+    What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign in.
     """
 
     method: Method
@@ -197,6 +214,8 @@ class Route:
     regardless: bool = False
     role: Role | None = "view"
     page: bool = False
+    private: bool = False
+    otherwise: Callable[[], Response] | None = None
     hidden: bool = False
     within_s: float = ANSWER_S
     refuses: Mapping[int, str] = field(default_factory=dict)
@@ -217,6 +236,9 @@ class Face:
 
     def stopped(self, reason: str) -> None:
         """Forget what is waiting to be done: somebody stopped the robot by way of this server, or it ends."""
+
+    def close(self) -> None:
+        """End what goes on by itself, such as streams: the server ends."""
 
     def state(self) -> Mapping[str, Any]:
         """Return what belongs into the stream of states besides the robot's own; from the capability's loop, often."""

@@ -42,6 +42,10 @@ class Shown:
         """Forget what waits."""
         self._run(lambda: self._face.stopped(reason), None)
 
+    def close(self) -> None:
+        """End what goes on by itself."""
+        self._run(self._face.close, None)
+
     def state(self) -> dict[str, Any]:
         """Return what belongs into the stream of states."""
         return dict(self._run(self._face.state, {}))
@@ -128,6 +132,11 @@ class Faces:
         """Have each forget what waits: somebody stopped the robot by way of this server, or it ends."""
         for one in self.shown:
             one.stopped(reason)
+
+    def close(self) -> None:
+        """Have each end what goes on by itself."""
+        for one in self.shown:
+            one.close()
 
     def states(self) -> dict[str, dict[str, Any]]:
         """Return what each adds to the stream of states."""

@@ -6,6 +6,7 @@ from msgspec import Struct
 
 from lbr.apps.web.bridge import Bridge, Promise, until
 from lbr.apps.web.face import Refused
+from lbr.apps.web.sessions import Sessions
 from lbr.capability.context import Context, Received
 from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
@@ -13,7 +14,7 @@ from lbr.messages.joints import Joint, JointsState, Motion, MotionRow, MotionsSt
 from lbr.messages.uxa90 import ControllerState
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import Callable, Coroutine
 
     from lbr.apps.web import WebSettings
 
@@ -56,12 +57,18 @@ class Snapshot(Struct, frozen=True, kw_only=True):
 
 
 class Robot:
-    """All but `name`, `settings` and `snapshot` is for the capability's loop.
+    """All but `name`, `settings`, `snapshot`, `sessions` and `tell` is for the capability's loop.
+
+    `sessions` are the cookies that stand for tokens, for the server's thread; `tell` has an event published.
 
     `moved` and `played` are the goals of joints and motions that ended, new in this round.
     """
 
-    def __init__(self, ctx: "Context[WebSettings]", bridge: Bridge) -> None:
+    def __init__(
+        self, ctx: "Context[WebSettings]", bridge: Bridge, sessions: Sessions, tell: "Callable[[str, str], None]"
+    ) -> None:
+        self.sessions = sessions
+        self.tell = tell
         self.ctx = ctx
         self.name = ctx.robot
         self.settings = ctx.settings

@@ -55,19 +55,19 @@ class Streams(BaseRoute):
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one WebSocket; raise Refused."""
-        client, rate_hz = self._entry(scope)
+        client, rate_hz = await self._entry(scope)
         socket = WebSocket(scope, receive, send)
         with self._viewers.taken(_who(client)), suppress(WebSocketDisconnect, OSError):
             offered = scope.get("subprotocols", ())
             await socket.accept(PROTOCOL if PROTOCOL in offered else None)
             await self._stream(socket, receive, 1.0 / rate_hz)
 
-    def _entry(self, scope: Scope) -> tuple[Client, float]:
+    async def _entry(self, scope: Scope) -> tuple[Client, float]:
         """Return who looks and how often; raise Refused."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
         tokens = [one for one in scope.get("subprotocols", ()) if one.startswith(TOKEN_PROTOCOL)]
-        client = self._gate.client(scope, headers, tokens[0].removeprefix(TOKEN_PROTOCOL) if tokens else "")
+        client = await self._gate.client(scope, headers, tokens[0].removeprefix(TOKEN_PROTOCOL) if tokens else "")
         refuse_without(client, "view")
         params = routing.converted(routing.parameters(scope["query_string"]), StreamParams)
         if self._over:

@@ -5,25 +5,55 @@ makes a Content-Length of the part impossible and saves a whole interval of age.
 """
 
 import asyncio
+from collections.abc import Callable
 from contextlib import suppress
 
+from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from lbr.apps.navcam.hub import Viewer
+from lbr.apps.http import names, serving
+from lbr.apps.web.cameras.hub import Hub, Viewer
+from lbr.apps.web.face import Client, Refused
 
 BOUNDARY = "FRAME"
+MEDIA = "multipart/x-mixed-replace"
 PART = f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\n\r\n".encode()
 HEADERS = (
     (b"age", b"0"),
     (b"cache-control", b"no-cache, private"),
     (b"pragma", b"no-cache"),
-    (b"content-type", f"multipart/x-mixed-replace; boundary={BOUNDARY}".encode()),
+    (b"content-type", f"{MEDIA}; boundary={BOUNDARY}".encode()),
 )
 STALLED_S = 10.0
 
 
-async def stream(viewer: Viewer, scope: Scope, receive: Receive, send: Send) -> None:
-    """Send a viewer's pictures until it hangs up, takes none for ten seconds, or there are no more."""
+class Stream(Response):
+    """Watches a camera (empty: the one that is on) until its viewer hangs up, takes nothing, or there are no more."""
+
+    def __init__(self, hub: Hub, camera: str, client: Client, tell: Callable[[str], None]) -> None:
+        super().__init__()
+        self._hub = hub
+        self._camera = camera
+        self._client = client
+        self._tell = tell
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send pictures, the newest only; Refused (503) if too many watch."""
+        who, what = names.who(self._client.address), self._camera or "the camera that is on"
+        if full := self._hub.full(who):
+            text = f"{full} are watching already; come back when one has left"
+            raise Refused(503, text, {"Retry-After": "10"}, "busy")
+        self._tell(f"{self._client} watches {what}")
+        if (connection := serving.connection_of(scope)) is not None:
+            connection.mark("watching")
+        try:
+            with self._hub.viewer(self._camera, who, self._client.session) as viewer:
+                await _stream(viewer, scope, receive, send)
+        finally:
+            self._tell(f"{self._client} watches {what} no more")
+
+
+async def _stream(viewer: Viewer, scope: Scope, receive: Receive, send: Send) -> None:
     if scope["method"] == "HEAD":
         viewer.end()
     gone = asyncio.create_task(_hung_up(viewer, receive))

@@ -6,7 +6,7 @@ async function show(token) {
   history.replaceState(null, "", location.pathname + location.search);
   const answer = await fetch("session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
   if (answer.ok) location.replace("index.html");
-  else said.textContent = await answer.text();
+  else said.textContent = (await answer.json()).message;
 }
 
 document.getElementById("form").addEventListener("submit", (event) => {

@@ -1,8 +1,9 @@
 import pytest
 
-from lbr.apps.navcam.sessions import LIFE_S, MOST, Sessions
+from lbr.apps.web.sessions import LIFE_S, MOST, Sessions, name_in
 
-KEY = "k" * 43
+KEY = {"ann": "k" * 43}
+BOTH = KEY | {"bob": "b" * 43}
 ME, OTHER, ELSEWHERE = "user 1000", "user 1001", ""
 
 
@@ -14,11 +15,11 @@ class Clock:
 
 
 def knows(sessions: Sessions, cookie: str, whose: str = ME) -> bool:
-    return sessions.knows(sessions.mark(cookie, whose))
+    return sessions.knows(sessions.find(cookie, whose))
 
 
 def end(sessions: Sessions, cookie: str, whose: str = ME) -> None:
-    sessions.end(sessions.mark(cookie, whose))
+    sessions.end(sessions.find(cookie, whose))
 
 
 @pytest.fixture
@@ -33,20 +34,20 @@ def path(tmp_path):
 
 def test_a_session_goes_on_until_it_is_ended_also_over_a_restart(path, clock):
     sessions = Sessions(path, KEY, clock)
-    first, second = sessions.begin(ME), sessions.begin(ME)
+    first, second = sessions.begin("ann", ME), sessions.begin("ann", ME)
     assert knows(sessions, first)
     assert knows(Sessions(path, KEY, clock), second)
     end(sessions, first)
     for known in (sessions, Sessions(path, KEY, clock)):
         assert not knows(known, first)
         assert knows(known, second)
-    sessions.end_all()
+    sessions.end_all("ann")
     assert not knows(Sessions(path, KEY, clock), second)
 
 
 def test_a_session_ends_by_itself(path, clock):
     sessions = Sessions(path, KEY, clock)
-    cookie = sessions.begin(ME)
+    cookie = sessions.begin("ann", ME)
     clock.now += LIFE_S - 1
     assert knows(sessions, cookie)
     clock.now += 2
@@ -55,8 +56,8 @@ def test_a_session_ends_by_itself(path, clock):
 
 
 def test_another_token_knows_no_session_and_the_file_is_no_way_in(path, clock):
-    cookie = Sessions(path, KEY, clock).begin(ME)
-    assert not knows(Sessions(path, "x" * 43, clock), cookie)
+    cookie = Sessions(path, KEY, clock).begin("ann", ME)
+    assert not knows(Sessions(path, {"ann": "x" * 43}, clock), cookie)
     assert cookie not in path.read_text()
     assert path.stat().st_mode & 0o777 == 0o600
     for mark in Sessions(path, KEY, clock)._ends:
@@ -68,12 +69,12 @@ def test_a_file_that_is_broken_holds_no_session(path, clock, content):
     path.write_bytes(content)
     sessions = Sessions(path, KEY, clock)
     assert sessions._ends == {}
-    assert knows(sessions, sessions.begin(ME))
+    assert knows(sessions, sessions.begin("ann", ME))
 
 
 def test_a_file_makes_no_session_longer_than_one_may_be(path, clock):
     sessions = Sessions(path, KEY, clock)
-    cookie = sessions.begin(ME)
+    cookie = sessions.begin("ann", ME)
     clock.now -= 10 * LIFE_S  # the clock was ahead when it began
     assert not knows(Sessions(path, KEY, clock), cookie)
 
@@ -83,15 +84,28 @@ def test_there_are_only_so_many(path, clock):
     cookies = []
     for _ in range(MOST + 3):
         clock.now += 1
-        cookies.append(sessions.begin(ME))
+        cookies.append(sessions.begin("ann", ME))
     assert [knows(sessions, cookie) for cookie in cookies] == [False] * 3 + [True] * MOST
 
 
 def test_a_session_is_of_the_user_alone_who_began_it(path, clock):
     sessions = Sessions(path, KEY, clock)
     for mine, others in ((ME, (OTHER, ELSEWHERE)), (ELSEWHERE, (ME, OTHER))):
-        cookie = sessions.begin(mine)
+        cookie = sessions.begin("ann", mine)
         for other in others:
             assert not knows(sessions, cookie, other)
             end(sessions, cookie, other)
         assert knows(sessions, cookie, mine)
+
+
+def test_each_session_is_of_one_token_and_ends_with_it(path, clock):
+    told: list[bool] = []
+    sessions = Sessions(path, BOTH, clock)
+    anns, bobs = sessions.begin("ann", ME), sessions.begin("bob", ME)
+    sessions.on_end.append(lambda: told.append(True))
+    assert [name_in(sessions.find(cookie, ME)) for cookie in (anns, bobs)] == ["ann", "bob"]
+    marks = [sessions.find(cookie, ME) for cookie in (anns, bobs)]
+    assert [Sessions(path, KEY, clock).knows(mark) for mark in marks] == [True, False]  # bob's token was revoked
+    sessions.end_all("ann")
+    assert [sessions.knows(mark) for mark in marks] == [False, True]
+    assert told == [True]

@@ -1,6 +1,6 @@
 """The newest picture for each viewer: who is slow misses pictures, and keeps nobody else waiting.
 
-Everything here runs on the event loop's thread; the bus library's thread only wakes it.
+Everything here runs on the event loop's thread of the server, but for `close`.
 """
 
 import asyncio
@@ -9,19 +9,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 from lbr.apps.http.turns import Turns
-from lbr.apps.navcam.cameras import name_in
-from lbr.bus import pictures, wire
-from lbr.bus.session import Session
 
 MOST_VIEWERS, MOST_OF_ONE = 8, 4
-DEPTH = 8
 CURRENT_S = 1.0
+Deal = Callable[[str, bytes], None]
 
 
 class Viewer:
     """One open stream: a slot for the newest picture of a camera (empty: of the one that is on).
 
-    `session` is the mark of the session by which its viewer came in; empty for the token.
+    `session` is the mark of the session by which its viewer came in; empty for a token.
     """
 
     def __init__(self, camera: str, session: str = "") -> None:
@@ -54,19 +51,19 @@ class Viewer:
 
 
 class Hub:
-    """Takes pictures from the bus while somebody watches, and deals them out."""
+    """Deals pictures out while somebody watches: `begin` has them come, each to `deal`, and returns what ends that."""
 
-    def __init__(self, bus: Session, robot: str) -> None:
-        self._bus = bus
-        self._key = f"{robot}/camera_$*/frame"
+    def __init__(self, begin: Callable[[Deal], Callable[[], None]]) -> None:
+        self._begin = begin
+        self._end: Callable[[], None] | None = None
         self._viewers: set[Viewer] = set()
-        self._feed: wire.Subscription | None = None
         self._current = ("", 0.0)
         self._closed = False
+        self._loop: asyncio.AbstractEventLoop | None = None
         self._turns = Turns(MOST_OF_ONE, MOST_VIEWERS)
 
     def full(self, who: str) -> str:
-        """Return how many watch already, where one more of an address would be too many; else nothing."""
+        """Return how many watch already, where one more of an asker would be too many; else nothing."""
         return "all" if self._closed else self._turns.why_not(who)
 
     @contextmanager
@@ -75,45 +72,39 @@ class Hub:
         viewer = Viewer(camera, session)
         self._viewers.add(viewer)
         try:
-            if self._feed is None:
-                self._feed = self._listen()
+            if self._end is None:
+                self._loop = asyncio.get_running_loop()
+                self._end = self._begin(self.deal)
             with self._turns.taken(who):
                 yield viewer
         finally:
             self._viewers.discard(viewer)
-            if not self._viewers and self._feed is not None:
-                self._feed.close()
-                self._feed = None
+            if not self._viewers and self._end is not None:
+                self._end()
+                self._end = None
 
-    def end(self, knows: Callable[[str], bool]) -> None:
+    def deal(self, camera: str, picture: bytes) -> None:
+        """Show a picture to whoever watches its camera, or watches whichever is on."""
+        current, seen = self._current
+        if camera == current or time.monotonic() - seen > CURRENT_S:
+            self._current = (camera, time.monotonic())
+        for viewer in self._viewers:
+            if camera == (viewer.camera or self._current[0]):
+                viewer.show(picture)
+
+    def end(self, knows: Callable[[str], object]) -> None:
         """End the streams of sessions that are not known any more."""
         for viewer in self._viewers:
             if viewer.session and not knows(viewer.session):
                 viewer.end()
 
     def close(self) -> None:
-        """End every stream, and begin none."""
+        """End every stream, and begin none; from any thread."""
         self._closed = True
+        if self._loop is not None:
+            with suppress(RuntimeError):  # its loop has ended, and with it all streams
+                self._loop.call_soon_threadsafe(self._close)
+
+    def _close(self) -> None:
         for viewer in self._viewers:
             viewer.end()
-
-    def _listen(self) -> wire.Subscription:
-        loop = asyncio.get_running_loop()
-
-        def wake() -> None:
-            with suppress(RuntimeError):  # the loop is closed already
-                loop.call_soon_threadsafe(self._deal)
-
-        return wire.Subscription(self._bus, self._key, depth=DEPTH, wake=wake)
-
-    def _deal(self) -> None:
-        for raw in self._feed.take() if self._feed is not None else ():
-            if not pictures.is_whole(raw.payload):
-                continue
-            camera = name_in(raw.key)
-            current, seen = self._current
-            if camera == current or time.monotonic() - seen > CURRENT_S:
-                self._current = (camera, time.monotonic())
-            for viewer in self._viewers:
-                if camera == (viewer.camera or self._current[0]):
-                    viewer.show(raw.payload)

@@ -1,0 +1,88 @@
+"""Pictures by the inputs of the capability `web`: of those cameras that channel rows wire to it."""
+
+import asyncio
+from collections.abc import Callable
+
+from lbr.apps.web.cameras.hub import Deal
+from lbr.apps.web.cameras.routes import OLDEST_S, PREFIX
+from lbr.apps.web.robot import Robot
+from lbr.capability.context import Received
+from lbr.messages.camera import CameraState
+
+LOOK_S = 0.01
+"""How often the loop looks for pictures while somebody watches; otherwise they wait, unread, within the bus library."""
+
+
+class Ports:
+    """All but `begin`, `knows` and `tell` is for the capability's loop."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._states: dict[str, Received] = {}
+        self._newest: dict[str, Received] = {}
+        self._deal: Callable[[str, bytes], None] | None = None
+
+    async def states(self) -> dict[str, CameraState]:
+        """Return how each camera is whose process lives."""
+        alive = {source: last for source, last in self._states.items() if self._robot.ctx.alive(source)}
+        return {source.removeprefix(PREFIX): last.message for source, last in sorted(alive.items())}
+
+    async def snapshot(self, camera: str) -> bytes | None:
+        """Return the newest picture that came within the last second."""
+        self._look_for_pictures()
+        fresh = [last for name, last in self._newest.items() if camera in {"", name} and self._is_fresh(last)]
+        return max(fresh, key=lambda last: last.arrived).message.data if fresh else None
+
+    def step(self) -> None:
+        """Note states, and deal pictures out if somebody watches."""
+        for last in self._robot.ctx.take("cameras"):
+            self._states[last.source] = last
+        if self._deal is not None:
+            self._look_for_pictures()
+        self._newest = {name: last for name, last in self._newest.items() if self._is_fresh(last)}
+
+    def begin(self, deal: Deal) -> Callable[[], None]:
+        """Have the loop look for pictures, and often."""
+        loop = asyncio.get_running_loop()
+        self._deal = lambda camera, picture: _soon(loop, deal, camera, picture)
+        looking = loop.create_task(self._look())
+
+        def end() -> None:
+            self._deal = None
+            looking.cancel()
+
+        return end
+
+    def knows(self, session: str) -> bool:
+        """Say whether a session goes on."""
+        return self._robot.sessions.knows(session)
+
+    def on_sign_out(self, then: Callable[[], None]) -> None:
+        """Have something called whenever somebody signs out."""
+        self._robot.sessions.on_end.append(then)
+
+    def tell(self, text: str) -> None:
+        """Have it published as an event."""
+        self._robot.tell("watched", text)
+
+    def _look_for_pictures(self) -> None:
+        """Take in what came, and show it to whoever watches."""
+        deal = self._deal
+        for last in self._robot.ctx.take("frames"):
+            camera = last.source.removeprefix(PREFIX)
+            self._newest[camera] = last
+            if deal is not None:
+                deal(camera, last.message.data)
+
+    def _is_fresh(self, last: Received) -> bool:
+        return last.age_s(self._robot.now()) <= OLDEST_S
+
+    async def _look(self) -> None:
+        while True:
+            self._robot.ctx.wake()
+            await asyncio.sleep(LOOK_S)
+
+
+def _soon(loop: asyncio.AbstractEventLoop, deal: Deal, camera: str, picture: bytes) -> None:
+    if not loop.is_closed():
+        loop.call_soon_threadsafe(deal, camera, picture)

@@ -1,0 +1,79 @@
+"""Signing in: a browser shows a token once and gets a cookie for it. A cookie looks, and stops, and does nothing else."""
+
+from collections.abc import Mapping
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+
+from starlette.responses import Response
+
+from lbr.apps.web.face import TEXT, Refused, Request, Route
+from lbr.apps.web.sessions import LIFE_S, Sessions, name_in
+
+
+class Login:
+    """Gives cookies and takes them back; `name` is what they are called, with `tls` they travel by nothing else."""
+
+    def __init__(self, sessions: Sessions, name: str, *, tls: bool) -> None:
+        self._sessions = sessions
+        self._name = f"{'__Host-' if tls else ''}{name}"
+        self._tls = tls
+
+    def routes(self) -> list[Route]:
+        """Return how to sign in and out."""
+        done: dict[str, Any] = {"replies": {204: TEXT}}
+        return [
+            Route(
+                method="POST", path="/session", handle=self._begin, summary="Give a browser a cookie for the token shown",
+                private=True, **done,
+            ),
+            Route(
+                method="DELETE", path="/session", handle=self._end, summary="End the session whose cookie is shown",
+                role=None, **done,
+            ),
+            Route(
+                method="DELETE", path="/sessions", handle=self._end_all, summary="End all sessions of its token",
+                private=True, **done,
+            ),
+        ]  # fmt: skip
+
+    def session(self, headers: Mapping[str, str], whose: str | None) -> str:
+        """Return the mark of the session whose cookie a user shows; empty without, and where nobody knows the user."""
+        cookie = self._cookie(headers)
+        return self._sessions.find(cookie, whose) if cookie and whose is not None else ""
+
+    def _begin(self, request: Request) -> Response:
+        if not request.client.name:
+            raise Refused(401, "show the token itself: 'Authorization: Bearer TOKEN'")
+        response = Response(status_code=204)
+        if request.client.whose is not None:
+            response.set_cookie(
+                self._name,
+                self._sessions.begin(request.client.name, request.client.whose),
+                max_age=LIFE_S,
+                path="/",
+                httponly=True,
+                samesite="strict",
+                secure=self._tls,
+            )
+        return response
+
+    def _end(self, request: Request) -> Response:
+        self._sessions.end(request.client.session)
+        return self._signed_out()
+
+    def _end_all(self, request: Request) -> Response:
+        self._sessions.end_all(request.client.name or name_in(request.client.session))
+        return self._signed_out()
+
+    def _signed_out(self) -> Response:
+        response = Response(status_code=204)
+        response.delete_cookie(self._name, path="/", httponly=True, samesite="strict", secure=self._tls)
+        return response
+
+    def _cookie(self, headers: Mapping[str, str]) -> str:
+        found: SimpleCookie = SimpleCookie()
+        try:
+            found.load(headers.get("cookie", ""))
+        except CookieError:
+            return ""
+        return found[self._name].value if self._name in found else ""

@@ -1,0 +1,98 @@
+"""The cookies that browsers were given for a token: each looks and nothing more, can be ended, and ends by itself.
+
+Each is good for the user of this machine whose browser was given it, and for nobody else here, or for other machines alone:
+cookies know no ports, so a browser shows them to whatever else another user serves at this host.
+
+Kept in a file of the owner's, as hashes, so that a restart ends none; whoever reads the file cannot come in by it.
+"""
+
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from hashlib import blake2b
+from pathlib import Path
+
+import msgspec
+
+from lbr import home
+from lbr.errors import InputError
+
+LIFE_S = 30 * 24 * 3600
+MOST = 32
+"""Browsers at once; the one that came in longest ago makes room."""
+
+
+class Sessions:
+    """The sessions of tokens, whose secrets are `keys` by name; those of a token that is no more are known no more.
+
+    `on_end` is called whenever some were ended. All on the server's thread.
+    """
+
+    def __init__(self, path: Path, keys: Mapping[str, str], now: Callable[[], float] = time.time) -> None:
+        self.on_end: list[Callable[[], None]] = []
+        self._path = path
+        self._keys = {name: key.encode()[:64] for name, key in keys.items()}
+        self._now = now
+        self._ends = self._read()
+
+    def begin(self, name: str, whose: str) -> str:
+        """Return the cookie of a new session of a token, for a user: as `peers.whose` says."""
+        cookie = secrets.token_urlsafe(32)
+        self._ends = self._living()
+        self._ends[self._mark(name, whose, cookie)] = self._now() + LIFE_S
+        while len(self._ends) > MOST:
+            del self._ends[min(self._ends, key=lambda mark: self._ends[mark])]
+        self._write()
+        return cookie
+
+    def find(self, cookie: str, whose: str) -> str:
+        """Return the mark of the session of a cookie that a user shows; empty if none goes on that is theirs."""
+        living = self._living()
+        return next((mark for name in self._keys if (mark := self._mark(name, whose, cookie)) in living), "")
+
+    def knows(self, mark: str) -> bool:
+        """Say whether a mark is of a session that goes on."""
+        return name_in(mark) in self._keys and mark in self._living()
+
+    def end(self, mark: str) -> None:
+        """End the session of a mark."""
+        self._drop(lambda one: one == mark)
+
+    def end_all(self, name: str) -> None:
+        """End every session of a token."""
+        self._drop(lambda one: name_in(one) == name)
+
+    def _drop(self, meant: Callable[[str], bool]) -> None:
+        left = {mark: end for mark, end in self._ends.items() if not meant(mark)}
+        if len(left) < len(self._ends):
+            self._ends = left
+            self._write()
+        for told in self.on_end:
+            told()
+
+    def _living(self) -> dict[str, float]:
+        now = self._now()
+        return {mark: end for mark, end in self._ends.items() if now < end <= now + LIFE_S}
+
+    def _mark(self, name: str, whose: str, cookie: str) -> str:
+        shown = f"{whose}\n{cookie}".encode("utf-8", "replace")
+        return f"{name}:{blake2b(shown, key=self._keys[name], digest_size=32).hexdigest()}"
+
+    def _read(self) -> dict[str, float]:
+        try:
+            self._ends = msgspec.json.decode(self._path.read_bytes(), type=dict[str, float])
+        except (OSError, msgspec.DecodeError):
+            return {}
+        return self._living()
+
+    def _write(self) -> None:
+        try:
+            home.directory(self._path.parent.name)
+            home.write_private(self._path, msgspec.json.encode(self._ends))
+        except OSError as err:
+            raise InputError(f"{self._path} cannot be written ({err.strerror}): check the disk") from err
+
+
+def name_in(mark: str) -> str:
+    """Return the name of the token that a session is of."""
+    return mark.partition(":")[0]
