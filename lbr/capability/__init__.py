@@ -5,7 +5,7 @@ A capability of your own needs no more than this package: `Kind` to declare it, 
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context, Device, Received
-from lbr.capability.kind import Command, Kind, NoSettings, Rows
+from lbr.capability.kind import Command, Kind, NoSettings, Rows, names
 from lbr.messages.rows import Row
 
 __all__ = [
@@ -20,4 +20,5 @@ __all__ = [
     "Received",
     "Row",
     "Rows",
+    "names",
 ]

@@ -108,7 +108,7 @@ def _disk() -> Iterator[Finding]:
 
 
 def _database() -> Iterator[Finding]:
-    from lbr.commands.rows import opened  # noqa: PLC0415 - SQLAlchemy is for those who read rows
+    from lbr.commands.rows import opened  # noqa: PLC0415 - the database is for those who read rows
 
     path = home.default_database()
     if not path.exists():

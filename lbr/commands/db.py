@@ -26,7 +26,7 @@ def command() -> None:
 )
 def init(database: Path | None, sql: Path | None) -> int:
     """Create the database with the shipped rows; a file that is there is left alone."""
-    from lbr import home  # noqa: PLC0415 - SQLAlchemy is for those who read rows
+    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
     from lbr.database import store  # noqa: PLC0415
 
     path = database or home.default_database()

@@ -55,7 +55,7 @@ def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
 @database_option
 def export(name: str, robot: str | None, path: Path | None, database: Path | None) -> int:
     """Write the motion NAME as JSON, for others; 'lbr motion import' takes it."""
-    from lbr.database import motion_files  # noqa: PLC0415 - SQLAlchemy is for those who read rows
+    from lbr.database import motion_files  # noqa: PLC0415 - the database is for those who read rows
     from lbr.errors import InputError  # noqa: PLC0415
 
     with _opened(database) as rows:

@@ -22,7 +22,7 @@ def power(root: Path = MACHINE, booted: Path = BOOTED, bus: str = "") -> Iterato
 
 def _robots() -> list[str]:
     """Return the robots of this home that watch their supply."""
-    from lbr.commands.rows import opened  # noqa: PLC0415 - SQLAlchemy is for those who read rows
+    from lbr.commands.rows import opened  # noqa: PLC0415 - the database is for those who read rows
 
     path = home.default_database()
     if not path.exists():

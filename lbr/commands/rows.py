@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def opened(path: Path) -> "Database":
     """Open a database that is there; InputError says how to make one."""
-    from lbr.database import store  # noqa: PLC0415 - SQLAlchemy is for those who read rows
+    from lbr.database import store  # noqa: PLC0415 - the database is for those who read rows
 
     if not path.exists():
         raise InputError(f"there is no database {path}; 'lbr db init' makes one", "unknown_name")

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+import msgspec
+
 from lbr.database.columns import raw
 from lbr.database.connection import Connection, insert, quoted
 from lbr.database.reading import RawRow, RawTables
@@ -60,13 +62,32 @@ def write(connection: Connection, robot: str, rows: Sequence[Row]) -> None:
 
 def put(connection: Connection, robot: str, rows: Sequence[Row], *, change: bool) -> None:
     """Write rows of one table; those that are there are changed, or are in the way."""
-    table, key = rows[0].TABLE, rows[0].KEY
-    owned = connection.scalar("SELECT count(*) FROM pragma_table_info(?) WHERE name = 'robot'", (table,))
-    owner = {"robot": robot} if owned else {}
+    table, key, owner = rows[0].TABLE, rows[0].KEY, _owner(connection, robot, rows[0].TABLE)
     keys = ", ".join(quoted(name) for name in (*owner, *key))
     others = [quoted(name) for name in rows[0].__struct_fields__ if name not in key]
     update = "UPDATE SET " + ", ".join(f"{name} = excluded.{name}" for name in others) if others else "NOTHING"
     insert(connection, table, [owner | raw(row) for row in rows], f"ON CONFLICT ({keys}) DO {update}" if change else "")
+
+
+def change(connection: Connection, robot: str, row: Row, before: Mapping[str, Any]) -> None:
+    """Write what is another in a row than `before`; nothing if the row is gone."""
+    after, key = (
+        msgspec.to_builtins(row),
+        _owner(connection, robot, row.TABLE) | dict(zip(row.KEY, row.key, strict=True)),
+    )
+    new = {name: value for name, value in raw(row).items() if after[name] != before.get(name)}
+    if new:
+        settings, where = (
+            join.join(f"{quoted(name)} = ?" for name in part) for join, part in ((", ", new), (" AND ", key))
+        )
+        statement = f"UPDATE {quoted(row.TABLE)} SET {settings} WHERE {where}"  # noqa: S608 - quoted
+        connection.execute(statement, (*new.values(), *key.values()))
+
+
+def _owner(connection: Connection, robot: str, table: str) -> dict[str, Any]:
+    """Return the column that says whose a row is; none for rows that are every robot's."""
+    owned = connection.scalar("SELECT count(*) FROM pragma_table_info(?) WHERE name = 'robot'", (table,))
+    return {"robot": robot} if owned else {}
 
 
 def _clear(connection: Connection, robot: str, table: str, new: Sequence[Row], wholes: Iterable[Any]) -> None:

@@ -5,7 +5,7 @@ import os
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -38,6 +38,8 @@ from lbr.messages.faces import EditCommand
 from lbr.messages.rows import Row, shown
 from lbr.messages.system import Event, TokenRole
 
+RowKey = tuple[str, tuple[Any, ...]]
+"""Table and key of a row of one robot."""
 APPLICATION_ID = 0x4C425231
 PATIENCE_S = 0.1
 COMPUTED_S = 0.5
@@ -196,14 +198,19 @@ class Database:
         told = history.storable(reason)
         self._update_robot(robot, durable=True, patience_s=PATIENCE_S, estop_engaged=int(engaged), estop_reason=told)
 
-    def learn(self, robot: str, rows: Sequence[Row], known: Container[tuple[str, tuple[Any, ...]]] = ()) -> None:
+    def learn(self, robot: str, rows: Sequence[Row], known: Mapping[RowKey, Mapping[str, Any]] | None = None) -> None:
         """Write what a capability has learnt of its robot, all of it or none; on return it is on the disk.
 
-        Rows that it had, `known` by table and key, are changed; another must not be there yet.
+        Of rows that it had, `known` by table and key, only what differs is written: what others have edited stays.
+        Another row must not be there yet.
         """
         with self._writing(durable=True) as connection:
             for row in rows:
-                edits.put(connection, robot, [row], change=(row.TABLE, row.key) in known)
+                before = (known or {}).get((row.TABLE, row.key))
+                if before is None:
+                    edits.put(connection, robot, [row], change=False)
+                else:
+                    edits.change(connection, robot, row, before)
 
     def revision(self) -> int:
         """Return the number of the last change of rows; 0 for none."""

@@ -9,7 +9,7 @@ import msgspec
 from msgspec import Raw
 
 from lbr.console.verbs import Vocabulary
-from lbr.database.store import Database
+from lbr.database.store import Database, RowKey
 from lbr.errors import LbrError
 from lbr.executive import plan as plans
 from lbr.executive.keeper import Keeper
@@ -121,10 +121,10 @@ class RowsInForce:
         """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for it."""
         self._keep(plans.learnt(self.plan, name, by_table(edit.rows)), name)
 
-    def _known(self, name: str) -> set[tuple[str, tuple[Any, ...]]]:
-        """Return table and key of the rows that a capability has."""
+    def _known(self, name: str) -> dict[RowKey, Any]:
+        """Return the rows that a capability has, by table and key."""
         return {
-            (table, tuple(row[column] for column in one.key))
+            (table, tuple(row[column] for column in one.key)): row
             for table, one in self.plan.units[name].config.rows.items()
             for row in msgspec.json.decode(one.rows)
         }

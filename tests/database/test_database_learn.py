@@ -1,5 +1,6 @@
 """What was learnt becomes rows, all of it or none: here, key frames that were captured."""
 
+import msgspec
 import pytest
 from msgspec.structs import replace
 
@@ -44,9 +45,21 @@ def test_what_another_wrote_meanwhile_is_not_written_over(database, client):
 def test_what_was_known_is_changed(database):
     database.learn("bioloid", [BOW, step(1)])
     before = database.revision()
-    database.learn("bioloid", [replace(step(1), duration_s=2.0)], {("motion_step", ("bow", 1))})
+    known = {("motion_step", ("bow", 1)): msgspec.to_builtins(step(1))}
+    database.learn("bioloid", [replace(step(1), duration_s=2.0)], known)
     assert [took for _, took, _ in steps(database)] == [2.0]
     assert [(row.table, row.operation) for row in database.revisions(before)] == [("motion_step", "update")]
+
+
+def test_what_another_edited_of_a_known_row_stays_and_what_is_gone_stays_so(database, client):
+    database.learn("bioloid", [BOW, step(1)])
+    known = {("motion", ("bow",)): msgspec.to_builtins(BOW), ("motion_step", ("bow", 1)): msgspec.to_builtins(step(1))}
+    client.execute("UPDATE motion SET help = 'Bows deeply' WHERE name = 'bow'")
+    client.execute("DELETE FROM motion_step WHERE motion = 'bow'")
+    database.learn("bioloid", [replace(BOW, limp=True), replace(step(1), duration_s=2.0)], known)
+    (motion,) = [row for row in database.load("bioloid").of(MotionRow) if row.name == "bow"]
+    assert (motion.help, motion.limp) == ("Bows deeply", True)
+    assert steps(database) == []
 
 
 def test_a_full_disk_leaves_no_half_of_it(database, client):

@@ -116,7 +116,7 @@ def test_no_event_is_lost_for_its_form(database, event):
 
 
 def test_calibration_is_written_and_overwritten_whole(database):
-    known = {("calibration", ("range_board", name)) for name in ("offset_cm", "scale")}
+    known = {("calibration", ("range_board", name)): {"name": name} for name in ("offset_cm", "scale")}
 
     def keep(device, values, known=known):
         database.learn("lbr", list(measured(device, values)), known)
@@ -124,14 +124,14 @@ def test_calibration_is_written_and_overwritten_whole(database):
     def kept():
         return {(row.device, row.name): row.value for row in database.load("lbr").of(CalibrationValue)}
 
-    keep("range_board", {"offset_cm": 1.0, "scale": 2.0}, ())
+    keep("range_board", {"offset_cm": 1.0, "scale": 2.0}, {})
     keep("range_board", {"offset_cm": 3.0})
     found = kept()
     assert found == {("range_board", "offset_cm"): 3.0, ("range_board", "scale"): 2.0}
     with pytest.raises(RowError):
         keep("range_board", {"scale": 5.0, "offset_cm": math.inf})
     with pytest.raises(RowError):
-        keep("gone", {"scale": 5.0})
+        keep("gone", {"scale": 5.0}, {})
     assert kept() == found
 
 
