@@ -8,6 +8,9 @@ from lbr.bus.access import Credentials
 from lbr.messages.rows import RowSet
 from lbr.messages.system import EstopState
 
+NOTHING = Raw(b"null")
+"""The private document of kinds that have none."""
+
 
 class InputWire(Struct, frozen=True, kw_only=True):
     """A stream that feeds a port: its key, who publishes it, and how much of it is wanted."""
@@ -62,7 +65,7 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     rows: dict[str, RowSet] = {}
     estop: EstopState = EstopState(engaged=False, reason="")
     release_key: str = ""
-    private: Raw | None = None
+    private: Raw = NOTHING
 
 
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -16,7 +16,7 @@ from lbr import home
 from lbr.bus.codec import Decoder
 from lbr.bus.keys import alive
 from lbr.bus.session import client_settings, leaf_environment
-from lbr.capability.config import ProcessConfig, Report
+from lbr.capability.config import NOTHING, ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
 from lbr.capability.tether import tethered
@@ -163,7 +163,7 @@ class Child:
 
 
 def _environment(config: ProcessConfig) -> dict[str, str]:
-    environment = leaf_environment() if config.private is None else dict(os.environ)  # the door is a router, no leaf
+    environment = leaf_environment() if config.private == NOTHING else dict(os.environ)  # the door is a router, no leaf
     environment.pop(wallet.VARIABLE, None)
     return environment | {"LBR_HOME": config.home}
 

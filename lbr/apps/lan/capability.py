@@ -19,6 +19,7 @@ from lbr.bus.library_log import ACCEPTED, LibraryLog
 from lbr.bus.links import Coming, Links
 from lbr.bus.session import Router, Session, Tls
 from lbr.capability.base import Capability
+from lbr.capability.config import NOTHING
 from lbr.capability.runtime import ProcessContext
 from lbr.errors import BusError, DeviceError
 
@@ -38,7 +39,7 @@ class Lan(Capability[LanSettings]):
 
     def __init__(self, ctx: ProcessContext) -> None:
         super().__init__(ctx)
-        if ctx.config.private is None:
+        if ctx.config.private == NOTHING:
             raise ValueError("the executive gave no door to open")
         self._lan = msgspec.json.decode(ctx.config.private, type=LanConfig)
         self._users = _proven(self._lan)
