@@ -3,7 +3,6 @@
 import json
 import os
 import select
-import signal
 import socket
 import sqlite3
 import subprocess
@@ -13,9 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
-from lbr.bus import keys, session, wire
-from lbr.bus.access import TOOLS, Credentials
 from lbr.database import store
+from lbr.testing import robot as robots
 from tests.support import machine, programs
 
 T = TypeVar("T")
@@ -73,38 +71,10 @@ def free_port() -> int:
 _given: set[int] = set()
 
 
-class Robot:
+class Robot(robots.Robot):
     """A running robot. Motor outputs are read from the trace that the emulated controller writes."""
 
-    def __init__(self, home: Path, popen: "subprocess.Popen[str]", ready: dict[str, Any]) -> None:
-        self.home = home
-        self.popen = popen
-        self.ready = ready
-        self.name = ready["robot"]
-        self.endpoints = ready["endpoints"]
-        self.bus = session.open_client(self.endpoints)
-        self._owner: session.Session | None = None
-
-    def as_owner(self) -> session.Session:
-        """Open a session with all rights, as `lbr`'s own commands do."""
-        running = json.loads((self.home / "run" / f"{self.name}.json").read_text())
-        return session.open_client([running["core"]], Credentials(user=TOOLS, password=running["password"]))
-
-    def ask(self, key: str, message: Any = None, *, source: str = "test", timeout_s: float = 2.0) -> Any:
-        """Query `<robot>/<key>` and return the decoded answer; None if nobody answered."""
-        answers = wire.ask(self.bus, f"{self.name}/{key}", message, source=source, timeout_s=timeout_s)
-        return json.loads(answers[0].payload) if answers else None
-
-    def put(self, key: str, message: Any, *, source: str = "test") -> None:
-        wire.put(self.bus, f"{self.name}/{key}", message, source=source)
-
-    def line(self, text: str, role: str = "admin") -> dict[str, Any]:
-        """Send a console line over the bus, with all rights as `lbr send` does, or as who may do less."""
-        if self._owner is None and role == "admin":
-            self._owner = self.as_owner()
-        bus = self._owner if role == "admin" and self._owner is not None else self.bus
-        query = bus.get(keys.console(self.name, role), payload=text, timeout=5.0)
-        return json.loads(next(iter(query)).ok.payload.to_bytes())
+    line = robots.Robot.say
 
     def status(self) -> dict[str, Any]:
         """Return its status; on a busy machine an answer may come only when it is asked for again."""
@@ -135,21 +105,6 @@ class Robot:
     @property
     def trace(self) -> Path:
         return self.home / "trace.txt"
-
-    def close(self) -> int:
-        self.bus.close()
-        if self._owner is not None:
-            self._owner.close()
-        if self.popen.poll() is None:
-            self.popen.send_signal(signal.SIGTERM)
-        assert self.popen.stdout is not None
-        self.popen.stdout.close()
-        try:
-            return self.popen.wait(8.0)
-        except BaseException:  # also when the time of the test is over
-            self.popen.kill()
-            self.popen.wait()
-            raise
 
 
 def until(look: Callable[[], T], *, limit_s: float = 5.0, what: str = "") -> T:

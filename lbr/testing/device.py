@@ -1,0 +1,94 @@
+"""A device's twin on a port of its own, in place of the device."""
+
+import select
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from lbr.capability.context import Device
+from lbr.simulation.faults import FaultValue
+from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.twins import Feeling, ServoBus, Surroundings, Twin, make
+
+STEP_S = 0.005
+"""How often it is told what it measures, as in a world."""
+LIVE_S = 0.5
+"""A thread that ends is given so long."""
+RANGES_M: dict[str, float | None] = dict.fromkeys(("forward", "back", "left", "right", "bottom"), 1.0)
+AT_REST = Sensed(battery_v=12.6, ranges_m=RANGES_M)
+SUPPLY_V = 11.1
+
+
+class Plugged:
+    """An emulated device that is serviced in a thread, as in a world; `device` is its row, with the port's address."""
+
+    def __init__(self, device: Device, live: Callable[[Twin, float], None] | None = None) -> None:
+        self.device = device
+        self.twin = make(device, Surroundings(seed=1, now=time.monotonic()))
+        self.failure: BaseException | None = None
+        self._live = live or _at_rest
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name=f"twin of {device.name}", daemon=True)
+        self._thread.start()
+
+    def fault(self, name: str, value: FaultValue = True) -> None:
+        """Set one of the faults that its twin has, such as `unplug` or `silent`."""
+        self.twin.fault(name, value)
+
+    def close(self) -> None:
+        """Pull it out, and end; raise what went wrong in the thread."""
+        self._over.set()
+        self._thread.join(LIVE_S * 10)
+        self.twin.close()
+        if self.failure is not None:
+            raise self.failure
+
+    def _serve(self) -> None:
+        due = time.monotonic()
+        try:
+            while not self._over.is_set():
+                now = time.monotonic()
+                if now >= due:
+                    self._live(self.twin, now)
+                    due = now + STEP_S
+                self.twin.service(now)
+                wanted, itself = self.twin.watched(), self.twin.next_due()
+                wait_s = max(0.0, min(due, due if itself is None else itself) - time.monotonic())
+                select.select([] if wanted is None else [wanted], [], [], wait_s)
+        except BaseException as err:  # noqa: BLE001 - whoever closes it raises it again
+            self.failure = err
+
+
+@contextmanager
+def plugged(
+    type_: str,
+    folder: Path,
+    *,
+    name: str = "device",
+    scheme: str = "",
+    settings: dict[str, Any] | None = None,
+    live: Callable[[Twin, float], None] | None = None,
+) -> Iterator[Plugged]:
+    """Plug in the twin of a type of device, at a port in a folder; `settings` are its row's, `scheme` begins its
+    address where that needs one, as `unix:` of what is on an I2C bus.
+
+    `live` is called two hundred times a second to tell it what it measures; without it, it lies at rest.
+    """
+    found = Plugged(Device(name, type_, f"{scheme}{folder / name}", settings or {}), live)
+    try:
+        yield found
+    finally:
+        found.close()
+
+
+def _at_rest(twin: Twin, now: float) -> None:
+    twin.sense(AT_REST)
+    if isinstance(twin, Feeling):
+        shaken = 0.01 * (1 + int(now / STEP_S) % 3)  # a unit that never changes is taken for a frozen one
+        twin.feel(ImuReading(mag_ut=(20.0, -5.0, -43.0), gyro_rps=(shaken, 0.0, 0.0)), now)
+    if isinstance(twin, ServoBus):
+        twin.drives(now)
+        twin.feel_servos({}, SUPPLY_V, now)

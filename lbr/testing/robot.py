@@ -1,0 +1,128 @@
+"""A whole robot for a test: `lbr run` in a home of its own, and a client on its bus."""
+
+import json
+import select
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import closing, contextmanager
+from os import environ
+from pathlib import Path
+from typing import Any
+
+from lbr.bus import keys, session, wire
+from lbr.bus.access import TOOLS, Credentials
+from lbr.capability.tether import tethered
+from lbr.database import store
+
+READY_S = 30.0
+"""A start takes two seconds; on a machine that has much else to do it may take ten times as long."""
+ENDS_S = 8.0
+ANSWER_S = 5.0
+
+
+class Robot:
+    """A running robot: `say` is a console line with all rights, `ask` a question on its bus."""
+
+    def __init__(self, home: Path, popen: "subprocess.Popen[str]", ready: dict[str, Any]) -> None:
+        self.home = home
+        self.popen = popen
+        self.ready = ready
+        self.name: str = ready["robot"]
+        self.endpoints: list[str] = ready["endpoints"]
+        self.bus = session.open_client(self.endpoints)
+        self._owner: session.Session | None = None
+
+    def as_owner(self) -> session.Session:
+        """Open a session with all rights, as `lbr`'s own commands do."""
+        running = json.loads((self.home / "run" / f"{self.name}.json").read_text())
+        return session.open_client([running["core"]], Credentials(user=TOOLS, password=running["password"]))
+
+    def ask(self, key: str, message: Any = None, *, source: str = "test", timeout_s: float = 2.0) -> Any:
+        """Query `<robot>/<key>` and return the decoded answer; None if nothing answered."""
+        answers = wire.ask(self.bus, f"{self.name}/{key}", message, source=source, timeout_s=timeout_s)
+        return json.loads(answers[0].payload) if answers else None
+
+    def put(self, key: str, message: Any, *, source: str = "test") -> None:
+        """Publish on `<robot>/<key>`."""
+        wire.put(self.bus, f"{self.name}/{key}", message, source=source)
+
+    def say(self, text: str, role: str = "admin") -> dict[str, Any]:
+        """Send a console line, with all rights as `lbr send` does, or as a role that may do less; return its answer."""
+        if self._owner is None and role == "admin":
+            self._owner = self.as_owner()
+        bus = self._owner if role == "admin" and self._owner is not None else self.bus
+        query = bus.get(keys.console(self.name, role), payload=text, timeout=ANSWER_S)
+        answer = next(iter(query)).ok
+        assert answer is not None, f"no answer to '{text}'"
+        found: dict[str, Any] = json.loads(answer.payload.to_bytes())
+        return found
+
+    def close(self) -> int:
+        """Shut it down in order, and return its exit code; one that does not end is killed."""
+        self.bus.close()
+        if self._owner is not None:
+            self._owner.close()
+        if self.popen.poll() is None:
+            self.popen.send_signal(signal.SIGTERM)
+        assert self.popen.stdout is not None
+        self.popen.stdout.close()
+        try:
+            return self.popen.wait(ENDS_S)
+        except BaseException:  # also when the time of the test is over
+            self.popen.kill()
+            self.popen.wait()
+            raise
+
+
+def prepared(home: Path, edits: Iterable[str] = ()) -> Path:
+    """Make a home with the shipped rows, changed by SQL statements."""
+    home.mkdir(mode=0o700, parents=True, exist_ok=True)
+    store.create(home / "robot.db")
+    with closing(sqlite3.connect(home / "robot.db")) as database, database:
+        for edit in edits:
+            database.execute(edit)
+    return home
+
+
+@contextmanager
+def running(profile: str = "lbr-sim", *, edits: Iterable[str] = (), home: Path | None = None) -> Iterator[Robot]:
+    """Run a robot for the time of a `with`, in a home made for it or in yours; none of its processes outlives that."""
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:  # a short path, because the names of sockets are bounded
+        robot = _started(prepared(Path(place) / "h", edits) if home is None else home, profile)
+        try:
+            yield robot
+        finally:
+            robot.close()
+
+
+def _started(home: Path, profile: str) -> Robot:
+    argv = tethered((sys.executable, "-m", "lbr.cli", "run", profile, "--no-console"))
+    said = home / "stderr.txt"
+    with said.open("ab") as errors:
+        popen = subprocess.Popen(
+            argv,
+            env=environ | {"LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+        )
+    try:
+        assert popen.stdout is not None
+        end = time.monotonic() + READY_S
+        while not select.select([popen.stdout], [], [], 0.1)[0]:
+            assert time.monotonic() < end, f"not ready within {READY_S:g} s: {said.read_text()[-2000:]}"
+        line = popen.stdout.readline()
+        assert line, f"no ready line: {said.read_text()[-2000:]}"
+        return Robot(home, popen, json.loads(line))
+    except BaseException:  # also when the time of the test is over
+        popen.kill()
+        popen.wait()
+        assert popen.stdout is not None
+        popen.stdout.close()
+        raise

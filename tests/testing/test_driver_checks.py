@@ -1,0 +1,120 @@
+"""Every driver that has an emulated device passes what `lbr.testing.driver` checks, and one that is wrong does not."""
+
+import json
+
+import pytest
+from msgspec import Struct
+
+from lbr.capability import Capability, Kind
+from lbr.capability.registry import find
+from lbr.errors import DeviceError
+from lbr.messages.joints import Joint
+from lbr.testing.device import plugged
+from lbr.testing.driver import (
+    CHECKS,
+    DriverBench,
+    acknowledges_the_emergency_stop,
+    ends_as_often_as_it_is_told,
+    misses_its_device_and_comes_back,
+    names_a_device_that_is_not_there,
+    says_what_it_reads,
+)
+
+pytestmark = pytest.mark.timeout(40)  # devices begin in their own time, more than once
+
+SERVOS = tuple(Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in range(1, 4))
+DRIVERS = {
+    "riox": {},
+    "roboteq": {"guard": False},
+    "ultrasonic_ring": {},
+    "dynamixel": {"guard": False, "reply_margin_s": 0.05, "on_close": "release"},
+    "mpu9150": {},
+}
+ROWS = {"dynamixel": {"given": SERVOS}}
+WIRED = {"dynamixel": ("joints",), "roboteq": ("drive",)}
+
+
+@pytest.fixture(params=DRIVERS)
+def bench(request, tmp_path):
+    name = request.param
+    kind = find(name, tmp_path)
+    with plugged(name, tmp_path, scheme="unix:" if name == "mpu9150" else "") as device:
+        settings = json.dumps({"device": "device", **DRIVERS[name]})
+        wired = {"setpoint": WIRED.get(name, ())}
+        lose = "brown_out" if name == "mpu9150" else "unplug"
+        yield DriverBench(kind, settings, device, lose=lose, wired=wired, **ROWS.get(name, {}))
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+def test_a_driver_of_ours_does_what_every_driver_has_to(check, bench):
+    check(bench)
+
+
+class Row(Struct, frozen=True, kw_only=True):
+    device: str
+
+
+class Value(Struct):
+    number: int
+
+
+class Blind(Capability[Row]):
+    """Says the same whatever its device does."""
+
+    def step(self):
+        self.ctx.publish("value", Value(1))
+
+
+class Mute(Capability[Row]):
+    """Says nothing."""
+
+
+class Vague(Blind):
+    """Does not say what it misses."""
+
+    def open(self):
+        raise DeviceError("something is wrong")
+
+
+class Once(Blind):
+    """Cannot be closed twice."""
+
+    def open(self):
+        self.opened = True
+
+    def close(self):
+        del self.opened
+
+
+@pytest.mark.parametrize(
+    ("entry", "check", "error"),
+    [
+        (Mute, says_what_it_reads, "something is published"),
+        (Blind, names_a_device_that_is_not_there, "not missed"),
+        (Blind, misses_its_device_and_comes_back, "the loss by 'unplug' is told"),
+        (Blind, acknowledges_the_emergency_stop, "acknowledged"),
+        (Vague, names_a_device_that_is_not_there, "which device"),
+        (Once, ends_as_often_as_it_is_told, "opened"),
+    ],
+)
+def test_a_driver_that_is_wrong_is_found_out(entry, check, error, tmp_path, monkeypatch):
+    monkeypatch.setattr("lbr.testing.driver.WITHIN_S", 0.2)
+    kind = Kind(
+        name="wrong", summary="-", family="driver", entry=entry, settings=Row, outputs={"value": Value}, moves=True
+    )
+    with plugged("riox", tmp_path) as device, pytest.raises((AssertionError, AttributeError), match=error):
+        check(DriverBench(kind, '{"device": "device"}', device))
+
+
+def test_what_goes_wrong_in_a_devices_thread_is_raised_where_it_is_closed(tmp_path):
+    def broken(_twin, _now):
+        raise ZeroDivisionError("no axle")
+
+    with pytest.raises(ZeroDivisionError, match="no axle"), plugged("riox", tmp_path, live=broken):
+        pass
+
+
+def test_a_device_has_the_faults_of_its_row(tmp_path):
+    with plugged("riox", tmp_path, settings={"faults": {"unplug": True}}) as device:
+        assert device.device.address == str(tmp_path / "device")
+        device.fault("unplug", value=False)
