@@ -13,8 +13,8 @@ from lbr.operations.drive.mixing import mix
 from lbr.operations.drive.rules import SENSORS, Limit
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, State, motors_trouble
-from lbr.operations.leasing import acceptance
-from lbr.operations.leasing.state import LATE_S, Ask, confirmed
+from lbr.operations.leasing import rules
+from lbr.operations.leasing.lease import LATE_S, Ask, confirmed
 
 Link = Callable[[State, Command, Ask, float], Reason | None]
 
@@ -42,14 +42,19 @@ def asks(event: Command, settings: DriveSettings) -> Ask:
 def to_be_checked(state: State, event: Command, now: float) -> bool:
     """Say whether the user's checks are to be asked: for new and changed motion that nothing else refuses."""
     ask = asks(event, state.settings)
-    if not ask.moves or _renews(state, ask) or confirmed(state.holding, ask):
+    if not ask.moves or rules.intent(state.holding, ask) == "renewal" or confirmed(state.holding, ask):
         return False
-    return not refusal(state, event, ask, now, checked=False)
+    return not refusal(state, event, ask, now, renewal=False, checked=False)
 
 
-def refusal(state: State, event: Command, ask: Ask, now: float, *, checked: bool = True) -> Reason | None:
-    """Return why a command is refused, or nothing; `checked` false leaves out the user's own checks."""
-    links = CHAIN if checked else CHAIN[:-1]
+def refusal(
+    state: State, event: Command, ask: Ask, now: float, *, renewal: bool, checked: bool = True
+) -> Reason | None:
+    """Return why a command is refused, or nothing; `checked` false leaves out the user's own checks.
+
+    What is renewed was looked at before.
+    """
+    links = RENEWAL if renewal else CHAIN if checked else CHAIN[:-1]
     return next((why for link in links if (why := link(state, event, ask, now))), None)
 
 
@@ -82,7 +87,7 @@ def _form(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
             return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")
     if isinstance(command, DriveCommand) and command.sensor not in SENSORS:
         return Reason("unknown_name", f"sensor '{command.sensor}' is none of {', '.join(SENSORS)}")
-    return acceptance.form(state.holding, ask, now)
+    return rules.form(state.holding, ask, now)
 
 
 def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
@@ -103,13 +108,13 @@ def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
 def _holder(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """One holder."""
     del event
-    return acceptance.holder(state.holding, ask, now)
+    return rules.holder(state.holding, ask, now)
 
 
 def _state(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """Nothing but standing still while the emergency stop is latched or the motors would not follow."""
     del event
-    return acceptance.at_rest(state.holding, ask, now, motors_trouble(state, now))
+    return rules.at_rest(state.holding, ask, now, motors_trouble(state, now))
 
 
 def _limits(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
@@ -118,7 +123,7 @@ def _limits(state: State, event: Command, ask: Ask, now: float) -> Reason | None
     What turns or goes a distance needs to know how it lies or how far it came.
     """
     command = event.command
-    if not ask.moves or _renews(state, ask):
+    if not ask.moves:
         return None
     if not isinstance(command, DriveCommand):
         return turning.not_possible(command, state.bearing, state.settings, now)
@@ -131,7 +136,7 @@ def _limits(state: State, event: Command, ask: Ask, now: float) -> Reason | None
 
 def _rules(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     """A new motion towards an obstacle does not start."""
-    if not ask.moves or _renews(state, ask):
+    if not ask.moves:
         return None
     found = limited_by_rules(state, event.command, now)
     return None if found.scale > 0.0 else Reason(found.code, found.detail)
@@ -149,8 +154,5 @@ def _checks(state: State, event: Command, ask: Ask, now: float) -> Reason | None
     return None
 
 
-def _renews(state: State, ask: Ask) -> bool:
-    return acceptance.intent(state.holding, ask) == "renewal"
-
-
+RENEWAL: tuple[Link, ...] = (_form, _holder, _state)
 CHAIN: tuple[Link, ...] = (_form, _holder, _state, _limits, _rules, _checks)

@@ -22,11 +22,9 @@ from lbr.operations.drive.state import (
     MotorsSeen,
     OdometrySeen,
     RangesSeen,
-    Result,
-    Setpoint,
     Tick,
 )
-from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
+from lbr.operations.leasing.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 from lbr.operations.statistics import Beat, LoopMeter
 
 STATE_PERIOD_S = 0.1

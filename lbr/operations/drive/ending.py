@@ -7,10 +7,10 @@ from msgspec.structs import replace
 from lbr.messages.codes import Reason
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals
-from lbr.operations.drive.state import Course, Outputs, Result, Setpoint, State, motors_trouble
+from lbr.operations.drive.state import Course, Outputs, State, motors_trouble
 from lbr.operations.drive.wheels import next_wheels
 from lbr.operations.leasing import ending
-from lbr.operations.leasing.state import Ended, Ending, Happened, Hold, Holding
+from lbr.operations.leasing.lease import Ended, Ending, Happened, Hold, Holding, Result, Setpoint
 
 Decision = tuple[State, Outputs]
 ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0))

@@ -14,7 +14,7 @@ from lbr.operations.drive.mixing import mix
 from lbr.operations.drive.rules import View, measured_m, towards
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Goal, State
-from lbr.operations.leasing.state import Ending
+from lbr.operations.leasing.lease import Ending
 
 NEAREST_CM = 17.0
 FARTHEST_CM = 768.0

@@ -9,40 +9,36 @@ from lbr.operations.drive import goals
 from lbr.operations.drive.acceptance import asks, notes, refusal
 from lbr.operations.drive.asked import moves, power_of, towards_deg
 from lbr.operations.drive.ending import Decision, still, take
-from lbr.operations.drive.state import Command, Course, Setpoint, State
+from lbr.operations.drive.state import Command, Course, State
 from lbr.operations.drive.wheels import next_wheels, tell
-from lbr.operations.leasing import holding
-from lbr.operations.leasing.acceptance import intent
-from lbr.operations.leasing.state import Ask, Hold, Reply, Stop, confirmed
+from lbr.operations.leasing import decide
+from lbr.operations.leasing.lease import Ask, Hold, Reply, Setpoint, Stop, confirmed
 
 
 def command(state: State, event: Command, now: float) -> Decision:
     """Refuse a command, or do what it wants."""
     ask = asks(event, state.settings)
-    wanted = intent(state.holding, ask)
-    if wanted == "stop":
+    verdict, held, refused = decide.judge(
+        state.holding, ask, lambda wanted: refusal(state, event, ask, now, renewal=wanted == "renewal"), now
+    )
+    if verdict == "stop":
         return stop(state, Stop(source=event.source, received=event.received), now)
-    if why := refusal(state, event, ask, now):
-        held, refused = holding.refuse(state.holding, ask, why, now)
-        return replace(state, holding=held), (refused,)
-    if wanted == "renewal":
-        state = replace(state, holding=holding.renew(state.holding, ask, now))
-        return state, (_yes(state, event, state.hold, now),)
+    state = replace(state, holding=held)
+    if refused:
+        return state, refused
+    if verdict == "renewal":
+        return state, (_yes(state, event, decide.lent(held, verdict), now),)
     course = _course(state, event, ask, now)
-    if wanted == "new" and event.remote:
-        state, said = take(state, *holding.offer(state.holding, ask, course, now), now)
-        return state, (*said, _yes(state, event, state.holding.offers[-1], now))
-    go = holding.change if wanted == "change" else holding.begin
-    state, said = take(state, *go(state.holding, ask, course, now), now)
-    yes = _yes(state, event, state.hold, now)
-    state, driven = drive(state, now)
+    state, said = take(state, *decide.grant(state.holding, ask, verdict, course, now), now)
+    yes = _yes(state, event, decide.lent(state.holding, verdict), now)
+    state, driven = drive(state, now) if verdict != "offer" else (state, ())
     return state, (*said, yes, *driven)
 
 
 def stop(state: State, event: Stop, now: float) -> Decision:
     """Stand still, whoever says so."""
-    state, said = still(state, holding.stop(state.holding, event, now), now)
-    return state, (*said, holding.STOPPED)
+    state, said = still(state, decide.stop(state.holding, event, now), now)
+    return state, (*said, decide.STOPPED)
 
 
 def drive(state: State, now: float) -> Decision:
@@ -54,11 +50,10 @@ def drive(state: State, now: float) -> Decision:
     return state, (setpoint, *said)
 
 
-def _yes(state: State, event: Command, hold: Hold[Course] | None, now: float) -> Reply:
-    assert hold is not None
+def _yes(state: State, event: Command, hold: Hold[Course], now: float) -> Reply:
     reason = notes(state, event.command, now) if moves(event.command) else None
     goal = hold.motion.goal
-    return holding.accepted(hold, reason, goal.goal if goal else "")
+    return decide.accepted(hold, reason, goal.goal if goal else "")
 
 
 def _course(state: State, event: Command, ask: Ask, now: float) -> Course:

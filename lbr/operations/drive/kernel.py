@@ -23,9 +23,9 @@ from lbr.operations.drive.state import (
     Tick,
     motors_trouble,
 )
+from lbr.operations.leasing import decide as leases
 from lbr.operations.leasing import ending
-from lbr.operations.leasing import holding as leases
-from lbr.operations.leasing.state import EstopChanged, Happened, Stop, Words, first
+from lbr.operations.leasing.lease import EstopChanged, Happened, Stop, Words, first
 
 BACK = Reason("clock", "the clock went back")
 WORDS = Words(

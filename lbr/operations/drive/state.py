@@ -7,8 +7,8 @@ from msgspec import Struct
 
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import Reason
-from lbr.messages.drive import CheckVerdict, GoalResult, Sensor
-from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.drive import CheckVerdict, Sensor
+from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive import bearing, mileage
@@ -20,7 +20,7 @@ from lbr.operations.drive.rules import FREE, Limit, Odometer, View
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.travelling import Way
 from lbr.operations.drive.turning import Turn
-from lbr.operations.leasing.state import EstopChanged, Happened, Hold, Holding, Reply, Stop
+from lbr.operations.leasing.lease import EstopChanged, Happened, Hold, Holding, Reply, Result, Setpoint, Stop
 
 
 class Command(Struct, frozen=True, kw_only=True):
@@ -81,18 +81,6 @@ class Tick(Struct, frozen=True, kw_only=True):
 
 
 Event = Command | Stop | EstopChanged | MotorsSeen | MotorsLost | RangesSeen | AttitudeSeen | OdometrySeen | Tick
-
-
-class Setpoint(Struct, frozen=True, kw_only=True):
-    """What the motors are to do now."""
-
-    message: MotorSetpoint
-
-
-class Result(Struct, frozen=True, kw_only=True):
-    """How a bounded move ended."""
-
-    message: GoalResult
 
 
 Output = Reply | Setpoint | Happened | Result

@@ -8,8 +8,8 @@ from lbr.operations.drive import goals, memory
 from lbr.operations.drive.limits import limit
 from lbr.operations.drive.rules import FREE, Limit
 from lbr.operations.drive.state import Outputs, State
-from lbr.operations.leasing.holding import with_motion
-from lbr.operations.leasing.state import Happened, Level
+from lbr.operations.leasing.decide import with_motion
+from lbr.operations.leasing.lease import Happened, Level
 
 LONGEST_STEP_S = 0.1
 """Setpoints older than this move nothing, so no longer step counts."""

@@ -11,8 +11,8 @@ from lbr.messages.joints import MAX_FRAMES, JointsCommand, StoredMotion
 from lbr.operations.joints import planning, stored, torque
 from lbr.operations.joints.asked import Asked, asked, empty, named, strengths
 from lbr.operations.joints.state import NOT_ADOPTED, Command, State, joint_trouble, servos_trouble
-from lbr.operations.leasing import acceptance
-from lbr.operations.leasing.state import Ask, quoted
+from lbr.operations.leasing import rules
+from lbr.operations.leasing.lease import Ask, quoted
 
 MOST_TOLD = 3
 LONGEST_S = 60.0
@@ -72,7 +72,7 @@ def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> Reaso
     """One holder, and in time."""
     del command
     held = state.holding
-    return acceptance.form(held, ask, now) or acceptance.holder(held, ask, now)
+    return rules.form(held, ask, now) or rules.holder(held, ask, now)
 
 
 def _busy(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
@@ -104,7 +104,7 @@ def _order(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason
 def _rest(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
     """Nothing moves while the emergency stop is latched, or no servo would follow."""
     del command
-    return acceptance.at_rest(state.holding, ask, now, servos_trouble(state, now))
+    return rules.at_rest(state.holding, ask, now, servos_trouble(state, now))
 
 
 def _able(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:

@@ -22,17 +22,15 @@ from lbr.operations.joints.state import (
     Command,
     Event,
     HolderGone,
-    Result,
     ServosLost,
     ServosSeen,
-    Setpoint,
     State,
     Tick,
     Torque,
     first_state,
 )
 from lbr.operations.joints.view import joints_state
-from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
+from lbr.operations.leasing.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 from lbr.operations.statistics import Beat, LoopMeter
 
 STATE_PERIOD_S = 0.1

@@ -5,9 +5,9 @@ from msgspec.structs import replace
 from lbr.messages.drive import GoalResult
 from lbr.operations.joints import moving, stored
 from lbr.operations.joints.move import Move
-from lbr.operations.joints.state import Outputs, Result, State, servos_trouble
+from lbr.operations.joints.state import Outputs, State, servos_trouble
 from lbr.operations.leasing import ending
-from lbr.operations.leasing.state import Ended, Happened, Holding
+from lbr.operations.leasing.lease import Ended, Happened, Holding, Result
 
 Decision = tuple[State, Outputs]
 Decided = tuple[Holding[Move], ending.Said[Move]]

@@ -21,9 +21,9 @@ from lbr.operations.joints.state import (
     Torque,
     waits,
 )
-from lbr.operations.leasing import ending, holding
-from lbr.operations.leasing.acceptance import intent
-from lbr.operations.leasing.state import Ask, Ended, EstopChanged, Reply, Stop, confirmed
+from lbr.operations.leasing import decide as leases
+from lbr.operations.leasing import ending
+from lbr.operations.leasing.lease import Ask, Ended, EstopChanged, Reply, Stop, confirmed
 
 BACK = Reason("clock", "the clock went back")
 
@@ -42,12 +42,12 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case Torque():
             decision = torque.switch(moving.advance(state, now), event, now)
         case Stop():
-            state, said = still(state, holding.stop(state.holding, event, now), now)
-            decision = state, (*said, holding.STOPPED)
+            state, said = still(state, leases.stop(state.holding, event, now), now)
+            decision = state, (*said, leases.STOPPED)
         case HolderGone():
             decision = _holder_gone(state, event, now)
         case EstopChanged():
-            decision = still(state, holding.latch(state.holding, event, now), now)
+            decision = still(state, leases.latch(state.holding, event, now), now)
         case ServosSeen():
             decision = servos.seen(state, event, now)
         case ServosLost():
@@ -61,19 +61,23 @@ def _handle(state: State, event: Event, now: float) -> Decision:
 def _command(state: State, event: Command, now: float) -> Decision:
     """Refuse a command, or do what it wants."""
     ask = asks(state, event)
-    wanted = intent(state.holding, ask)
-    if why := refusal(state, ask, now, renewal=wanted == "renewal"):
-        held, refused = holding.refuse(state.holding, ask, why, now)
-        return replace(state, holding=held), (refused,)
-    if wanted == "renewal":
-        state = replace(state, holding=holding.renew(state.holding, ask, now))
-        return state, (_yes(state, ask),)
-    if wanted == "new" and event.remote:
-        offer = Move(goal=event.new_goal, begun=now)
-        state, said = take(state, holding.offer(state.holding, ask, offer, now), now)
-        made = state.holding.offers[-1]
-        return state, (*said, holding.accepted(made, goal=made.motion.goal))
-    return _change(state, event, ask, now) if wanted == "change" else _begin(state, event, ask, now)
+    verdict, held, refused = leases.judge(
+        state.holding, ask, lambda wanted: refusal(state, ask, now, renewal=wanted == "renewal"), now
+    )
+    state = replace(state, holding=held)
+    if refused:
+        return state, refused
+    match verdict:
+        case "renewal":
+            return state, (_yes(state, ask),)
+        case "offer":
+            offer = Move(goal=event.new_goal, begun=now)
+            state, said = take(state, leases.grant(held, ask, verdict, offer, now), now)
+            made = leases.lent(state.holding, verdict)
+            return state, (*said, leases.accepted(made, goal=made.motion.goal))
+        case "change":
+            return _change(state, event, ask, now)
+    return _begin(state, event, ask, now)
 
 
 def _begin(state: State, event: Command, ask: Ask, now: float) -> Decision:
@@ -83,7 +87,7 @@ def _begin(state: State, event: Command, ask: Ask, now: float) -> Decision:
     state, told = _strengthened(state, event, ask, now)
     offer = confirmed(state.holding, ask)
     state, move = _move(state, ask, offer.motion.goal if offer else event.new_goal, idle_s, now)
-    state, said = take(state, holding.begin(state.holding, ask, move, now), now)
+    state, said = take(state, leases.grant(state.holding, ask, "begin", move, now), now)
     state = _underway(state, ask)
     return state, (*told, *said, _yes(state, ask), *setpoint(state))
 
@@ -99,11 +103,11 @@ def _change(state: State, event: Command, ask: Ask, now: float) -> Decision:
             longer = planning.append(state, move, command, now)
         else:
             longer = planning.joined(state, move, command, now, idle_s)
-        held, said = holding.change(state.holding, ask, longer, now)
+        held, said = leases.grant(state.holding, ask, "change", longer, now)
         said = tuple(each for each in said if not isinstance(each, Ended))
     else:
         state, anew = _move(state, ask, event.new_goal, idle_s, now)
-        held, said = holding.change(state.holding, ask, planning.instead(move, anew), now)
+        held, said = leases.grant(state.holding, ask, "change", planning.instead(move, anew), now)
     state, outputs = take(state, (held, said), now)
     state = _underway(state, ask)
     at_once = setpoint(state) if command.join else ()
@@ -135,10 +139,10 @@ def _idle_s(state: State, now: float) -> float:
 
 
 def _yes(state: State, ask: Ask) -> Reply:
-    hold, move = state.holding.hold, state.move
+    move = state.move
     assert move is not None
     note = planning.note(state, move, command_of(ask))
-    return holding.accepted(hold, Reason("limit", note) if note else None, move.goal)
+    return leases.accepted(leases.lent(state.holding, "begin"), Reason("limit", note) if note else None, move.goal)
 
 
 def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:

@@ -6,13 +6,12 @@ from math import inf, nan
 from msgspec import Struct
 
 from lbr.messages.codes import Reason
-from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, TorqueCommand
-from lbr.messages.servos import ServoSetpoint, ServosState, ServoState
+from lbr.messages.servos import ServosState, ServoState
 from lbr.operations.joints.body import Body
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.settings import JointsSettings
-from lbr.operations.leasing.state import EstopChanged, Happened, Holding, Reply, Stop, Words, first
+from lbr.operations.leasing.lease import EstopChanged, Happened, Holding, Reply, Result, Setpoint, Stop, Words, first
 
 LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late."""
@@ -73,18 +72,6 @@ class Tick(Struct, frozen=True, kw_only=True):
 
 
 Event = Command | Torque | Stop | HolderGone | EstopChanged | ServosSeen | ServosLost | Tick
-
-
-class Setpoint(Struct, frozen=True, kw_only=True):
-    """What the servos are to do now."""
-
-    message: ServoSetpoint
-
-
-class Result(Struct, frozen=True, kw_only=True):
-    """How a motion ended."""
-
-    message: GoalResult
 
 
 Output = Reply | Setpoint | Happened | Result

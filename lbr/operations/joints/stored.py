@@ -9,8 +9,8 @@ from lbr.messages.joints import StoredMotion
 from lbr.messages.servos import StoredPlay, StoredState
 from lbr.operations.joints.move import Move, Stored
 from lbr.operations.joints.state import State, age_s, position_rad
-from lbr.operations.leasing import holding
-from lbr.operations.leasing.state import Ending
+from lbr.operations.leasing.decide import with_motion
+from lbr.operations.leasing.lease import Ending
 
 TAKEN_S = 1.0
 """The driver says within this time that it knows of it."""
@@ -46,7 +46,7 @@ def heard(state: State, now: float) -> State:
     begun = replace(move, stored=replace(move.stored, playing=now))
     fit = frozenset(name for name, servo in state.seen.items() if not servo.latched)
     state = replace(state, on=fit, goals=dict.fromkeys(fit), strength={}, switched=now, unread=state.unread - fit)
-    return replace(state, holding=holding.with_motion(state.holding, begun))
+    return replace(state, holding=with_motion(state.holding, begun))
 
 
 def ending(state: State, told: Stored, now: float) -> tuple[Ending, Reason] | None:

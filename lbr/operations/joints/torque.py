@@ -9,8 +9,8 @@ from lbr.messages.leases import CommandReply, refused
 from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint
 from lbr.operations.joints.state import NOT_ADOPTED, State, Torque, joint_trouble, position_rad, servos_trouble
-from lbr.operations.leasing.acceptance import STOP_CAME, dead, latched
-from lbr.operations.leasing.state import LATE_S, Happened, Reply
+from lbr.operations.leasing.lease import LATE_S, Happened, Reply
+from lbr.operations.leasing.rules import STOP_CAME, dead, latched
 
 MOST_TOLD = 3
 

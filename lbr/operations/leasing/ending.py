@@ -4,8 +4,7 @@ from msgspec.structs import replace
 
 from lbr.capability.halts import Halts
 from lbr.messages.codes import Reason
-from lbr.operations.leasing.freshness import INSISTING_S
-from lbr.operations.leasing.state import (
+from lbr.operations.leasing.lease import (
     TELLINGS,
     TELLINGS_PER_S,
     Ended,
@@ -18,6 +17,7 @@ from lbr.operations.leasing.state import (
     M,
     Tally,
 )
+from lbr.operations.leasing.rules import INSISTING_S
 
 Said = tuple[Ended[M] | Happened, ...]
 Decision = tuple[Holding[M], Said[M]]

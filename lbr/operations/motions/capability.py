@@ -24,13 +24,13 @@ from lbr.messages.joints import (
     motions_of,
 )
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.operations.leasing.state import Ask, EstopChanged, Happened, Reply, Stop
+from lbr.operations.leasing.lease import Ask, EstopChanged, Happened, Reply, Result, Stop
 from lbr.operations.motions import MotionsSettings
 from lbr.operations.motions.follower import Follower
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.pose import key_frame, reach_s
 from lbr.operations.motions.programme import Programme, programme
-from lbr.operations.motions.state import Answer, Event, Halt, LetGo, Play, Result, Send, Tick, first_state
+from lbr.operations.motions.state import Answer, Event, Halt, LetGo, Play, Send, Tick, first_state
 from lbr.operations.motions.view import motions_state
 
 STATE_PERIOD_S = 0.5

@@ -8,8 +8,9 @@ from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import MAX_FRAMES
 from lbr.messages.leases import refused
-from lbr.operations.leasing import acceptance, ending, holding
-from lbr.operations.leasing.state import Ended, Ending, EstopChanged, Happened, Hold, Stop, confirmed
+from lbr.operations.leasing import decide as leases
+from lbr.operations.leasing import ending, rules
+from lbr.operations.leasing.lease import Ended, Ending, EstopChanged, Happened, Hold, Result, Stop, confirmed
 from lbr.operations.motions.state import (
     Answer,
     Event,
@@ -23,7 +24,6 @@ from lbr.operations.motions.state import (
     Passed,
     Play,
     Playing,
-    Result,
     Send,
     State,
     Tick,
@@ -61,11 +61,11 @@ def _handle(state: State, event: Event, now: float) -> Decision:
             state, outputs = _play(state, event, now)
             decision = state, ended + outputs
         case Stop():
-            held, said = holding.stop(state.holding, event, now)
+            held, said = leases.stop(state.holding, event, now)
             state, outputs = _told(replace(state, holding=held), said, now)
-            decision = state, (*outputs, holding.STOPPED)
+            decision = state, (*outputs, leases.STOPPED)
         case EstopChanged():
-            held, said = holding.latch(state.holding, event, now)
+            held, said = leases.latch(state.holding, event, now)
             decision = _told(replace(state, holding=held), said, now)
         case Granted():
             decision = _granted(state, event, now)
@@ -83,32 +83,32 @@ def _handle(state: State, event: Event, now: float) -> Decision:
 
 
 def _play(state: State, event: Play, now: float) -> Decision:
-    wanted = acceptance.intent(state.holding, event.ask)
-    why = _refusal(state, event, now, renewal=wanted == "renewal")
-    if why is not None or event.programme is None:
-        assert why is not None
-        held, reply = holding.refuse(state.holding, event.ask, why, now)
-        return replace(state, holding=held), (reply,)
-    if wanted == "renewal":
-        held = holding.renew(state.holding, event.ask, now)
-        goal = held.hold.motion.goal if held.hold else ""
-        return replace(state, holding=held), (holding.accepted(held.hold, goal=goal),)
+    verdict, held, refused = leases.judge(
+        state.holding, event.ask, lambda wanted: _refusal(state, event, now, renewal=wanted == "renewal"), now
+    )
+    state = replace(state, holding=held)
+    if refused:
+        return state, refused
+    if verdict == "renewal":
+        hold = leases.lent(held, verdict)
+        return state, (leases.accepted(hold, goal=hold.motion.goal),)
+    assert event.programme is not None, "the chain refuses what cannot be played"
     playing = Playing(goal=event.new_goal, programme=event.programme, started=now)
-    if wanted == "new" and event.ask.remote:
-        held, said = holding.offer(state.holding, event.ask, playing, now)
+    if verdict == "offer":
+        held, said = leases.grant(held, event.ask, verdict, playing, now)
         state, outputs = _told(replace(state, holding=held), said, now)
-        return state, (*outputs, holding.accepted(held.offers[-1], goal=playing.goal))
-    return _begin(state, event, playing, now, change=wanted == "change")
+        return state, (*outputs, leases.accepted(leases.lent(held, verdict), goal=playing.goal))
+    return _begin(state, event, playing, verdict, now)
 
 
 def _refusal(state: State, event: Play, now: float, *, renewal: bool) -> Reason | None:
     """Return why a command is refused, or nothing."""
     ask, held = event.ask, state.holding
     return (
-        acceptance.form(held, ask, now)
+        rules.form(held, ask, now)
         or _busy(held.hold, ask.lease, take_over=ask.take_over)
-        or acceptance.holder(held, ask, now)
-        or acceptance.at_rest(held, ask, now, event.trouble)
+        or rules.holder(held, ask, now)
+        or rules.at_rest(held, ask, now, event.trouble)
         or (None if renewal else event.reason)
     )
 
@@ -121,18 +121,17 @@ def _busy(hold: Hold[Playing] | None, lease: str, *, take_over: bool) -> Reason 
     return Reason("busy", why)
 
 
-def _begin(state: State, event: Play, playing: Playing, now: float, *, change: bool) -> Decision:
+def _begin(state: State, event: Play, playing: Playing, verdict: leases.Verdict, now: float) -> Decision:
     """Ask the joints for the first key frames; the answer to whoever plays waits for theirs."""
     offer = confirmed(state.holding, event.ask)
     if offer is not None:
         playing = replace(playing, goal=offer.motion.goal)
     before = state.hold
-    step = holding.change if change else holding.begin
-    held, said = step(state.holding, event.ask, playing, now)
+    held, said = leases.grant(state.holding, event.ask, verdict, playing, now)
     state, outputs = _told(replace(state, holding=held), said, now, goes_on=True)
     assert state.hold is not None
-    if change and before is not None and before.motion.asked:
-        outputs = (*outputs, Answer(message=refused(holding.ANOTHER)))
+    if verdict == "change" and before is not None and before.motion.asked:
+        outputs = (*outputs, Answer(message=refused(leases.ANOTHER)))
     send = _leg(playing, 0)
     state = _with(state, replace(playing, sent=len(send.frames) or 1), expires=now + ANSWER_S)
     return state, (*outputs, replace(send, asked_s=event.ask.received, take_over=event.ask.take_over))
@@ -160,7 +159,7 @@ def _granted(state: State, event: Granted, now: float) -> Decision:
         return _with(state, replace(hold.motion, joints_goal=event.goal)), ()
     playing = replace(hold.motion, asked=False, joints_goal=event.goal, started=now)
     state = _with(state, playing, expires=now + hold.ttl_s)
-    return state, (Answer(message=holding.accepted(hold, event.note, playing.goal).message),)
+    return state, (Answer(message=leases.accepted(hold, event.note, playing.goal).message),)
 
 
 def _lost(state: State, event: Lost, now: float) -> Decision:
@@ -291,7 +290,7 @@ def _result(ended: Ended[Playing], now: float) -> Result:
 
 
 def _with(state: State, playing: Playing, *, expires: float | None = None) -> State:
-    held = holding.with_motion(state.holding, playing)
+    held = leases.with_motion(state.holding, playing)
     if expires is not None and held.hold is not None:
         held = replace(held, hold=replace(held.hold, expires=expires))
     return replace(state, holding=held)

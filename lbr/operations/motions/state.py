@@ -8,7 +8,7 @@ from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import KeyFrame, StoredMotion
 from lbr.messages.leases import CommandReply
-from lbr.operations.leasing.state import Ask, EstopChanged, Happened, Hold, Holding, Reply, Stop, Words, first
+from lbr.operations.leasing.lease import Ask, EstopChanged, Happened, Hold, Holding, Reply, Result, Stop, Words, first
 from lbr.operations.motions.programme import Programme
 
 WORDS = Words(noun="the motions", rest="stop, or pause, before playing again", idle="nothing was played yet")
@@ -98,12 +98,6 @@ class Halt(Struct, frozen=True, kw_only=True):
 
 class LetGo(Struct, frozen=True):
     """The joints hold by themselves: they came to the end, or somebody else has them."""
-
-
-class Result(Struct, frozen=True, kw_only=True):
-    """How a motion ended."""
-
-    message: GoalResult
 
 
 Output = Reply | Answer | Send | Halt | LetGo | Result | Happened

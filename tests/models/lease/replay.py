@@ -13,18 +13,8 @@ from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import Stamp
 from lbr.operations.drive import kernel
-from lbr.operations.drive.state import (
-    Command,
-    Event,
-    MotorsLost,
-    MotorsSeen,
-    Outputs,
-    RangesSeen,
-    Setpoint,
-    State,
-    Tick,
-)
-from lbr.operations.leasing.state import EstopChanged, Reply, Stop
+from lbr.operations.drive.state import Command, Event, MotorsLost, MotorsSeen, Outputs, RangesSeen, State, Tick
+from lbr.operations.leasing.lease import EstopChanged, Reply, Setpoint, Stop
 from tests.models.lease.spin import DRIVE, ROBOTEQ
 
 Decide = Callable[[State, Event, float], tuple[State, Outputs]]

@@ -11,8 +11,8 @@ from pathlib import Path
 from lbr.drivers.roboteq import RoboteqSettings
 from lbr.operations.drive.kernel import first_state
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.leasing.freshness import INSISTING_S
-from lbr.operations.leasing.state import LATE_S
+from lbr.operations.leasing.lease import LATE_S
+from lbr.operations.leasing.rules import INSISTING_S
 from tests.support import programs
 
 MODEL = Path(__file__).with_name("lease.pml")

@@ -21,11 +21,10 @@ from lbr.operations.drive.state import (
     OdometrySeen,
     Outputs,
     RangesSeen,
-    Setpoint,
     State,
     Tick,
 )
-from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
+from lbr.operations.leasing.lease import EstopChanged, Happened, Reply, Setpoint, Stop
 from tests.models.motion.message import Message, command_event, to_ranges
 from tests.models.motion.reference import (
     ACCEL_PER_S,

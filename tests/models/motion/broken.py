@@ -17,8 +17,8 @@ from lbr.operations.drive.state import (
     State,
     Tick,
 )
-from lbr.operations.leasing.holding import with_motion
-from lbr.operations.leasing.state import EstopChanged, Stop
+from lbr.operations.leasing.decide import with_motion
+from lbr.operations.leasing.lease import EstopChanged, Stop
 from tests.models.motion.arena import Decide
 
 Decision = tuple[State, Outputs]

@@ -16,15 +16,8 @@ from lbr.operations.attitude.fusion import Fusion
 from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.drive.state import (
-    AttitudeSeen,
-    Command,
-    Event,
-    MotorsSeen,
-    RangesSeen,
-    Result,
-    Tick,
-)
+from lbr.operations.drive.state import AttitudeSeen, Command, Event, MotorsSeen, RangesSeen, Tick
+from lbr.operations.leasing.lease import Result
 from lbr.simulation.engine import Engine
 from lbr.simulation.settings import Imu, WorldSettings
 

@@ -11,18 +11,8 @@ from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.drive.state import (
-    AttitudeSeen,
-    Command,
-    MotorsLost,
-    MotorsSeen,
-    OdometrySeen,
-    RangesSeen,
-    Result,
-    Setpoint,
-    Tick,
-)
-from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
+from lbr.operations.drive.state import AttitudeSeen, Command, MotorsLost, MotorsSeen, OdometrySeen, RangesSeen, Tick
+from lbr.operations.leasing.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 
 SENSORS = ("forward", "back", "left", "right", "bottom")
 

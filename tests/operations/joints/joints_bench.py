@@ -10,18 +10,8 @@ from lbr.messages.servos import ServosState, ServoState, StoredState
 from lbr.operations.joints.body import body
 from lbr.operations.joints.kernel import decide
 from lbr.operations.joints.settings import JointsSettings
-from lbr.operations.joints.state import (
-    Command,
-    HolderGone,
-    Result,
-    ServosLost,
-    ServosSeen,
-    Setpoint,
-    Tick,
-    Torque,
-    first_state,
-)
-from lbr.operations.leasing.state import EstopChanged, Happened, Reply, Stop
+from lbr.operations.joints.state import Command, HolderGone, ServosLost, ServosSeen, Tick, Torque, first_state
+from lbr.operations.leasing.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 
 
 def pair(name, first_id, sign, zero_rad, lower_rad, upper_rad, speed_rps=2.0):

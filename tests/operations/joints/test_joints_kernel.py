@@ -5,7 +5,7 @@ import pytest
 from lbr.messages.servos import ServosState
 from lbr.operations.joints.state import Tick
 from lbr.operations.joints.view import joints_state
-from lbr.operations.leasing.state import Stop
+from lbr.operations.leasing.lease import Stop
 from tests.operations.joints.joints_bench import BODY, DT, NAMES, START, Bench, frame
 
 SLOW = {"left_knee": -1.0}

@@ -10,8 +10,8 @@ from msgspec.structs import replace
 from lbr.capability.halts import Halts
 from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE
-from lbr.operations.leasing import acceptance, ending, holding
-from lbr.operations.leasing.state import Ask, Ended, EstopChanged, Happened, Holding, Stop, Words, confirmed, first
+from lbr.operations.leasing import decide, ending, rules
+from lbr.operations.leasing.lease import Ask, Ended, EstopChanged, Happened, Holding, Stop, Words, confirmed, first
 
 WORDS = Words(noun="the hand", rest="pause before moving again", idle="nobody moves it")
 TTL_S = 0.3
@@ -32,27 +32,20 @@ class Hand:
         known = {"lease": "", "received": self.now, "new_lease": f"lease{self._ids}"} | more
         ask = Ask(source=source, what=what, moves=bool(what), **known)
         self._take(*ending.lapse(self.holding, self.now))
-        wanted = acceptance.intent(self.holding, ask)
-        if wanted == "stop":
+        verdict, self.holding, replies = decide.judge(self.holding, ask, lambda _: self._refusal(ask), self.now)
+        if verdict == "stop":
             return self.stop(source)
-        if why := self._refusal(ask):
-            self.holding, _ = holding.refuse(self.holding, ask, why, self.now)
-        elif wanted == "renewal":
-            self.holding = holding.renew(self.holding, ask, self.now)
-        elif wanted == "new" and ask.remote:
-            self._take(*holding.offer(self.holding, ask, what, self.now))
-        else:
-            go = holding.change if wanted == "change" else holding.begin
-            self._take(*go(self.holding, ask, what, self.now))
-        return why.text if why else ""
+        if verdict in {"offer", "change", "begin"}:
+            self._take(*decide.grant(self.holding, ask, verdict, what, self.now))
+        return replies[0].message.reason if replies else ""
 
     def stop(self, source: str = "phone", *, whole: bool = False) -> str:
         event = Stop(source=source, received=self.now, whole=whole)
-        self._take(*holding.stop(self.holding, event, self.now))
+        self._take(*decide.stop(self.holding, event, self.now))
         return ""
 
     def latch(self, *, engaged: bool) -> None:
-        self._take(*holding.latch(self.holding, EstopChanged(engaged=engaged, reason="button"), self.now))
+        self._take(*decide.latch(self.holding, EstopChanged(engaged=engaged, reason="button"), self.now))
 
     def wait(self, seconds: float) -> None:
         self.now += seconds
@@ -69,9 +62,7 @@ class Hand:
     def _refusal(self, ask: Ask) -> Reason | None:
         held = self.holding
         return (
-            acceptance.form(held, ask, self.now)
-            or acceptance.holder(held, ask, self.now)
-            or acceptance.at_rest(held, ask, self.now)
+            rules.form(held, ask, self.now) or rules.holder(held, ask, self.now) or rules.at_rest(held, ask, self.now)
         )
 
     def _take(self, held: Holding[str], said: tuple[Ended[str] | Happened, ...]) -> None:
@@ -213,7 +204,7 @@ def test_every_hold_that_began_ends_once_and_no_dead_lease_moves(steps):
         held = hand.holding.hold
         assert not (hand.holding.estop and held)
         assert held is None or held.lease not in dict(hand.holding.dead)
-        assert len(hand.holding.offers) <= holding.MOST_OFFERS
+        assert len(hand.holding.offers) <= decide.MOST_OFFERS
     began = [one.data["took"] for one in hand.said if isinstance(one, Happened) and "took" in one.data]
     over = [one for one in hand.said if isinstance(one, Ended) and one.held]
     untold = hand.holding.tally.untold

@@ -10,7 +10,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from lbr.messages.codes import MEANINGS, Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand
-from lbr.operations.leasing.state import Ask, EstopChanged, Reply, Stop
+from lbr.operations.leasing.lease import Ask, EstopChanged, Reply, Result, Stop
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.programme import programme
 from lbr.operations.motions.state import (
@@ -23,7 +23,6 @@ from lbr.operations.motions.state import (
     Lost,
     Passed,
     Play,
-    Result,
     Send,
     Tick,
     first_state,

@@ -4,12 +4,12 @@ import dataclasses
 
 from lbr.operations import drive
 from lbr.operations.drive.capability import Drive
-from lbr.operations.leasing import acceptance
+from lbr.operations.leasing import rules
 
 
 class ForgetfulDrive(Drive):
     def open(self) -> None:
-        acceptance.insists = lambda _holding, _source, _now: ""
+        rules.insists = lambda _holding, _source, _now: ""
         super().open()
 
 

@@ -8,6 +8,7 @@ from msgspec import Struct
 
 from lbr.capability.halts import Halts
 from lbr.messages.codes import Reason
+from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply
 
 M = TypeVar("M")
@@ -152,6 +153,18 @@ class Happened(Struct, frozen=True, kw_only=True):
     data: Mapping[str, str] = {}
     code: str = ""
     about: str = ""
+
+
+class Setpoint(Struct, frozen=True, kw_only=True):
+    """What is to be done now by what moves."""
+
+    message: Struct
+
+
+class Result(Struct, frozen=True, kw_only=True):
+    """How a motion ended."""
+
+    message: GoalResult
 
 
 class Reply(Struct, frozen=True, kw_only=True):

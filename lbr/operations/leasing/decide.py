@@ -1,14 +1,15 @@
-"""What an accepted command does: it begins to hold, goes on, changes, or is offered a lease to confirm; and what stops it."""
+"""The decision about a command: refused, or it renews, changes, begins or is offered a lease to confirm; and stops."""
 
+from collections.abc import Callable
 from math import inf, isnan
+from typing import Literal
 
 from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply, refused
 from lbr.operations.leasing.ending import Decision, Said, drop_offers, end, end_all, tell_holder
-from lbr.operations.leasing.freshness import dated, forget_insisting, insists, note_insisting, offset_s
-from lbr.operations.leasing.state import (
+from lbr.operations.leasing.lease import (
     IDLE,
     Ask,
     Ended,
@@ -23,34 +24,56 @@ from lbr.operations.leasing.state import (
     quoted,
     streams,
 )
+from lbr.operations.leasing.rules import Intent, dated, forget_insisting, insists, intent, note_insisting, offset_s
 
+Verdict = Intent | Literal["refused"]
 MOST_OFFERS = 8
 ANOTHER = Reason("superseded", "another command came")
 STOPPED = Reply(message=CommandReply(accepted=True, reason="stopped"))
 
 
-def refuse(holding: Holding[M], ask: Ask, why: Reason, now: float) -> tuple[Holding[M], Reply]:
-    """Answer with the reason; whoever goes on when it should not is remembered for it."""
-    if ask.moves and (how := _insisting(holding, ask, now)):
-        holding = note_insisting(holding, ask.source, how, now)
-    return holding, Reply(message=refused(why), late=bool(ask.lease))
+def judge(
+    holding: Holding[M], ask: Ask, refusal: Callable[[Intent], Reason | None], now: float
+) -> tuple[Verdict, Holding[M], tuple[Reply, ...]]:
+    """Return what becomes of a command, having refused or renewed it if that is all; else `stop` or `grant` follows.
+
+    `refusal` is the kernel's chain for what the command wants. A sender that goes on when it should not is remembered.
+    """
+    wanted = intent(holding, ask)
+    if wanted == "stop":
+        return wanted, holding, ()
+    if why := refusal(wanted):
+        if ask.moves and (how := _insisting(holding, ask, now)):
+            holding = note_insisting(holding, ask.source, how, now)
+        return "refused", holding, (Reply(message=refused(why), late=bool(ask.lease)),)
+    if wanted == "renewal":
+        assert holding.hold is not None
+        kept = replace(_quoting(holding, holding.hold, ask), ttl_s=_ttl_s(holding, ask))
+        return wanted, _keep(holding, kept, now), ()
+    return wanted, holding, ()
 
 
-def accepted(hold: Hold[M] | None, note: Reason | None = None, goal: str = "") -> Reply:
+def grant(holding: Holding[M], ask: Ask, verdict: Verdict, motion: M, now: float) -> Decision[M]:
+    """Have a motion begin, go on under the same lease instead of another, or wait for its lease to be quoted."""
+    steps = {"change": _change, "offer": _offer, "begin": _begin}
+    return steps[verdict](holding, ask, motion, now)
+
+
+def lent(holding: Holding[M], verdict: Verdict) -> Hold[M]:
+    """Return the lease that the answer to an accepted command is about."""
+    found = holding.offers[-1] if verdict == "offer" else holding.hold
+    assert found is not None
+    return found
+
+
+def accepted(hold: Hold[M], note: Reason | None = None, goal: str = "") -> Reply:
     """Answer with the lease of a hold or an offer, what its holder should know, and the name of its goal."""
-    assert hold is not None
     reason, code = (note.text, note.code) if note else ("", "")
     message = CommandReply(accepted=True, reason=reason, code=code, lease=hold.lease, ttl_s=hold.ttl_s, goal=goal)
     return Reply(message=message)
 
 
-def renew(holding: Holding[M], ask: Ask, now: float) -> Holding[M]:
-    """Let the hold live on, with the motion it has."""
-    assert holding.hold is not None
-    return _keep(holding, replace(_quoting(holding, holding.hold, ask), ttl_s=_ttl_s(holding, ask)), now)
-
-
-def change(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
+def _change(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
     """Go on under the same lease with another motion; the one before is superseded, but the hold goes on."""
     held = holding.hold
     assert held is not None
@@ -60,7 +83,7 @@ def change(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
     return _keep(holding, _quoting(holding, hold, ask), now), (ended,)
 
 
-def begin(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
+def _begin(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
     """Hold it from now on; whoever held it does so no more."""
     before, offer = holding.hold, offered(holding, ask.lease)
     source = offer.source if offer else ask.source
@@ -78,7 +101,7 @@ def begin(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
     return holding, ended + replaced + told
 
 
-def offer(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
+def _offer(holding: Holding[M], ask: Ask, motion: M, now: float) -> Decision[M]:
     """Promise a lease that moves nothing until it is quoted: only that proves that the command was not held back.
 
     The newest of the offers is the one that was made.
