@@ -9,6 +9,8 @@ from lbr.bus.codec import Decoder
 from lbr.capability.config import ProcessConfig
 from lbr.capability.dating import Dates
 from lbr.errors import MalformedError
+from lbr.messages.codes import Reason
+from lbr.messages.leases import CommandReply, refused
 from lbr.messages.system import EstopAcknowledgement, EstopRequest
 
 _decoder = Decoder(EstopRequest)
@@ -51,7 +53,7 @@ class EstopLatch:
                 why_not = self._why_not(request)
                 if not why_not:
                     self.engaged, self.reason, self._said, self._noticed = False, "", None, False
-            request.reply({"accepted": not why_not, "reason": why_not}, self._name)
+            request.reply(refused(why_not) if why_not else CommandReply(accepted=True), self._name)
 
     def close(self) -> None:
         """Leave the bus."""
@@ -67,18 +69,18 @@ class EstopLatch:
                     self._pressed_ns = max(self._pressed_ns, _sent_ns(message))
         self._wake()
 
-    def _why_not(self, request: wire.Request) -> str:
+    def _why_not(self, request: wire.Request) -> Reason | None:
         """Return why a release does not count: it must be the executive's, be new, and come after the last press."""
         found = stamp.read(request.attachment)
         if found is None or not stamp.genuine(found, request.payload, self._release_key):
-            return "only the executive releases"
+            return Reason("denied", "only the executive releases")
         sent_ns = int(stamp.sent_s(found, request.arrived) * 1e9)
         if not self._releases.newer(found) or sent_ns <= max(self._released_ns, self._pressed_ns):
-            return "it was pressed again meanwhile"
+            return Reason("estop", "it was pressed again meanwhile")
         if self.engaged and not self._noticed:  # a stop is never so short that nobody stopped
-            return "it has not stopped yet"
+            return Reason("not_ready", "it has not stopped yet")
         self._released_ns = sent_ns
-        return ""
+        return None
 
 
 def _reason(payload: bytes) -> str | None:

@@ -18,7 +18,7 @@ from lbr.capability.settings import faults
 from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, RobotRows, TokenRow
-from lbr.executive import machine, placement, rights, words
+from lbr.executive import machine, placement, rights
 from lbr.executive.devices import check_device_settings, check_devices
 from lbr.executive.machine import Machine
 from lbr.executive.profile import Profile

@@ -86,7 +86,6 @@ class EstopAcknowledgement(Struct, frozen=True, kw_only=True):
     engaged: bool
     stopped: bool
     reason: str = ""
-    code: ReasonCode = ""
 
 
 class Hold(Struct, frozen=True, kw_only=True):

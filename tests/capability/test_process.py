@@ -233,7 +233,11 @@ def test_the_emergency_stop_latches_is_acknowledged_and_only_a_sealed_release_le
     assert json.loads(said[0].payload) == {"capability": "probe", "engaged": True, "stopped": True, "reason": ""}
     wire.put(stage.bus, keys.estop("r"), {"engaged": False}, source="test")
     release = keys.estop_release("r", "probe")
-    assert stage.ask(release, {}) == {"accepted": False, "reason": "only the executive releases"}
+    assert stage.ask(release, {}) == {
+        "accepted": False,
+        "reason": "only the executive releases",
+        "code": "denied",
+    }
     answers = wire.ask(stage.bus, release, {}, source="executive", seal=bytes.fromhex(KEY))
     assert json.loads(answers[0].payload)["accepted"] is True
 

@@ -17,14 +17,9 @@ from lbr.messages.motors import MotorsState
 from lbr.messages.simulation import WorldBox
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
-<<<<<<< HEAD
-from lbr.operations.drive.state import Command, Event, MotorsSeen, RangesSeen, Setpoint, Tick
-from lbr.operations.leasing.state import Reply
-from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
-=======
 from lbr.operations.drive.state import Command, Event, MotorsSeen, RangesSeen, Tick
 from lbr.operations.leasing.lease import Reply, Setpoint
->>>>>>> e2d86d9 (One decision about leases for the base, the joints, the motions and the tests' hand)
+from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.engine import Engine
 from lbr.simulation.model import TIMESTEP_S
 from lbr.simulation.settings import WorldSettings

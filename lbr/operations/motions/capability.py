@@ -1,11 +1,9 @@
 """Motions as a capability: every decision is the kernel's, every message passes here."""
 
-import secrets
 from math import inf
 
 from msgspec.structs import replace
 
-from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.codes import Reason
@@ -23,89 +21,108 @@ from lbr.messages.joints import (
     PlayCommand,
     motions_of,
 )
-from lbr.messages.leases import CommandReply, StopCommand
-from lbr.operations.leasing.lease import Ask, EstopChanged, Happened, Reply, Result, Stop
+from lbr.messages.leases import CommandReply
+from lbr.operations.leasing.lease import Ask
+from lbr.operations.leasing.process import Lender, new_goal, said_by
 from lbr.operations.motions import MotionsSettings
 from lbr.operations.motions.follower import Follower
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.pose import key_frame, reach_s
 from lbr.operations.motions.programme import Programme, programme
-from lbr.operations.motions.state import Answer, Event, Halt, LetGo, Play, Send, Tick, first_state
+from lbr.operations.motions.state import (
+    Answer,
+    Event,
+    Halt,
+    LetGo,
+    Output,
+    Outputs,
+    Play,
+    Send,
+    State,
+    Tick,
+    first_state,
+)
 from lbr.operations.motions.view import motions_state
 
 STATE_PERIOD_S = 0.5
 OLDEST_S = 0.5
 
 
-class Motions(Capability[MotionsSettings]):
+class Motions(Lender[MotionsSettings, State]):
     """Plays the motions of the rows through the joints, for whoever holds them, and writes down poses made by hand."""
 
+    ends, tick = "motions are shutting down", Tick()
     rate_hz = 50.0
 
     def __init__(self, ctx: Context[MotionsSettings]) -> None:
         super().__init__(ctx)
-        self._begin()
+        self.begin()
 
     def open(self) -> None:
         """Begin with nothing played."""
-        self._begin()
-        self._listen()
+        self.begin()
+        self.listen()
 
     def step(self) -> None:
         """Take in what arrived, and go on playing."""
-        self._listen()
-        self._decide(Tick())
-        self._report()
+        self.listen()
+        self.happen(Tick())
+        self.report()
 
-    def command(self, call: Call) -> None:
-        """Answer `play`, `capture` and `stop`."""
-        self._listen()
+    def lend(self, call: Call) -> None:
+        """Answer `play` and `capture`."""
         if isinstance(call.message, PlayCommand):
             self._play(call, call.message)
-        elif isinstance(call.message, StopCommand):
-            said = call.message
-            self._decide(Stop(source=call.source, received=call.arrived, reason=said.reason, whole=said.whole), call)
         elif isinstance(call.message, CaptureCommand):
             try:
                 call.reply(CommandReply(accepted=True, reason=self._capture(call.message, call.source)))
             except InputError as err:
                 call.refuse(str(err), err.code)
         else:
-            super().command(call)
-        self._report()
+            super().lend(call)
 
     def close(self) -> None:
         """Have the joints hold."""
-        now = self.ctx.clock()
-        self._decide(Stop(source=self.ctx.name, received=now, reason="motions are shutting down"))
-        self._follower.halt("motions are shutting down")
-        self._report()
+        super().close()
+        self._follower.halt(self.ends)
 
-    def _begin(self) -> None:
-        self._state = first_state(self.ctx.settings.ttl_s, self.ctx.clock())
-        self._follower = Follower(self.ctx, self._decide)
-        self._waiting: Call | None = None
-        self._alive_holder = ""
+    def begin(self) -> None:
+        """Begin with nothing lent."""
+        super().begin()
+        self._follower = Follower(self.ctx, self.happen)
+        self._player: Call | None = None
         self._reported: MotionsState | None = None
         self._reported_at = -inf
 
-    def _listen(self) -> None:
-        estop = self.ctx.estop
-        if estop.engaged != self._state.holding.estop:
-            self._decide(EstopChanged(engaged=estop.engaged, reason=estop.reason))
-        if estop.engaged:
-            estop.acknowledge(stopped=True)
-        self._watch_holder()
+    def first(self) -> State:
+        """Return that nothing was played."""
+        return first_state(self.ctx.settings.ttl_s, self.ctx.clock())
+
+    def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
+        """Return what the kernel makes of an event."""
+        return decide(self._state, event, now)
+
+    def hear(self) -> None:
+        """Take in what the joints say."""
         self._follower.step()
 
-    def _watch_holder(self) -> None:
-        """End what a capability plays whose process is gone; of others only the lease tells."""
-        holder = self._state.hold.source if self._state.hold is not None else ""
-        alive = bool(holder) and self.ctx.alive(holder)
-        if holder and holder == self._alive_holder and not alive:
-            gone = f"the process of {holder} is gone"
-            self._decide(Stop(source=holder, received=self.ctx.clock(), reason=gone, lost=True))
-        self._alive_holder = holder if alive else ""
+    def not_at_rest(self) -> str:
+        """Return nothing: what moves are the joints, and they acknowledge for themselves."""
+        return ""
+
+    def pass_on(self, output: Output, call: Call | None) -> None:
+        """Publish, tell, answer, or have the joints do it."""
+        match output:
+            case Answer(message=reply):
+                self._answer(reply)
+            case Send():
+                self._send(output, call)
+            case Halt(why=why, lost=lost):
+                self._follower.halt(why, lost=lost)
+            case LetGo():
+                self._follower.let_go()
+            case _:
+                super().pass_on(output, call)
 
     def _play(self, call: Call, command: PlayCommand) -> None:
         wanted: Programme | None = None
@@ -117,11 +134,11 @@ class Motions(Capability[MotionsSettings]):
         event = Play(
             ask=_ask(call, command),
             programme=wanted,
-            new_goal=f"goal-{secrets.token_hex(4)}",
+            new_goal=new_goal(),
             reason=why,
             trouble=self._follower.trouble,
         )
-        self._decide(event, call)
+        self.happen(event, call)
 
     def _motions(self) -> tuple[Motion, ...]:
         """Return the motions as they are now."""
@@ -158,42 +175,10 @@ class Motions(Capability[MotionsSettings]):
         self.ctx.event("captured", f"{source}: {text}", about=source)
         return text
 
-    def _decide(self, event: Event, call: Call | None = None) -> None:
-        self._state, outputs = decide(self._state, event, self.ctx.clock())
-        for output in outputs:
-            match output:
-                case Reply(message=reply, late=late):
-                    if call is not None:
-                        call.reply(reply, quiet=late)
-                case Answer(message=reply):
-                    self._answer(reply)
-                case Result(message=result):
-                    self.ctx.publish("result", result)
-                case Happened():
-                    self.ctx.event(
-                        output.kind,
-                        output.text,
-                        level=output.level,
-                        data=dict(output.data),
-                        code=output.code,
-                        about=output.about,
-                    )
-                case _:
-                    self._move(output, call)
-
     def _answer(self, reply: CommandReply) -> None:
-        waiting, self._waiting = self._waiting, None
-        if waiting is not None:
-            waiting.reply(reply)
-
-    def _move(self, output: Send | Halt | LetGo, call: Call | None) -> None:
-        match output:
-            case Send():
-                self._send(output, call)
-            case Halt(why=why, lost=lost):
-                self._follower.halt(why, lost=lost)
-            case LetGo():
-                self._follower.let_go()
+        player, self._player = self._player, None
+        if player is not None:
+            player.reply(reply)
 
     def _send(self, output: Send, call: Call | None) -> None:
         frames = output.frames if output.append else self._from_here(output.frames, mirror=output.mirror)
@@ -208,10 +193,11 @@ class Motions(Capability[MotionsSettings]):
         if output.append:
             self._follower.append(command)
         else:
-            self._waiting = self._waiting if output.leg else call
+            self._player = self._player if output.leg else call
             self._follower.follow(command)
 
-    def _report(self) -> None:
+    def report(self) -> None:
+        """Tell what is played twice a second, and at once when it changed."""
         now = self.ctx.clock()
         state = motions_state(self._state)
         bare = replace(state, left_s=None)  # that alone is no news
@@ -222,16 +208,10 @@ class Motions(Capability[MotionsSettings]):
 
 def _ask(call: Call, command: PlayCommand) -> Ask:
     return Ask(
-        source=call.source,
-        lease=command.lease,
         what=(command.motion, command.times, command.speed, command.mirror),
         moves=True,
-        received=call.arrived,
-        new_lease=secrets.token_hex(8),
+        lease=command.lease,
         take_over=command.take_over,
         ttl_s=command.ttl_s,
-        remote=call.remote,
-        sender_s=call.sender_s,
-        waited_s=call.waited_s,
-        answerable=call.answerable,
+        **said_by(call),
     )

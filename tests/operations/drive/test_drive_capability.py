@@ -155,7 +155,7 @@ def test_the_death_of_a_capability_that_drives_ends_its_motion(robot):
     robot.ctx.gone.add("console")
     robot.drive.step()
     assert robot.wheels == (0.0, 0.0)
-    assert any("its process is gone" in text for _, text in robot.ctx.events)
+    assert ("lapsed", "console: the process of console is gone") in robot.ctx.events
 
 
 def test_a_driver_that_is_back_can_be_driven_again(robot):

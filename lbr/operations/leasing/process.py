@@ -1,0 +1,219 @@
+"""The process around a kernel that lends what moves: emergency stop, driver, holder, what waits, and what is told."""
+
+import secrets
+from abc import abstractmethod
+from collections import deque
+from collections.abc import Callable, Mapping
+from math import inf
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+
+from msgspec import Struct
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Asked, Call, Received
+from lbr.capability.kind import STOP
+from lbr.messages.drive import LoopStatistics
+from lbr.operations.leasing.lease import EstopChanged, Happened, Holding, Reply, Result, Setpoint, Stop
+from lbr.operations.statistics import Beat, LoopMeter
+
+Answers = Mapping[str, Any] | None
+MOST_WAITING = 16
+
+
+class Lending(Protocol):
+    """What is needed of a kernel's state."""
+
+    @property
+    def holding(self) -> Holding[Any]:
+        """Who has what moves."""
+
+
+S = TypeVar("S", bound=Struct)
+L = TypeVar("L", bound=Lending)
+
+
+class Waiting(NamedTuple):
+    """A command that waits for others to answer, and what follows; None is that they did not in time."""
+
+    call: Call
+    asked: Asked
+    until: float
+    then: Callable[[Answers], None]
+
+
+class Lender(Capability[S], Generic[S, L]):
+    """Subclass it around a kernel: every decision is the kernel's, every message passes here.
+
+    `ends` says that the process does, `driver` the input by which it hears what moves, `tick` the event of a round.
+    """
+
+    ends: str
+    driver: str = ""
+    tick: Any
+    _state: L
+    _loop: LoopStatistics | None = None
+
+    @abstractmethod
+    def first(self) -> L:
+        """Return the state in which nothing is lent."""
+
+    @abstractmethod
+    def decide(self, event: Any, now: float) -> tuple[L, tuple[Any, ...]]:
+        """Return the kernel's state after an event, and what it says."""
+
+    def lend(self, call: Call) -> None:
+        """Decide any command but a stop."""
+        super().command(call)
+
+    @abstractmethod
+    def not_at_rest(self) -> str:
+        """Return why the emergency stop is not acknowledged yet, or nothing."""
+
+    @abstractmethod
+    def report(self) -> None:
+        """Publish what the world may know, when it is due."""
+
+    def hear(self) -> None:
+        """Take in what came on other inputs than the driver's."""
+
+    def driver_seen(self, received: Received) -> Any:
+        """Return the event that the driver said how it is."""
+        return self.tick
+
+    def driver_lost(self, names: str) -> Any:
+        """Return the event that the driver is gone."""
+        return self.tick
+
+    def holder_gone(self, holder: str) -> Any:
+        """Return the event that the process of a holder is gone."""
+        why = f"the process of {holder} is gone"
+        return Stop(source=holder, received=self.ctx.clock(), reason=why, lost=True)
+
+    def begin(self) -> None:
+        """Begin with nothing lent."""
+        self._state = self.first()
+        self._beat, self._meter, self._loop = Beat(self.rate_hz), LoopMeter(self.rate_hz), None
+        self._waiting: deque[Waiting] = deque()
+        self._driver_at, self._driver_alive = -inf, False
+        self._alive_holder = ""
+
+    def step(self) -> None:
+        """Take in what arrived; at the loop's rate have time go by."""
+        self.listen()
+        self.settle()
+        now = self.ctx.clock()
+        if self._beat.due(now):
+            self._loop = self._meter.round(now) or self._loop
+            self.happen(self.tick)
+        self.report()
+
+    def command(self, call: Call) -> None:
+        """Decide a command now, or once those have answered whom it needs.
+
+        By a name that comes from another machine nothing is lost: that proves nothing.
+        """
+        self.listen()
+        if call.name == STOP:
+            said, lost = call.message, call.message.lost and not call.remote
+            stop = Stop(source=call.source, received=call.arrived, reason=said.reason, lost=lost, whole=said.whole)
+            self.happen(stop, call)
+        else:
+            self.lend(call)
+        self.report()
+
+    def close(self) -> None:
+        """Refuse what waits, and stop what goes on."""
+        while self._waiting:
+            self._waiting.popleft().call.refuse(self.ends, "shutting_down")
+        self.happen(Stop(source=self.ctx.name, received=self.ctx.clock(), reason=self.ends))
+        self.report()
+
+    def listen(self) -> None:
+        """Take in what arrived."""
+        estop = self.ctx.estop
+        if estop.engaged != self._state.holding.estop:
+            self.happen(EstopChanged(engaged=estop.engaged, reason=estop.reason))
+        if self.driver:
+            self._watch_driver(self.driver)
+        self._watch_holder()
+        self.hear()
+        if estop.engaged:
+            why_not = self.not_at_rest()
+            estop.acknowledge(stopped=not why_not, reason=why_not)
+
+    def wait_for(
+        self, call: Call, whom: str, ask: Callable[[], Asked], timeout_s: float, then: Callable[[Answers], None]
+    ) -> None:
+        """Have a command wait until others have answered; commands go on in the order they came."""
+        if len(self._waiting) >= MOST_WAITING:
+            call.refuse(f"too many commands wait for {whom}; send fewer", "busy")
+            return
+        self._waiting.append(Waiting(call, ask(), self.ctx.clock() + 2 * timeout_s, then))
+        self.settle()
+
+    def settle(self) -> None:
+        """Go on with commands whose questions are answered."""
+        while self._waiting:
+            waiting = self._waiting[0]
+            answers = waiting.asked.answers()
+            if answers is None and self.ctx.clock() < waiting.until:
+                return
+            self._waiting.popleft()
+            waiting.then(answers)
+
+    def happen(self, event: Any, call: Call | None = None) -> None:
+        """Have an event decided, and pass on what follows; `call` is the command that this answers."""
+        self._state, outputs = self.decide(event, self.ctx.clock())
+        for output in outputs:
+            self.pass_on(output, call)
+
+    def pass_on(self, output: Any, call: Call | None) -> None:
+        """Publish, tell or answer."""
+        match output:
+            case Setpoint(message=message):
+                self.ctx.publish("setpoint", message)
+            case Result(message=message):
+                self.ctx.publish("result", message)
+            case Happened(kind=kind, text=text, level=level, data=data, code=code, about=about):
+                self.ctx.event(kind, text, level=level, data=dict(data), code=code, about=about)
+            case Reply(message=reply, late=late):
+                if call is not None:
+                    call.reply(reply, quiet=late)
+
+    def _watch_driver(self, port: str) -> None:
+        sources = self.ctx.sources(port)
+        alive = any(self.ctx.alive(source) for source in sources)
+        if self._driver_alive and not alive:
+            self.happen(self.driver_lost(", ".join(sources)))
+        self._driver_alive = alive
+        newest = self.ctx.latest(port)
+        if newest is not None and newest.arrived > self._driver_at:
+            self._driver_at = newest.arrived
+            self.happen(self.driver_seen(newest))
+
+    def _watch_holder(self) -> None:
+        """End the motion of a capability whose process is gone; of others only the lease tells."""
+        hold = self._state.holding.hold
+        holder = hold.source if hold is not None else ""
+        alive = bool(holder) and self.ctx.alive(holder)
+        if holder and holder == self._alive_holder and not alive:
+            self.happen(self.holder_gone(holder))
+        self._alive_holder = holder if alive else ""
+
+
+def said_by(call: Call) -> dict[str, Any]:
+    """Return what a kernel needs of a call for a motion: whose it is, how old, and a fresh lease for it."""
+    return {
+        "source": call.source,
+        "new_lease": secrets.token_hex(8),
+        "received": call.arrived,
+        "remote": call.remote,
+        "sender_s": call.sender_s,
+        "waited_s": call.waited_s,
+        "answerable": call.answerable,
+    }
+
+
+def new_goal() -> str:
+    """Return a name for a goal."""
+    return f"goal-{secrets.token_hex(4)}"
