@@ -78,10 +78,12 @@ class Lender(Capability[S], Generic[S, L]):
 
     def driver_seen(self, received: Received) -> Any:
         """Return the event that the driver said how it is."""
+        del received
         return self.tick
 
     def driver_lost(self, names: str) -> Any:
         """Return the event that the driver is gone."""
+        del names
         return self.tick
 
     def holder_gone(self, holder: str) -> Any:
