@@ -1,19 +1,20 @@
 """A capability of your own: drives about, and turns away from what is near. Copy it to `$LBR_HOME/capabilities/`.
 
-It moves as anybody does: it asks the drive for a motion, and repeats what it asked with the lease it was given. Once
-somebody stops the robot or takes it over, it rests until it is told to start again.
+It moves as anybody does: it borrows the drive, and its lease is kept for it. When that ends, because the robot was
+stopped or taken over, it rests until it is told to start again.
 """
 
 from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability import Asked, Call, Capability, Kind
+from lbr.capability import Call, Capability, Kind, LeaseClient, LeaseTarget
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.sensing import Ranges
 
-RENEW_S = 0.1
+DRIVE = LeaseTarget("go", kind="drive")
+OLDEST_S = 0.3
 
 
 class WanderSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -31,42 +32,29 @@ class Wander(Capability[WanderSettings]):
     """Ahead while there is room, otherwise to the right on the spot."""
 
     rate_hz = 20.0
-    _wandering = False
-    _lease = ""
-    _renew_at = 0.0
-    _asked: Asked | None = None
+    _lease: LeaseClient | None = None
 
     def command(self, call: Call) -> None:
-        """Begin."""
-        self._wandering = True
-        self._lease = ""
+        """Begin, with a lease of the drive."""
+        self._lease = self._lease or LeaseClient(self.ctx, DRIVE, self._wanted())
         call.reply(CommandReply(accepted=True, reason="wandering until somebody stops the robot"))
 
     def step(self) -> None:
-        """Hear what the drive answered, and ask again in time."""
-        if self._asked is not None:
-            self._hear(self._asked)
-        if self._wandering and self._asked is None and self.ctx.clock() >= self._renew_at:
-            self._renew_at = self.ctx.clock() + RENEW_S
-            wanted = DriveCommand(power=self.ctx.settings.power, angle_deg=self._angle_deg(), lease=self._lease)
-            self._asked = self.ctx.ask("go", wanted, timeout_s=0.3)
-
-    def _hear(self, asked: Asked) -> None:
-        answers = asked.answers()
-        if answers is None:
+        """Go on while the lease lives."""
+        if self._lease is None:
             return
-        self._asked = None
-        answer = next(iter(answers.values()), None)
-        if isinstance(answer, CommandReply) and answer.accepted:
-            self._lease = answer.lease
-        else:
-            self._wandering = False
-            why = answer.reason if isinstance(answer, CommandReply) else "no answer"
-            self.ctx.event("wander", f"rests: {why}")
+        self._lease.step()
+        self._lease.keep(self._wanted())
+        if self._lease.ended:
+            self.ctx.event("wander", f"rests: {self._lease.ended}", code=self._lease.ended.code)
+            self._lease = None
+
+    def _wanted(self) -> DriveCommand:
+        return DriveCommand(power=self.ctx.settings.power, angle_deg=self._angle_deg())
 
     def _angle_deg(self) -> float:
         ranges = self.ctx.latest("ranges")
-        if ranges is None or ranges.age_s(self.ctx.clock()) > RENEW_S * 3:
+        if ranges is None or ranges.age_s(self.ctx.clock()) > OLDEST_S:
             return 90.0
         room_m = ranges.message.forward_m
         free = ranges.message.status.get("forward") == "over_range"

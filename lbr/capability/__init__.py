@@ -3,6 +3,7 @@
 A capability of your own needs no more than this package: `Kind` to declare it, `Capability` to subclass.
 """
 
+from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context, Device, Received
 from lbr.capability.kind import Command, Kind, NoSettings, Rows, names
@@ -16,6 +17,8 @@ __all__ = [
     "Context",
     "Device",
     "Kind",
+    "LeaseClient",
+    "LeaseTarget",
     "NoSettings",
     "Received",
     "Row",

@@ -1,5 +1,6 @@
 """Going on moving: repeats a motion command under its lease, and lets the lease lapse by simply ceasing."""
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
@@ -8,10 +9,12 @@ import msgspec
 
 from lbr.bus import wire
 from lbr.bus.codec import Decoder
+from lbr.bus.lease_client import LeaseClient, LeaseTarget
+from lbr.bus.over_session import OverSession
 from lbr.bus.session import Session
 from lbr.console.ear import Ear
 from lbr.errors import BusError, MalformedError
-from lbr.messages.codes import Code, Reason
+from lbr.messages.codes import Code
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.system import Hold
@@ -20,10 +23,8 @@ PERIOD_S = 0.1
 SILENCE_S = 1.0
 RESULT_WAIT_S = 0.5
 STOP_WAIT_S = 1.0
-MAX_WAITING = 4
 JOIN_S = 1.0
 
-_replies = Decoder(CommandReply)
 _results = Decoder(GoalResult)
 
 
@@ -62,11 +63,7 @@ class Holder:
         self._wake = threading.Event()
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._payload = wire.encode(hold.payload)
-        self._asked: list[wire.Question] = []
-        self._answered = self._started
-        self._refused: Reason | None = None
-        self._refused_at = 0.0
+        self._questions: list[wire.Question] = []
         self._thread = threading.Thread(target=self._run, name="hold", daemon=True)
 
     @property
@@ -107,79 +104,66 @@ class Holder:
 
     def _renew_until_ended(self) -> None:
         hold = self.hold
+        lease = self._lease()
         results = wire.Subscription(self._session, hold.result_key, depth=8, wake=self._wake.set) if hold.goal else None
         try:
             due = self._clock()
-            if hold.goal:
-                self._ask_result()
+            asked = 0
             while self.ending is None:
                 if why := self._ear.deaf(self._started):
                     self._give_up(why)
                     return
                 if self._clock() >= due:
-                    self._renew()
+                    lease.send(hold.payload)
                     due += PERIOD_S * max(1, int((self._clock() - due) / PERIOD_S))
+                if hold.goal and asked < 1 + lease.lost:  # it may have been told before it was listened for
+                    self._ask_result()
+                    asked += 1
                 self._wake.wait(max(0.0, min(due - self._clock(), PERIOD_S)))
                 self._wake.clear()
-                self._read_answers()
-                for raw in results.take() if results else ():
-                    self._read_result(raw.payload)
-                self._check_time()
+                for payload in (*self._answered(), *(raw.payload for raw in (results.take() if results else ()))):
+                    self._hear(lease, payload)
+                lease.step()
+                self._look_for_the_end(lease)
         finally:
             if results is not None:
                 results.close()
+
+    def _lease(self) -> LeaseClient:
+        hold = self.hold
+        target = LeaseTarget(
+            "motion",
+            silent="the robot does not answer; it has stopped by itself",
+            silent_s=hold.ttl_s + SILENCE_S,
+            result_s=RESULT_WAIT_S,
+        )
+        over = OverSession(self._session, self._source, {"motion": hold.key}, wake=self._wake.set, clock=self._clock)
+        given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
+        return LeaseClient(over, target, given=given)
 
     def _give_up(self, why: str) -> None:
         self._end(Ending(good=False, text=f"stopped: {why}", code="holder_gone"))
         stop(self._session, self.hold.stop_key, self._source, why)
 
-    def _renew(self) -> None:
-        if not self._refused and len(self._asked) < MAX_WAITING:
-            self._asked.append(self._question(self.hold.key, self._payload))
-
     def _ask_result(self) -> None:
-        self._asked.append(self._question(self.hold.result_key, b""))
+        key, wake = self.hold.result_key, self._wake.set
+        question = wire.Question(self._session, key, b"", timeout_s=SILENCE_S, source=self._source, wake=wake)
+        self._questions.append(question)
 
-    def _question(self, key: str, payload: bytes) -> wire.Question:
-        return wire.Question(self._session, key, payload, timeout_s=SILENCE_S, source=self._source, wake=self._wake.set)
+    def _answered(self) -> list[bytes]:
+        found = [question for question in self._questions if question.done or question.replies]
+        self._questions = [question for question in self._questions if question not in found]
+        return [raw.payload for question in found for raw in question.replies]
 
-    def _read_answers(self) -> None:
-        for question in [question for question in self._asked if question.done or question.replies]:
-            self._asked.remove(question)
-            for raw in question.replies:
-                if question.key == self.hold.key:
-                    self._read_reply(raw.payload)
-                else:
-                    self._read_result(raw.payload)
+    def _hear(self, lease: LeaseClient, payload: bytes) -> None:
+        with contextlib.suppress(MalformedError):
+            lease.hear(_results.decode(payload))
 
-    def _read_reply(self, payload: bytes) -> None:
-        try:
-            reply = _replies.decode(payload)
-        except MalformedError:
-            return
-        if reply.accepted:
-            self._answered = self._clock()
-        elif not self._refused:
-            self._refused, self._refused_at = reply.why, self._clock()
-            if self.hold.goal:
-                self._ask_result()
-
-    def _read_result(self, payload: bytes) -> None:
-        try:
-            result = _results.decode(payload)
-        except MalformedError:
-            return
-        if result.goal == self.hold.goal:
-            self._end(Ending(good=result.result in {"reached", "interval"}, text=describe(result), code=result.code))
-
-    def _check_time(self) -> None:
-        now = self._clock()
-        if self._refused and (not self.hold.goal or now > self._refused_at + RESULT_WAIT_S):
-            self._end(Ending(good=False, text=self._refused.text, code=self._refused.code))
-        elif not now <= self._answered + self.hold.ttl_s + SILENCE_S:
-            self._end(
-                Ending(good=False, text="the robot does not answer; it has stopped by itself", code="unreachable")
-            )
+    def _look_for_the_end(self, lease: LeaseClient) -> None:
+        if lease.result is not None:
+            self._end(Ending(good=lease.good, text=describe(lease.result), code=lease.result.code))
+        elif lease.ended is not None:
+            self._end(Ending(good=False, text=lease.ended.text, code=lease.ended.code))
         elif not self.elapsed_s <= self.hold.max_run_s and self.ending is None:
             text = f"stopped after {self.hold.max_run_s:g} s, the longest one line may move"
             stop(self._session, self.hold.stop_key, self._source, text)

@@ -4,76 +4,47 @@ from typing import Any
 
 from lbr.apps.autodock.view import Ending
 from lbr.apps.program import Robot
-from lbr.bus import keys, wire
-from lbr.bus.codec import Decoder
-from lbr.errors import MalformedError
-from lbr.messages.codes import Reason
+from lbr.bus import keys
+from lbr.bus.lease_client import LeaseClient, LeaseTarget
+from lbr.bus.over_session import OverSession
 from lbr.messages.drive import GoalResult
-from lbr.messages.leases import CommandReply
 
 TTL_S = 0.8
 """Slow motions, by a program that has to wait while the machine is busy."""
-ANSWER_S = 1.0
-RESULT_S = 0.5
-MOST_ASKED = 4
-FINAL = frozenset({"stopped", "taken_over", "superseded", "held", "estop", "role", "denied"})
+DRIVE = LeaseTarget("motion", silent="the drive does not answer", silent_s=1.0 + TTL_S, result_s=0.5)
+"""It is stopped by the pilot, who has to know its own stops from others'."""
+FINAL = frozenset({"stopped", "stopped_since", "taken_over", "superseded", "held", "estop", "role", "denied"})
 """Why a motion ends, or is refused, when somebody wants the robot to stand, or to go elsewhere."""
-
-_replies = Decoder(CommandReply)
 
 
 class Motion:
-    """A command of the drive's, such as `turn`, with its fields. Whoever ceases to renew it lets it lapse."""
+    """A command of the drive's, such as `turn`, with its fields. When it is not renewed any more, it lapses."""
 
     def __init__(self, robot: Robot, command: str, fields: dict[str, Any], now: float) -> None:
-        self.ending: Ending | None = None
-        self._robot = robot
-        self._key = keys.port(robot.name, "drive", command)
-        self._began = self._answered = now
-        self._lease = self._goal = ""
-        self._refused: tuple[Reason, float] | None = None
-        self._results: dict[str, GoalResult] = {}
-        self._asked = [self._question(fields)]
+        self._now = now
+        drive = {"motion": keys.port(robot.name, "drive", command)}
+        over = OverSession(robot.bus, robot.source, drive, clock=lambda: self._now)
+        self._lease = LeaseClient(over, DRIVE, _lasting(fields))
+
+    @property
+    def ending(self) -> Ending | None:
+        """How it ended, if it has."""
+        lease, why = self._lease, self._lease.ended
+        if why is None:
+            return None
+        final = lease.silent or (not lease.good and why.code in FINAL)
+        return Ending(good=lease.good, text=why.text, final=final)
 
     def renew(self, fields: dict[str, Any], now: float) -> None:
         """Go on, perhaps otherwise than before."""
-        self._read(now)
-        if self.ending is None and self._lease and self._refused is None and len(self._asked) < MOST_ASKED:
-            self._asked.append(self._question(fields | {"lease": self._lease}))
+        self._now = now
+        self._lease.step()
+        self._lease.keep(_lasting(fields))
 
     def hear(self, result: GoalResult) -> None:
         """Take a result, of whichever motion."""
-        self._results[result.goal] = result
+        self._lease.hear(result)
 
-    def _question(self, fields: dict[str, Any]) -> wire.Question:
-        payload = wire.encode(fields | {"ttl_s": TTL_S})
-        return wire.Question(self._robot.bus, self._key, payload, timeout_s=ANSWER_S, source=self._robot.source)
 
-    def _read(self, now: float) -> None:
-        for question in [question for question in self._asked if question.done or question.replies]:
-            self._asked.remove(question)
-            for raw in question.replies:
-                self._take(raw.payload, now)
-        result = self._results.get(self._goal) if self._goal else None
-        if result is not None:
-            good = result.result in {"reached", "interval"}
-            self.ending = Ending(
-                good=good, text=result.reason or result.result, final=not good and result.code in FINAL
-            )
-        elif self._refused is not None and (not self._goal or now - self._refused[1] > RESULT_S):
-            why = self._refused[0]
-            self.ending = Ending(good=False, text=why.text, final=why.code in FINAL)
-        elif not now - self._answered < ANSWER_S + TTL_S:
-            self.ending = Ending(good=False, text="the drive does not answer", final=True)
-
-    def _take(self, payload: bytes, now: float) -> None:
-        try:
-            reply = _replies.decode(payload)
-        except MalformedError:
-            return
-        self._answered = now
-        if not reply.accepted:
-            self._refused = self._refused or (reply.why, now)
-            return
-        self._lease = reply.lease or self._lease
-        self._goal = reply.goal or self._goal
+def _lasting(fields: dict[str, Any]) -> dict[str, Any]:
+    return fields | {"ttl_s": TTL_S}

@@ -5,11 +5,11 @@ from typing import NamedTuple
 from msgspec.structs import replace
 
 from lbr.apps.tracking.control import Angles
-from lbr.capability.loan import Asking, Lender, Loan
+from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
 from lbr.messages.codes import Reason
 from lbr.messages.joints import JointsCommand
 
-JOINTS = Lender("move", "halt", "joints operation", "joints operation does not answer; the head holds by itself")
+JOINTS = LeaseTarget("move", "halt", "joints operation", "joints operation does not answer; the head holds by itself")
 TTL_S = 1.0
 """Longer than others need: looking at pictures comes last on a busy machine, and a head does not go beyond its goal."""
 RENEWAL = JointsCommand(ttl_s=TTL_S)
@@ -28,37 +28,37 @@ class Neck(NamedTuple):
 class Mover:
     """Holds the joints for one following, which was asked for at `asked_s`; looking at `first` gives them their strength."""
 
-    def __init__(self, ctx: Asking, neck: Neck, first: Angles, asked_s: float) -> None:
+    def __init__(self, ctx: Transport, neck: Neck, first: Angles, asked_s: float) -> None:
         self._ctx = ctx
         self._neck = neck
         self._sent, self._sent_at = first, ctx.clock()
-        self._loan = Loan(ctx, JOINTS, replace(self._command(first), torque=neck.torque, asked_s=asked_s))
+        self._lease = LeaseClient(ctx, JOINTS, replace(self._command(first), torque=neck.torque, asked_s=asked_s))
 
     @property
     def ended(self) -> Reason | None:
         """Why the head is not ours to move any more, if it is not."""
-        return self._loan.ended
+        return self._lease.ended
 
     @property
     def holds(self) -> bool:
         """Whether it is."""
-        return self._loan.holds
+        return self._lease.holds
 
     def look(self, wanted: Angles) -> None:
         """Read the answers; look there from now on, or renew the lease."""
-        self._loan.step()
+        self._lease.step()
         if not self.holds:
             return
         now = self._ctx.clock()
         if wanted != self._sent and now - self._sent_at >= EVERY_S:
-            if self._loan.send(self._command(wanted)) is not None:
+            if self._lease.send(self._command(wanted)) is not None:
                 self._sent, self._sent_at = wanted, now
-        elif self._loan.due:
-            self._loan.send(RENEWAL)
+        elif self._lease.renewal_due:
+            self._lease.send(RENEWAL)
 
     def release(self, why: str) -> None:
         """Have the joints hold, if they are still ours or may become so."""
-        self._loan.release(why)
+        self._lease.release(why)
 
     def _command(self, wanted: Angles) -> JointsCommand:
         return JointsCommand(

@@ -42,12 +42,6 @@ async def until(ready: Callable[[], bool]) -> None:
         await _NextRound()
 
 
-async def kept(promise: Promise[T]) -> T:
-    """Wait, in the loop, for a promise that somebody there has made; raise what it was refused with."""
-    await until(promise.done)
-    return promise.result()
-
-
 class Bridge:
     """`call` is for the server's thread, all else for the loop's."""
 

@@ -111,10 +111,6 @@ class Robot:
         await until(lambda: asked.answers() is not None)
         return dict(asked.answers() or {})
 
-    def follow(self, request: str, message: Struct, timeout_s: float = 1.0) -> "Promise[dict[str, Any]]":
-        """Ask without waiting; the promise's result is for `answer_of`."""
-        return self._bridge.start(self.ask_all(request, message, timeout_s=timeout_s))
-
     def start(self, work: "Coroutine[Any, Any, T]") -> "Promise[T]":
         """Have work go on that no request waits for."""
         return self._bridge.start(work)

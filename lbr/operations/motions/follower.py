@@ -4,19 +4,21 @@ from collections.abc import Callable
 from math import inf
 from typing import Protocol
 
+from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
 from lbr.capability.context import Asked, Received
-from lbr.capability.loan import Asking, Lender, Loan
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
 from lbr.messages.leases import CommandReply
 from lbr.operations.motions.state import Event, Granted, JointsEnded, JointsStopped, Lost, Passed
 
-JOINTS = Lender("move", "halt", "joints operation", "joints operation does not answer; the joints hold by themselves")
+JOINTS = LeaseTarget(
+    "move", "halt", "joints operation", "joints operation does not answer; the joints hold by themselves"
+)
 RENEWAL = JointsCommand()
 
 
-class Context(Asking, Protocol):
+class Context(Transport, Protocol):
     """What is needed of a context."""
 
     def latest(self, port: str) -> Received | None:
@@ -38,7 +40,7 @@ class Follower:
     def __init__(self, ctx: Context, happened: Callable[[Event], None]) -> None:
         self._ctx = ctx
         self._happened = happened
-        self._loan: Loan | None = None
+        self._lease: LeaseClient | None = None
         self._asked: Asked | None = None
         self._first: JointsCommand | None = None
         self._wanted: JointsCommand | None = None
@@ -55,61 +57,61 @@ class Follower:
     def follow(self, command: JointsCommand) -> None:
         """Go this way from now on; `Granted` or `Lost` follows."""
         self._wanted = command
-        if self._loan is None:
+        if self._lease is None:
             self._first = command
-            self._loan = Loan(self._ctx, JOINTS, command)
+            self._lease = LeaseClient(self._ctx, JOINTS, command)
         elif self._first is None:
-            self._asked = self._loan.send(command)
+            self._asked = self._lease.send(command)
 
     def append(self, command: JointsCommand) -> None:
         """Go on so afterwards."""
-        if self._loan is not None:
-            self._loan.send(command)
+        if self._lease is not None:
+            self._lease.send(command)
 
     def halt(self, why: str, *, lost: bool = False) -> None:
         """Hold where the joints are; `lost`: whoever wanted them to move is gone."""
-        if self._loan is not None:
-            self._loan.release(why, lost=lost)
+        if self._lease is not None:
+            self._lease.release(why, lost=lost)
         self.let_go()
 
     def let_go(self) -> None:
         """Leave the joints to themselves, or to others."""
-        self._loan = self._asked = None
+        self._lease = self._asked = None
         self._first = self._wanted = None
 
     def step(self) -> None:
         """Read what the joints say, and renew."""
-        if self._loan is not None:
-            self._listen(self._loan)
+        if self._lease is not None:
+            self._listen(self._lease)
         for received in self._ctx.take("ended"):
             if isinstance(received.message, GoalResult):
                 self._happened(JointsEnded(result=received.message))
         self._look()
-        if self._loan is not None and self._loan.due:
-            self._loan.send(RENEWAL)
+        if self._lease is not None and self._lease.renewal_due:
+            self._lease.send(RENEWAL)
 
-    def _listen(self, loan: Loan) -> None:
-        loan.step()
-        if loan.ended or self.trouble:
+    def _listen(self, lease: LeaseClient) -> None:
+        lease.step()
+        if lease.ended or self.trouble:
             self.let_go()
             self._happened(
-                Lost(why=loan.ended or Reason("unreachable", f"{self.trouble}; the joints hold by themselves"))
+                Lost(why=lease.ended or Reason("unreachable", f"{self.trouble}; the joints hold by themselves"))
             )
-        elif self._first is not None and loan.granted is not None:
-            self._granted_first(loan, loan.granted)
+        elif self._first is not None and lease.accepted is not None:
+            self._granted_first(lease, lease.accepted)
         elif self._asked is not None and (answers := self._asked.answers()) is not None:
             self._asked = None
             reply = next(iter(answers.values()), None)
             if isinstance(reply, CommandReply):
                 self._happened(Granted(goal=reply.goal, note=_note(reply)))
 
-    def _granted_first(self, loan: Loan, reply: CommandReply) -> None:
+    def _granted_first(self, lease: LeaseClient, reply: CommandReply) -> None:
         """Tell that it is granted, or go on at once with what was wanted instead in the meantime."""
         first, self._first = self._first, None
         if self._wanted is first or self._wanted is None:
             self._happened(Granted(goal=reply.goal, note=_note(reply)))
         else:
-            self._asked = loan.send(self._wanted)
+            self._asked = lease.send(self._wanted)
 
     def _look(self) -> None:
         newest = self._ctx.latest("joints")

@@ -211,11 +211,11 @@ def test_a_drive_that_refuses_is_quoted_and_nothing_is_collected(bench):
     assert bench.drive.stops == []
 
 
-@pytest.mark.parametrize(("fault", "reason"), [("mute", "does not answer"), ("absent", "nothing that drives")])
+@pytest.mark.parametrize(("fault", "reason"), [("mute", "does not answer"), ("absent", "must be wired to one drive")])
 def test_a_drive_that_is_not_there_is_told(bench, fault, reason):
     setattr(bench.drive, fault, True)
     call = bench.calibrate()
-    bench.run(1.0)
+    bench.run(2.0)
     assert reason in call.answer.reason
 
 

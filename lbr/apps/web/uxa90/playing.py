@@ -5,11 +5,11 @@ from collections.abc import Callable
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot
-from lbr.capability.loan import Lender, Loan
+from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.messages.codes import Reason, heard
 from lbr.messages.joints import PlayCommand
 
-LENDER = Lender("play", "stop_motion", "motions", "'motions' does not answer any more")
+LENDER = LeaseTarget("play", "stop_motion", "motions", "'motions' does not answer any more")
 OLDEST_S = 1.5
 """A state of motions that is older says nothing: they tell it twice a second."""
 
@@ -21,13 +21,13 @@ class Player:
         self._robot = robot
         self._lost = lost
         self._command = PlayCommand(motion="none")
-        self._loan: Loan | None = None
+        self._lease: LeaseClient | None = None
         self._until: float | None = None
         self._why: Reason | None = None
 
     def busy(self, now: float) -> str:
         """Return what is being played, by whomever, and for how long; empty if nothing is."""
-        if self._loan is not None:
+        if self._lease is not None:
             left = "" if self._until is None else f" for another {max(0.0, self._until - now):.1f} s"
             return f"busy: '{self._command.motion}' plays{left}"
         heard, state = self._robot.snapshot.motions, self._robot.snapshot.motions_state
@@ -40,37 +40,37 @@ class Player:
         if why := self.busy(self._robot.now()):
             raise Refused(409, why, code="busy")
         self._command, self._until = PlayCommand(motion=motion), None
-        loan = self._loan = Loan(self._robot.ctx, LENDER, self._command)
-        await until(lambda: loan.granted is not None or self._loan is not loan)
-        if loan.granted is None:
+        lease = self._lease = LeaseClient(self._robot.ctx, LENDER, self._command)
+        await until(lambda: lease.accepted is not None or self._lease is not lease)
+        if lease.accepted is None:
             raise Refused(409, self._why or "it has ended", code=None if self._why else "done")
 
     def step(self, now: float) -> None:
         """Read the answers, renew, and see the end."""
-        loan = self._loan
-        if loan is None:
+        lease = self._lease
+        if lease is None:
             return
-        loan.step()
-        if loan.holds and self._until is None:
+        lease.step()
+        if lease.holds and self._until is None:
             self._until = now + self._takes_s()
-        goal = loan.granted.goal if loan.granted is not None else None
+        goal = lease.accepted.goal if lease.accepted is not None else None
         ended = next((result for result in self._robot.played if result.goal == goal), None)
         if ended is not None:
             self._end(None if ended.result == "reached" else heard(ended.code, ended.reason or ended.result))
-        elif loan.ended:
-            self._end(loan.ended)
-        elif loan.due:
-            loan.send(self._command)
+        elif lease.ended:
+            self._end(lease.ended)
+        elif lease.renewal_due:
+            lease.send(self._command)
 
     def stop(self, why: str) -> None:
         """End what is played here."""
-        if self._loan is not None:
-            self._loan.release(why)
+        if self._lease is not None:
+            self._lease.release(why)
             self._end(Reason("stopped", why))
 
     def _end(self, why: Reason | None) -> None:
-        loan, self._loan, self._why = self._loan, None, why
-        if why and loan is not None and loan.granted is not None:
+        lease, self._lease, self._why = self._lease, None, why
+        if why and lease is not None and lease.accepted is not None:
             self._lost(why.text)
 
     def _takes_s(self) -> float:

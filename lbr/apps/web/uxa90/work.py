@@ -7,7 +7,7 @@ from typing import Any
 from msgspec import UNSET
 from msgspec.structs import replace
 
-from lbr.apps.web.bridge import kept, until
+from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.uxa90 import deciding
@@ -47,7 +47,7 @@ class Work:
 
     def step(self, now: float) -> None:
         """Go on with all that is under way."""
-        self._mover.step(now)
+        self._mover.step()
         self._player.step(now)
         self._watch_stops()
         if now - self._stepped > STOOD_STILL_S:
@@ -121,7 +121,7 @@ class Work:
             self._refuse_busy()
         asked, before = self._robot.now(), self._given_up
         if now:
-            await kept(self._mover.turn(now, self._joint))
+            await self._mover.turn(now, self._joint)
             self._refuse_given_up(before)
             self._tell(now)
         return self.jobs.add(turns, asked) if later else None
@@ -130,7 +130,7 @@ class Work:
         """Have the due steps of a job begin; whatever refuses them ends it."""
         try:
             self._refuse_busy()
-            await kept(self._mover.turn(turns, self._joint, timed=True))
+            await self._mover.turn(turns, self._joint, timed=True)
         except Refused as err:
             self.jobs.fail(name, turns, err.message)
             self._robot.ctx.event("job_dropped", f"job {name} was dropped: {err.message}", level="warning")
@@ -142,7 +142,7 @@ class Work:
         self.jobs.drop(why)
         released = self._mover.release(why)
         if released is not None:
-            await until(released.done)
+            await until(lambda: released.answers() is not None)
             self._refuse_given_up(before)
         await self._player.play(motion)
 

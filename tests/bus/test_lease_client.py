@@ -1,0 +1,194 @@
+"""A lease as its client keeps it: asked for once, renewed at 10 Hz, ended by a result, a refusal, silence or a release."""
+
+import pytest
+
+from lbr.bus.lease_client import ANSWER_S, MOST_WAITING, RENEW_S, SILENT_S, LeaseClient, LeaseTarget
+from lbr.messages.codes import Reason
+from lbr.messages.drive import DriveCommand, GoalResult
+from lbr.messages.leases import CommandReply, StopCommand, refused
+from tests.support.replies import dead
+
+TARGET = LeaseTarget("go", "halt", "drive", "the drive does not answer")
+SLOW = DriveCommand(power=0.2)
+FAST = DriveCommand(power=0.4)
+
+
+class Question:
+    def __init__(self, answer):
+        self.answer = answer
+
+    def answers(self):
+        return self.answer
+
+
+class Drive:
+    """What answers: yes with a lease, as told, or not at all."""
+
+    def __init__(self):
+        self.now = 10.0
+        self.asked = []
+        self.reply = None
+        self.mute = self.absent = False
+
+    def clock(self):
+        return self.now
+
+    def ask(self, request, message, timeout_s):
+        self.asked.append((request, message))
+        if self.mute:
+            return Question(None)
+        if self.absent:
+            return Question({})
+        if self.reply is not None and request == "go":
+            return Question({"drive": self.reply})
+        return Question({"drive": CommandReply(accepted=True, lease="L1", ttl_s=0.3, goal="goal-1")})
+
+    @property
+    def sent(self):
+        return [message for request, message in self.asked if request == "go"]
+
+    @property
+    def halts(self):
+        return [message for request, message in self.asked if request == "halt"]
+
+
+@pytest.fixture
+def drive():
+    return Drive()
+
+
+def kept(drive, lease, seconds, message=SLOW):
+    for _ in range(round(seconds / 0.02)):
+        drive.now += 0.02
+        lease.step()
+        lease.keep(message)
+
+
+def test_it_is_asked_for_once_and_then_quoted_ten_times_a_second(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    assert not lease.holds
+    kept(drive, lease, 1.0)
+    assert lease.holds
+    assert [message.lease for message in drive.sent] == ["", *["L1"] * (len(drive.sent) - 1)]
+    assert 9 <= len(drive.sent) - 1 <= 11
+
+
+def test_another_motion_is_sent_at_once(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, 0.05)
+    before = len(drive.sent)
+    lease.keep(FAST)
+    lease.keep(FAST)
+    assert [message.power for message in drive.sent[before:]] == [0.4]
+
+
+def test_a_dead_lease_ends_it_with_how_that_ended_and_stops_nobody_else(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, 0.05)
+    drive.reply = dead("stopped by phone", "stopped")
+    kept(drive, lease, 0.3)
+    assert lease.ended == Reason("stopped", "stopped by phone")
+    assert drive.halts == []
+    before = len(drive.sent)
+    kept(drive, lease, 1.0)
+    assert len(drive.sent) == before
+
+
+def test_a_refused_change_halts_what_went_before(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, 0.05)
+    drive.reply = refused(Reason("obstacle", "something is in the way"))
+    kept(drive, lease, 0.1, FAST)
+    assert lease.ended == Reason("obstacle", "something is in the way")
+    assert [halt.reason for halt in drive.halts] == ["something is in the way"]
+
+
+def test_what_is_not_vital_may_be_refused(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, 0.05)
+    drive.reply = refused(Reason("limit", "too far"))
+    lease.send(FAST, vital=False)
+    lease.step()
+    assert (lease.ended, drive.halts) == (None, [])
+    drive.reply = dead("stopped by phone", "stopped")
+    lease.send(FAST, vital=False)
+    lease.step()
+    assert lease.ended == Reason("stopped", "stopped by phone")
+
+
+def test_the_result_of_its_goal_ends_it_and_no_other(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, 0.02)
+    lease.hear(GoalResult(goal="goal-77", result="fault", reason="another's", elapsed_s=1.0))
+    lease.step()
+    assert lease.ended is None
+    lease.hear(GoalResult(goal="goal-1", result="reached", reason="there", code="done", elapsed_s=1.0))
+    lease.step()
+    assert (lease.good, lease.ended) == (True, Reason("done", "there"))
+
+
+def test_a_result_that_comes_a_little_after_the_lease_died_says_why(drive):
+    target = LeaseTarget("go", "halt", "drive", "silent", result_s=0.3)
+    given = CommandReply(accepted=True, lease="L1", goal="goal-0")
+    for heard in (True, False):
+        lease = LeaseClient(drive, target, given=given)
+        drive.reply = dead("a fault", "stuck")
+        kept(drive, lease, 0.1)
+        assert (lease.holds, lease.lost, lease.ended) == (False, True, None)
+        if heard:
+            lease.hear(
+                GoalResult(goal="goal-0", result="fault", reason="the wheels stand", code="stuck", elapsed_s=1.0)
+            )
+        kept(drive, lease, 0.4)
+        assert lease.ended == Reason("stuck", "the wheels stand" if heard else "a fault")
+
+
+def test_silence_ends_it_but_not_while_we_were_held_up_ourselves(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, 0.05)
+    drive.now += 60.0
+    lease.step()
+    assert lease.ended is None
+    drive.mute = True
+    kept(drive, lease, SILENT_S + 2 * RENEW_S)
+    assert (lease.silent, str(lease.ended)) == (True, "the drive does not answer")
+
+
+def test_nobody_there_nobody_wired_and_a_refusal_begin_nothing(drive):
+    drive.mute = True
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, ANSWER_S + SILENT_S + RENEW_S)
+    assert lease.ended == Reason("unreachable", "the drive does not answer")
+    drive.mute, drive.absent = False, True
+    lease = LeaseClient(drive, TARGET, SLOW)
+    lease.step()
+    assert lease.ended is not None
+    assert lease.ended.code == "wiring"
+    drive.absent, drive.reply = False, refused(Reason("held", "held by phone"))
+    lease = LeaseClient(drive, TARGET, SLOW)
+    lease.step()
+    assert (lease.ended, lease.accepted) == (Reason("held", "held by phone"), None)
+    assert drive.halts == []
+
+
+def test_a_release_halts_it_also_before_it_was_accepted_and_once(drive):
+    drive.mute = True
+    lease = LeaseClient(drive, TARGET, SLOW)
+    assert lease.release("enough", lost=True) is not None
+    assert lease.release("enough") is None
+    assert drive.halts == [StopCommand(reason="enough", lost=True)]
+
+
+def test_no_more_is_sent_than_is_answered(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, 0.02)
+    drive.mute = True
+    sent = [lease.send(FAST) for _ in range(2 * MOST_WAITING)]
+    assert sum(asked is not None for asked in sent) <= MOST_WAITING
+    assert sent[-1] is None
+
+
+def test_fields_are_a_motion_too(drive):
+    lease = LeaseClient(drive, TARGET, {"power": 0.2})
+    kept(drive, lease, 0.02, {"power": 0.3})
+    assert drive.sent[-1] == {"power": 0.3, "lease": "L1"}
