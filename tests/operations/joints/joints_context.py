@@ -12,7 +12,7 @@ class JointsContext(FakeContext):
     """The context of joints; the servos hear each setpoint at once."""
 
     def __init__(self, **settings):
-        super().__init__(JointsSettings(**settings), name="joints", joints=ROWS)
+        super().__init__(JointsSettings(**settings), name="joints", given=ROWS)
         self.servos = Servos()
 
     def publish(self, output, message, **more):
