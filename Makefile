@@ -5,7 +5,7 @@ BIN := .venv/bin
 T ?= tests
 N ?= auto
 
-.PHONY: help setup check lint format types docs test gate smoke all
+.PHONY: help setup check lint format types docs test coverage gate smoke all
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -33,6 +33,9 @@ docs: ## are the generated pages true? (`python docs/generate.py` writes them)
 
 test: ## the tests, or those under T=path, N at a time
 	$(BIN)/pytest -n $(N) --dist worksteal $(T)
+
+coverage: ## the tests, and what of the code they run; less than the floor in pyproject.toml fails
+	$(BIN)/pytest -n $(N) --cov --cov-report=term $(T)
 
 gate: ## the safety gate: a small amount of each measurement
 	$(BIN)/python -m benchmarks safety --gate
