@@ -6,6 +6,7 @@ import re
 import statistics
 import sys
 import tomllib
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -136,6 +137,27 @@ def imports(source: str, module: str, *, package: bool = False) -> set[str]:
     return found
 
 
+def tied(sources: dict[str, tuple[str, bool]]) -> dict[str, set[str]]:
+    """Which of these modules each of them imports; what a package's name stands for is the package itself."""
+    return {
+        name: {
+            known
+            for found in imports(source, name, package=package)
+            if (known := found if found in sources else found.rpartition(".")[0]) in sources and known != name
+        }
+        for name, (source, package) in sources.items()
+    }
+
+
+def circle(sources: dict[str, tuple[str, bool]]) -> list[str]:
+    """Return modules that import each other in a circle, if there are any."""
+    try:
+        TopologicalSorter(tied(sources)).prepare()
+    except CycleError as err:
+        return list(err.args[1])
+    return []
+
+
 def floor(module: str) -> str:
     """The floor of `lbr.drivers.roboteq.protocol` is `drivers`."""
     parts = module.split(".")
@@ -154,6 +176,17 @@ def forbidden(source: str, module: str, *, package: bool = False) -> list[str]:
         elif here not in OWNERS.get(library, {here}):
             wrong.append(name)
     return wrong
+
+
+def test_no_modules_import_each_other_in_a_circle_not_even_inside_functions():
+    sources = {dotted(path): (path.read_text(), path.name == "__init__.py") for path in MODULES}
+    assert not (found := circle(sources)), f"a circle of imports: {' -> '.join(found)}"
+
+
+def test_the_check_sees_a_circle_that_hides_in_functions():
+    hidden = "def late():\n    from lbr.bus import b\n"
+    assert circle({"lbr.bus.a": (hidden, False), "lbr.bus.b": ("from lbr.bus.a import x\n", False)})
+    assert not circle({"lbr.bus.a": (hidden, False), "lbr.bus.b": ("import os\n", False)})
 
 
 @pytest.mark.parametrize("path", MODULES, ids=dotted)

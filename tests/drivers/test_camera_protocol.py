@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from lbr.bus import pictures
 from lbr.bus.codec import PictureDecoder
-from lbr.drivers.camera.source import Picture, usable
+from lbr.drivers.camera.picture import Picture, usable
 from lbr.drivers.camera.stream_protocol import LARGEST_BYTES, RecordParser, request
 from lbr.errors import MalformedError
 from tests.drivers.camera_peers import jpeg

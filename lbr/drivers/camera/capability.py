@@ -8,7 +8,8 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.drivers.camera import CameraSettings, wish
 from lbr.drivers.camera.capture import Capture
-from lbr.drivers.camera.source import Picture, open_source
+from lbr.drivers.camera.picture import Picture
+from lbr.drivers.camera.source import open_source
 from lbr.errors import DeviceError, InputError
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
 from lbr.messages.leases import CommandReply

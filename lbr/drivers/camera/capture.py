@@ -9,7 +9,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Literal
 
-from lbr.drivers.camera.source import Picture, Source, usable
+from lbr.drivers.camera.picture import Picture, Source, usable
 from lbr.errors import DeviceError
 
 SILENT_S = 1.0

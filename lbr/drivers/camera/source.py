@@ -1,33 +1,9 @@
-"""What every camera is to its capture: something to wait for, and pictures to take from it."""
+"""Opens the camera that a device row names, by what its address is."""
 
-from dataclasses import dataclass
-from typing import Protocol
-
-from lbr.bus import pictures
 from lbr.capability.context import Device
 from lbr.drivers.camera import CameraSettings
+from lbr.drivers.camera.picture import Source
 from lbr.errors import DeviceError
-
-
-@dataclass(frozen=True, slots=True)
-class Picture:
-    """A JPEG file's bytes, and when it was taken, by the monotonic clock."""
-
-    data: bytes
-    taken_s: float
-
-
-class Source(Protocol):
-    """An open camera. Every failure is a DeviceError that names the device row and what to do."""
-
-    def fileno(self) -> int:
-        """Return a descriptor that is readable while there is something to take."""
-
-    def take(self) -> list[Picture]:
-        """Return the pictures that have come, oldest first, broken ones too; never waits."""
-
-    def close(self) -> None:
-        """Let go of the device; never fails."""
 
 
 def open_source(device: Device, settings: CameraSettings) -> Source:
@@ -52,19 +28,3 @@ def open_source(device: Device, settings: CameraSettings) -> Source:
     raise DeviceError(
         f"device '{device.name}': address '{address}' is none of /dev/videoN, /dev/v4l/by-id/NAME, csi:N, unix:PATH"
     )
-
-
-def check_controls(device: Device, wanted: dict[str, int | float], known: list[str]) -> None:
-    """Refuse controls that the camera does not have."""
-    unknown = sorted(set(wanted) - set(known))
-    if unknown:
-        there = ", ".join(sorted(known)) or "none"
-        raise DeviceError(f"device '{device.name}' has no control {', '.join(unknown)}; it has {there}")
-
-
-def usable(picture: Picture) -> Picture | None:
-    """Return a picture without the zeros that some cameras append; None if it is not whole or too large to travel."""
-    data = picture.data.rstrip(b"\0")
-    if not pictures.is_whole(data) or len(data) > pictures.MOST_BYTES:
-        return None
-    return Picture(data, picture.taken_s)

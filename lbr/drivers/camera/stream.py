@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from lbr.capability.context import Device
 from lbr.drivers.camera import CameraSettings
-from lbr.drivers.camera.source import Picture
+from lbr.drivers.camera.picture import Picture
 from lbr.drivers.camera.stream_protocol import RecordParser, request
 from lbr.errors import DeviceError, MalformedError
 

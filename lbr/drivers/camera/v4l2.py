@@ -11,7 +11,7 @@ from typing import Any
 from lbr.capability.context import Device
 from lbr.drivers import access
 from lbr.drivers.camera import CameraSettings
-from lbr.drivers.camera.source import Picture, check_controls
+from lbr.drivers.camera.picture import Picture, check_controls
 from lbr.errors import DeviceError
 
 PIXEL_FORMAT = "MJPG"
