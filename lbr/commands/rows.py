@@ -39,11 +39,11 @@ def problems_of(rows: "RobotRows") -> list[str]:
 def judged(rows: "RobotRows") -> tuple[list[str], list[str]]:
     """Return what a start would find wrong with a robot's rows, and what is odd in rows that are good."""
     from lbr import home  # noqa: PLC0415
-    from lbr.executive import plan  # noqa: PLC0415
+    from lbr.executive import planner  # noqa: PLC0415
     from lbr.executive.hints import hints  # noqa: PLC0415
     from lbr.executive.profile import Profile  # noqa: PLC0415
     from lbr.executive.site import Site  # noqa: PLC0415
 
     site = Site(home=str(home.home()), endpoints=(), secret=bytes(32))
-    made, problems = plan.make(rows, Profile(robot=rows.robot.name, simulate=True), site)
+    made, problems = planner.make(rows, Profile(robot=rows.robot.name, simulate=True), site)
     return [str(problem) for problem in problems], list(hints(made, home.home())) if made is not None else []

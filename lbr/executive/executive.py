@@ -29,7 +29,7 @@ from lbr.database import copies, store
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.errors import LbrError
-from lbr.executive import hosting, machine, scheduling, terminal, wiring
+from lbr.executive import hosting, machine, planner, scheduling, terminal, wiring
 from lbr.executive import plan as plans
 from lbr.executive import profile as profiles
 from lbr.executive.child import Child
@@ -374,7 +374,7 @@ class Executive:
 
     def _planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
         """Plan for rows that are not written yet; from any thread."""
-        return plans.make(rows, self._profile, self._site, machine.this_machine(len(self.plan.here)))
+        return planner.make(rows, self._profile, self._site, machine.this_machine(len(self.plan.here)))
 
     def _begun_elsewhere(self, name: str) -> None:
         self._emergency.forget(name)

@@ -1,17 +1,14 @@
 """From the plan to the bus's access control: who may put, ask and answer what. Pure."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from lbr.bus import keys
 from lbr.bus.access import Rights
+from lbr.executive.plan import Plan
 from lbr.executive.units import Unit
 
-if TYPE_CHECKING:
-    from lbr.executive.plan import Plan  # a plan knows the rights of what it places elsewhere
 
-
-def of_unit(plan: "Plan", unit: Unit) -> dict[str, Rights]:
+def of_unit(plan: Plan, unit: Unit) -> dict[str, Rights]:
     """Return the users that a process needs on the bus, and what each may do: what its rows wire, and no more."""
     users = {unit.name: _of_process(plan, unit)}
     if unit.lan is not None:
@@ -19,12 +16,12 @@ def of_unit(plan: "Plan", unit: Unit) -> dict[str, Rights]:
     return users
 
 
-def of_guest(plan: "Plan", unit: Unit) -> Rights:
+def of_guest(plan: Plan, unit: Unit) -> Rights:
     """Return what a process on another machine may do at the door there."""
     return _of_process(plan, unit)
 
 
-def of_local(plan: "Plan") -> Rights:
+def of_local(plan: Plan) -> Rights:
     """Return what whoever may reach the robot's socket may do, without any password: look, and operate.
 
     Setpoints may be put, and are refused aloud by who takes them: they lack the seal. Streams may not. What may be put
@@ -46,12 +43,12 @@ def of_local(plan: "Plan") -> Rights:
     )
 
 
-def looked_at(plan: "Plan") -> tuple[str, ...]:
+def looked_at(plan: Plan) -> tuple[str, ...]:
     """Return what is only looked at: a look that comes to nothing can be repeated, and holds up nobody."""
     return (*plan.streams(), *keys.looked_at(plan.robot))
 
 
-def _taken(plan: "Plan") -> Iterable[str]:
+def _taken(plan: Plan) -> Iterable[str]:
     """Return every key on which a capability takes commands or setpoints, also one whose row is off now."""
     kinds = plan.kinds.items()
     declared = {keys.port(plan.robot, name, port) for name, kind in kinds for port in (*kind.commands, *kind.setpoints)}
@@ -59,7 +56,7 @@ def _taken(plan: "Plan") -> Iterable[str]:
     return sorted((declared | running) - set(plan.streams()))
 
 
-def _of_process(plan: "Plan", unit: Unit) -> Rights:
+def _of_process(plan: Plan, unit: Unit) -> Rights:
     config, robot, name = unit.config, plan.robot, unit.name
     outputs = tuple(wire.key for wires in config.outputs.values() for wire in wires)
     inputs = tuple(wire.key for wires in config.wiring.values() for wire in wires)
@@ -79,7 +76,7 @@ def _of_process(plan: "Plan", unit: Unit) -> Rights:
     )
 
 
-def _of_lan(plan: "Plan", unit: Unit) -> Rights:
+def _of_lan(plan: Plan, unit: Unit) -> Rights:
     """Return what may come in from other machines without passing the relay: looking, and stopping.
 
     So may what processes say that run there, but for what they ask of others: that is relayed.

@@ -12,6 +12,7 @@ from lbr.database.rows import RevisionRow, RobotRows
 from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
 from lbr.executive import plan as plans
+from lbr.executive import planner
 from lbr.executive.kinds import KindsBeside
 from lbr.executive.machine import Machine
 from lbr.executive.plan import Change, Plan
@@ -61,7 +62,7 @@ class RowWatch:
         rows = self._with_valid_tokens(loaded(self._database, [self._profile.robot])[self._profile.robot])
         self._files = self._marks(rows)
         self._kinds.try_now(self._files)
-        plan, problems = plans.make(rows, self._profile, self._site, self._machine(0), find=self._kinds.find)
+        plan, problems = planner.make(rows, self._profile, self._site, self._machine(0), find=self._kinds.find)
         if plan is None:
             raise RowError(tuple(str(problem) for problem in problems))
         return plan
@@ -84,7 +85,7 @@ class RowWatch:
             self._version = UNKNOWN_VERSION
             return self._locked_out(plan, rows) if rows.tokens != plan.rows.tokens else None
         self._version, self._files = seen, files
-        new, problems = plans.make(
+        new, problems = planner.make(
             rows, self._profile, self._site, self._machine(len(plan.here)), find=self._kinds.find
         )
         self._kinds.forget_faults()
@@ -97,7 +98,7 @@ class RowWatch:
 
     def _locked_out(self, plan: Plan, rows: RobotRows) -> News:
         """Return the old plan with the tokens of now."""
-        new = plans.with_tokens(plan, rows.tokens, self._profile, self._site, self._machine(len(plan.here)))
+        new = planner.with_tokens(plan, rows.tokens, self._profile, self._site, self._machine(len(plan.here)))
         return self._news(plan, new) if new is not None else News(problems=self._problems)
 
     def _news(self, plan: Plan, new: Plan) -> News:

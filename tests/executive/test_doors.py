@@ -13,7 +13,7 @@ from lbr.bus import session
 from lbr.database import store
 from lbr.errors import BusError
 from lbr.executive import doors as module
-from lbr.executive import plan as plans
+from lbr.executive import planner
 from lbr.executive.doors import Doors, core_endpoint
 from lbr.executive.plan import Plan
 from lbr.executive.profile import Profile
@@ -69,7 +69,7 @@ def found(home: Path, site: Site) -> tuple[Plan, Plan]:
     with store.Database.open(home / "robot.db") as database:
         rows = database.load("lbr")
     without = replace(rows, channels=tuple(one for one in rows.channels if one.target_end[0] != "drive"))
-    made = [plans.make(one, Profile(robot="lbr", simulate=True), site)[0] for one in (rows, without)]
+    made = [planner.make(one, Profile(robot="lbr", simulate=True), site)[0] for one in (rows, without)]
     assert made[0] is not None
     assert made[1] is not None
     return made[0], made[1]

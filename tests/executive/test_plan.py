@@ -9,6 +9,7 @@ from lbr.capability import twins
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
 from lbr.executive import plan as plans
+from lbr.executive import planner
 from lbr.executive.plan import Change
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
@@ -27,13 +28,13 @@ def rows(tmp_path_factory) -> RobotRows:
 
 
 def planned(rows, profile=SIMULATED):
-    plan, problems = plans.make(rows, profile, SITE)
+    plan, problems = planner.make(rows, profile, SITE)
     assert not problems
     return plan
 
 
 def problems(rows, profile=SIMULATED):
-    plan, found = plans.make(rows, profile, SITE)
+    plan, found = planner.make(rows, profile, SITE)
     assert plan is None
     return [str(problem) for problem in found]
 

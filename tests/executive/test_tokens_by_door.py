@@ -10,7 +10,7 @@ from lbr.bus.door import LanUser
 from lbr.bus.tokens import hashed
 from lbr.database import store
 from lbr.database.rows import GoodFor, TokenRow
-from lbr.executive import plan as plans
+from lbr.executive import planner
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 
@@ -26,7 +26,7 @@ def plan(tmp_path):
     )
     with store.Database.open(tmp_path / "robot.db") as database:
         rows = replace(database.load("uxa90"), tokens=tokens)
-    made, problems = plans.make(rows, Profile(robot="uxa90", simulate=True), SITE)
+    made, problems = planner.make(rows, Profile(robot="uxa90", simulate=True), SITE)
     assert made is not None, problems
     return made
 

@@ -6,7 +6,7 @@ from contextlib import closing
 import pytest
 
 from lbr.database import store
-from lbr.executive import plan as plans
+from lbr.executive import planner
 from lbr.executive.profile import Profile
 from lbr.executive.site import Site
 
@@ -34,7 +34,7 @@ def told(shipped, tmp_path):
                 assert connection.execute(edit).rowcount == 1
         with store.Database.open(path) as database:
             rows = database.load("lbr")
-        plan, found = plans.make(rows, profile or Profile(robot="lbr", simulate=True), SITE)
+        plan, found = planner.make(rows, profile or Profile(robot="lbr", simulate=True), SITE)
         assert plan is None
         return [str(one) for one in found]
 

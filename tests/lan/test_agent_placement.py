@@ -9,9 +9,8 @@ from msgspec.structs import replace
 from lbr.bus.tokens import hashed
 from lbr.database import store
 from lbr.database.rows import RobotRows, TokenRow
-from lbr.executive import plan as plans
+from lbr.executive import planner, rights
 from lbr.executive import profile as profiles
-from lbr.executive import rights
 from lbr.executive.hosting import HostReport, HostShare, Placed, mark
 from lbr.executive.hosts import Hosts
 from lbr.executive.plan import Plan
@@ -46,13 +45,13 @@ def bioloid(path: Path) -> RobotRows:
 
 
 def planned(rows: RobotRows, *names: str, simulate: bool = True) -> Plan:
-    plan, problems = plans.make(rows, Profile(robot="lbr", simulate=simulate, hosts={"operator": names}), SITE)
+    plan, problems = planner.make(rows, Profile(robot="lbr", simulate=simulate, hosts={"operator": names}), SITE)
     assert plan is not None, problems
     return plan
 
 
 def refused(rows: RobotRows, **profile: object) -> str:
-    plan, problems = plans.make(rows, Profile(robot="lbr", **profile), SITE)  # type: ignore[arg-type]
+    plan, problems = planner.make(rows, Profile(robot="lbr", **profile), SITE)  # type: ignore[arg-type]
     assert plan is None
     return "\n".join(map(str, problems))
 
@@ -74,7 +73,7 @@ def test_what_moves_a_motor_or_owns_a_device_stays(rows, name, why):
 def test_a_device_may_be_plugged_in_elsewhere_if_the_profile_says_so(rows):
     hosts = {"operator": ("imu",)}
     assert 'say so in the profile: plugged_in_elsewhere = ["imu"]' in refused(rows, hosts=hosts)
-    plan, _ = plans.make(rows, Profile(robot="lbr", hosts=hosts, plugged_in_elsewhere=("imu",)), SITE)
+    plan, _ = planner.make(rows, Profile(robot="lbr", hosts=hosts, plugged_in_elsewhere=("imu",)), SITE)
     assert plan is not None
     assert "imu" not in plan.here
 
@@ -92,7 +91,7 @@ def test_a_profile_that_places_what_is_not_there_or_twice_is_refused(rows):
 
 @pytest.mark.parametrize("name", ["bioloid-two", "bioloid-two-sim"])
 def test_the_shipped_profiles_of_two_machines_place_attitude_and_motions(bioloid, name):
-    plan, problems = plans.make(bioloid, profiles.load(name), SITE)
+    plan, problems = planner.make(bioloid, profiles.load(name), SITE)
     assert plan is not None, problems
     assert {unit.name: unit.config.host for unit in plan.units.values() if unit.config.host} == {
         "attitude": "operator",
