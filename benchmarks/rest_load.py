@@ -22,7 +22,7 @@ from typing import Any
 from websockets.sync.client import connect
 
 from benchmarks import Measured
-from lbr.executive import scheduling
+from lbr.executive.processes import scheduling
 from tests.fuzzing.rest_cases import served
 from tests.support.figures import percentile
 from tests.support.uxa90_wire import chunks, packets

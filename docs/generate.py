@@ -23,9 +23,9 @@ from lbr.console.verbs import Vocabulary
 from lbr.database import builtin
 from lbr.database.arguments import told
 from lbr.database.rows import ExternalCommandRow, VerbRow
-from lbr.executive.profile import Profile
-from lbr.executive.reports import NAMES as REPORTS
-from lbr.executive.wiring import EXECUTIVE_VERBS, least_roles
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.wiring import EXECUTIVE_VERBS, least_roles
+from lbr.executive.service.reports import NAMES as REPORTS
 from lbr.messages import codes, system
 from lbr.messages.system import higher
 from lbr.simulation import faults

@@ -14,7 +14,7 @@ from lbr.commands import checks
 from lbr.console import wallet
 from lbr.database.store import create
 from lbr.errors import InputError
-from lbr.executive import credentials
+from lbr.executive.planning import credentials
 from tests.support import programs
 
 STRANGER = 4321

@@ -26,7 +26,7 @@ def command(host: str, connect: str, robot: str | None, token_file: Path | None)
     """
     from lbr import surroundings  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console.outlet import unhurried  # noqa: PLC0415
-    from lbr.executive.agent import Agent  # noqa: PLC0415
+    from lbr.executive.remote.agent import Agent  # noqa: PLC0415
 
     surroundings.need_room_for_a_robot()
     with unhurried():

@@ -71,7 +71,7 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import judged, opened  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.executive.watch import loaded  # noqa: PLC0415
+    from lbr.executive.planning.watch import loaded  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
         names = rows.robots()

@@ -22,7 +22,7 @@ def opened(path: Path) -> "Database":
 
 def robot_in(database: "Database") -> str:
     """Return the only robot in a database, or of several the one that `lbr run` starts when nothing is said."""
-    from lbr.executive import profile  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of `lbr --help`
 
     names = database.robots()
     usual = profile.load(DEFAULT_PROFILE).robot
@@ -39,10 +39,10 @@ def problems_of(rows: "RobotRows") -> list[str]:
 def judged(rows: "RobotRows") -> tuple[list[str], list[str]]:
     """Return what a start would find wrong with a robot's rows, and what is odd in rows that are good."""
     from lbr import home  # noqa: PLC0415
-    from lbr.executive import planner  # noqa: PLC0415
-    from lbr.executive.hints import hints  # noqa: PLC0415
-    from lbr.executive.profile import Profile  # noqa: PLC0415
-    from lbr.executive.site import Site  # noqa: PLC0415
+    from lbr.executive.planning import planner  # noqa: PLC0415
+    from lbr.executive.planning.hints import hints  # noqa: PLC0415
+    from lbr.executive.planning.profile import Profile  # noqa: PLC0415
+    from lbr.executive.planning.site import Site  # noqa: PLC0415
 
     site = Site(home=str(home.home()), endpoints=(), secret=bytes(32))
     made, problems = planner.make(rows, Profile(robot=rows.robot.name, simulate=True), site)

@@ -117,7 +117,7 @@ def _new(rows: "Database", name: str, role: "TokenRole", expires_at: str | None,
     from ssl import PEM_cert_to_DER_cert  # noqa: PLC0415
 
     from lbr.bus import tokens  # noqa: PLC0415
-    from lbr.executive import credentials  # noqa: PLC0415
+    from lbr.executive.planning import credentials  # noqa: PLC0415
 
     _, certificate = credentials.bus_certificate()
     created_at = _text(dt.datetime.now(dt.UTC))
@@ -196,7 +196,7 @@ def _addresses() -> list[str]:
 
 def _write_configuration(path: Path, token: "Token", endpoints: list[str]) -> None:
     from lbr.bus.session import client_settings  # noqa: PLC0415
-    from lbr.executive import credentials  # noqa: PLC0415
+    from lbr.executive.planning import credentials  # noqa: PLC0415
 
     _, certificate = credentials.bus_certificate()
     pem = certificate.read_text(encoding="ascii")

@@ -12,7 +12,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from lbr.errors import InputError
-from lbr.executive import profile as profiles
+from lbr.executive.planning import profile as profiles
 
 DEFAULT_PROFILE, DEFAULT_USER = "lbr", "lbr"
 UNIT = "etc/systemd/system/lbr@.service"

@@ -29,36 +29,39 @@ from lbr.database import copies, store
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.errors import LbrError
-from lbr.executive import hosting, machine, planner, scheduling, terminal, wiring
-from lbr.executive import plan as plans
-from lbr.executive import profile as profiles
-from lbr.executive.child import Child
-from lbr.executive.credentials import bus_certificate, token_key
-from lbr.executive.dispatch import DONE, FAILED, Dispatcher
-from lbr.executive.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
-from lbr.executive.edits import Edits, Written
-from lbr.executive.emergency import Emergency
-from lbr.executive.external import ExternalCommands
-from lbr.executive.hosts import Hosts
-from lbr.executive.inforce import RowsInForce
-from lbr.executive.journal import Journal
-from lbr.executive.keeper import Keeper
 from lbr.executive.lastresort import SIGNALS, LastResort
-from lbr.executive.latch import Latch, LatchKeeper
-from lbr.executive.logs import open_log, trim_all
-from lbr.executive.mainthread import MainThread
 from lbr.executive.notify import Notifier
-from lbr.executive.overview import Overview
-from lbr.executive.plan import Plan
-from lbr.executive.profile import Profile
-from lbr.executive.readiness import readiness
-from lbr.executive.reaper import Reaper
-from lbr.executive.service import Service
-from lbr.executive.site import Site
-from lbr.executive.supervisor import Supervisor
-from lbr.executive.troubles import Troubles
-from lbr.executive.units import Unit
-from lbr.executive.watch import RowWatch
+from lbr.executive.planning import machine, planner, wiring
+from lbr.executive.planning import plan as plans
+from lbr.executive.planning import profile as profiles
+from lbr.executive.planning.credentials import bus_certificate, token_key
+from lbr.executive.planning.last_good_copy import Keeper
+from lbr.executive.planning.live_rows import LiveRows
+from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
+from lbr.executive.planning.units import Unit
+from lbr.executive.planning.watch import RowWatch
+from lbr.executive.processes import scheduling
+from lbr.executive.processes.child import Child
+from lbr.executive.processes.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
+from lbr.executive.processes.external import ExternalCommands
+from lbr.executive.processes.logs import open_log, trim_all
+from lbr.executive.processes.mainthread import MainThread
+from lbr.executive.processes.readiness import readiness
+from lbr.executive.processes.reaper import Reaper
+from lbr.executive.processes.supervisor import Supervisor
+from lbr.executive.remote import hosting
+from lbr.executive.remote.hosts import Hosts
+from lbr.executive.service import terminal
+from lbr.executive.service.conditions import Troubles
+from lbr.executive.service.console_service import ConsoleService
+from lbr.executive.service.dispatch import DONE, FAILED, Dispatcher
+from lbr.executive.service.edits import Edits, Written
+from lbr.executive.service.emergency import Emergency
+from lbr.executive.service.journal import Journal
+from lbr.executive.service.latch import Latch, LatchKeeper
+from lbr.executive.service.overview import Overview
 from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Status
 
 LOOK_AT_ROWS_S = 0.2
@@ -116,7 +119,7 @@ class Executive:
             listen=listen,
             token_key=token_key(),
         )
-        self._rows = RowsInForce(
+        self._rows = LiveRows(
             database,
             RowWatch(database, profile, self._site, machine.this_machine),
             self._keeper,
@@ -251,7 +254,7 @@ class Executive:
             "wire": wire,
         }
         self.dispatcher = Dispatcher(self, bus, namespace)
-        self._service = Service(bus, robot, self.dispatcher, reset=self.estop_reset)
+        self._service = ConsoleService(bus, robot, self.dispatcher, reset=self.estop_reset)
         self._hosts = Hosts(
             {
                 name: wire.Served(bus, keys.host(robot, name), self._main.wake, puts=False, source="executive")

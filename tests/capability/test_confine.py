@@ -8,7 +8,7 @@ import psutil
 import pytest
 
 from lbr.capability import confine as confined
-from lbr.executive.reaper import PROGRAM
+from lbr.executive.processes.reaper import PROGRAM
 from tests.support import programs
 from tests.support.bench import processes_of
 from tests.support.robot import Robot, until

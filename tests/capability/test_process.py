@@ -11,10 +11,10 @@ import pytest
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
-from lbr.executive.child import Child
-from lbr.executive.logs import open_log
-from lbr.executive.reaper import Reaper
-from lbr.executive.units import Unit
+from lbr.executive.planning.units import Unit
+from lbr.executive.processes.child import Child
+from lbr.executive.processes.logs import open_log
+from lbr.executive.processes.reaper import Reaper
 from lbr.messages.system import EstopState
 from tests.support.robot import until
 

@@ -7,9 +7,9 @@ import pytest
 from lbr.console.verbs import Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS
 from lbr.errors import InputError
-from lbr.executive import service
-from lbr.executive.dispatch import Dispatcher
-from lbr.executive.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
+from lbr.executive.planning.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
+from lbr.executive.service import console_service
+from lbr.executive.service.dispatch import Dispatcher
 
 
 def test_every_word_that_a_row_may_name_exists():
@@ -55,7 +55,7 @@ def test_the_words_of_every_robot_have_the_roles_of_what_they_ask_for():
     ],
 )
 def test_a_stop_waits_behind_no_other_line(line, is_stop):
-    assert service._is_stop(line) is is_stop
+    assert console_service._is_stop(line) is is_stop
 
 
 def test_what_waits_for_a_machine_that_is_not_there_is_not_said_to_start_anew():

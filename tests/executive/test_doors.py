@@ -12,12 +12,12 @@ from msgspec.structs import replace
 from lbr.bus import session
 from lbr.database import store
 from lbr.errors import BusError
-from lbr.executive import doors as module
-from lbr.executive import planner
-from lbr.executive.doors import Doors, core_endpoint
-from lbr.executive.plan import Plan
-from lbr.executive.profile import Profile
-from lbr.executive.site import Site
+from lbr.executive.planning import planner
+from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
+from lbr.executive.processes import doors as module
+from lbr.executive.processes.doors import Doors, core_endpoint
 from tests.support.robot import until
 
 

@@ -11,9 +11,9 @@ from msgspec.structs import replace
 
 from lbr.database import store
 from lbr.database.rows import ChannelRow
-from lbr.executive import plan as plans
-from lbr.executive import rights
-from lbr.executive.profile import Profile
+from lbr.executive.planning import plan as plans
+from lbr.executive.planning import rights
+from lbr.executive.planning.profile import Profile
 from lbr.messages.faces import EditCommand, Motor
 from lbr.messages.rows import by_table
 from tests.executive.test_plan import planned, problems

@@ -7,8 +7,8 @@ from contextlib import closing
 import pytest
 
 from lbr.database.rows import ExternalCommandRow
-from lbr.executive.external import ExternalCommands
-from lbr.executive.reaper import Reaper
+from lbr.executive.processes.external import ExternalCommands
+from lbr.executive.processes.reaper import Reaper
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import os
 
-from lbr.executive import logs
+from lbr.executive.processes import logs
 
 
 def test_a_log_that_grows_is_cut_under_its_writer_and_its_end_is_kept(tmp_path):

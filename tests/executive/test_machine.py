@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from lbr.capability.kind import Kind, NoSettings
 from lbr.database.rows import CapabilityRow
-from lbr.executive import machine
-from lbr.executive.machine import ANY, MOST_CAPABILITIES, Machine, this_machine
-from lbr.executive.profile import Profile
+from lbr.executive.planning import machine
+from lbr.executive.planning.machine import ANY, MOST_CAPABILITIES, Machine, this_machine
+from lbr.executive.planning.profile import Profile
 
 KIND = Kind(name="k", summary="s", family="app", entry="nowhere:Nothing", settings=NoSettings)
 HERE = Profile(robot="r")

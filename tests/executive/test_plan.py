@@ -8,11 +8,11 @@ from msgspec.structs import replace
 from lbr.capability import twins
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
-from lbr.executive import plan as plans
-from lbr.executive import planner
-from lbr.executive.plan import Change
-from lbr.executive.profile import Profile
-from lbr.executive.site import Site
+from lbr.executive.planning import plan as plans
+from lbr.executive.planning import planner
+from lbr.executive.planning.plan import Change
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
 
 SITE = Site(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 SIMULATED = Profile(robot="lbr", simulate=True)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.executive.readiness import LONGEST_TEXT, readiness
+from lbr.executive.processes.readiness import LONGEST_TEXT, readiness
 from lbr.messages.system import CapabilityPhase, CapabilityStatus
 from tests.support import programs
 from tests.support.robot import LBR, environment, prepare, running, until

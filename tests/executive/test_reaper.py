@@ -14,15 +14,15 @@ import pytest
 
 from lbr.capability import lifeline
 from lbr.database.rows import ExternalCommandRow
-from lbr.executive.external import ExternalCommands
-from lbr.executive.reaper import Reaper
+from lbr.executive.processes.external import ExternalCommands
+from lbr.executive.processes.reaper import Reaper
 from tests.support import programs
 from tests.support.robot import until
 
 EXECUTIVE = """
 import os, signal, sys
 from subprocess import Popen
-from lbr.executive.reaper import Reaper
+from lbr.executive.processes.reaper import Reaper
 reaper = Reaper()
 mark = reaper.mark()
 child = Popen(["/bin/sh", "-c", sys.argv[1]], env=os.environ | mark.environment, start_new_session=True)

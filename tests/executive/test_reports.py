@@ -10,7 +10,7 @@ from lbr.bus import session, wire
 from lbr.capability.config import OutputWire
 from lbr.capability.kind import Kind
 from lbr.drivers.camera import KIND as CAMERA
-from lbr.executive.reports import Reports
+from lbr.executive.service.reports import Reports
 from lbr.messages.camera import JpegFrame
 from lbr.messages.telemetry import BatteryPart, Telemetry
 from lbr.operations.drive import KIND as DRIVE

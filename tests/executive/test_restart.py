@@ -2,7 +2,7 @@
 
 import pytest
 
-from lbr.executive.restart import ATTEMPTS, MOST_S, WINDOW_S, End, decide
+from lbr.executive.processes.restart import ATTEMPTS, MOST_S, WINDOW_S, End, decide
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from lbr.executive import scheduling
+from lbr.executive.processes import scheduling
 from tests.support import programs
 from tests.support.robot import running, until
 

@@ -8,7 +8,7 @@ import time
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.executive.starving import OTHERS_STRETCH, SUSPICIOUS_S, Look, Thread, look, verdict
+from lbr.executive.processes.starvation import OTHERS_STRETCH, SUSPICIOUS_S, Look, Thread, look, verdict
 from tests.support import programs
 from tests.support.robot import until
 

@@ -8,9 +8,10 @@ import pytest
 
 from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
-from lbr.executive.plan import Change
-from lbr.executive.starving import Look, Thread
-from lbr.executive.supervisor import (
+from lbr.executive.planning.plan import Change
+from lbr.executive.planning.units import Unit
+from lbr.executive.processes.starvation import Look, Thread
+from lbr.executive.processes.supervisor import (
     DEGRADED_PATIENCE_S,
     HANG_MOVER_S,
     HANG_PROGRAM_S,
@@ -20,7 +21,6 @@ from lbr.executive.supervisor import (
     TERM_S,
     Supervisor,
 )
-from lbr.executive.units import Unit
 
 
 class FakeProcess:

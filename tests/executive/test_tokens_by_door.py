@@ -10,9 +10,9 @@ from lbr.bus.door import LanUser
 from lbr.bus.tokens import hashed
 from lbr.database import store
 from lbr.database.rows import GoodFor, TokenRow
-from lbr.executive import planner
-from lbr.executive.profile import Profile
-from lbr.executive.site import Site
+from lbr.executive.planning import planner
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
 
 SITE = Site(home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",))
 

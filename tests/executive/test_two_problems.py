@@ -6,9 +6,9 @@ from contextlib import closing
 import pytest
 
 from lbr.database import store
-from lbr.executive import planner
-from lbr.executive.profile import Profile
-from lbr.executive.site import Site
+from lbr.executive.planning import planner
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
 
 SITE = Site(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 

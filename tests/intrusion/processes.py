@@ -6,7 +6,7 @@ from pathlib import Path
 
 import psutil
 
-from lbr.executive.reaper import PROGRAM
+from lbr.executive.processes.reaper import PROGRAM
 from tests.fuzzing import intruder
 from tests.support.bench import Bench, bench, processes_of
 from tests.support.figures import Results

@@ -9,13 +9,13 @@ from msgspec.structs import replace
 from lbr.bus.tokens import hashed
 from lbr.database import store
 from lbr.database.rows import RobotRows, TokenRow
-from lbr.executive import planner, rights
-from lbr.executive import profile as profiles
-from lbr.executive.hosting import HostReport, HostShare, Placed, mark
-from lbr.executive.hosts import Hosts
-from lbr.executive.plan import Plan
-from lbr.executive.profile import Profile
-from lbr.executive.site import Site
+from lbr.executive.planning import planner, rights
+from lbr.executive.planning import profile as profiles
+from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
+from lbr.executive.remote.hosting import HostReport, HostShare, Placed, mark
+from lbr.executive.remote.hosts import Hosts
 from lbr.messages.system import CapabilityStatus, Event
 
 SITE = Site(home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",))

@@ -18,7 +18,7 @@ from lbr.bus.session import Session
 from lbr.bus.tokens import Token
 from lbr.database import store
 from lbr.errors import BusError
-from lbr.executive import credentials
+from lbr.executive.planning import credentials
 from tests.support import programs
 from tests.support.robot import LBR, Robot, free_port, running, until
 from tests.support.trace import Trace

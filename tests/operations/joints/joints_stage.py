@@ -15,10 +15,10 @@ import msgspec
 from lbr.bus import session, wire
 from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
 from lbr.capability.context import Device
-from lbr.executive.child import Child
-from lbr.executive.logs import open_log
-from lbr.executive.reaper import Reaper
-from lbr.executive.units import Unit
+from lbr.executive.planning.units import Unit
+from lbr.executive.processes.child import Child
+from lbr.executive.processes.logs import open_log
+from lbr.executive.processes.reaper import Reaper
 from lbr.messages.joints import Joint
 from lbr.messages.rows import row_set
 from lbr.simulation.twins.base import Surroundings

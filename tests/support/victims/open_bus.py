@@ -4,7 +4,7 @@ import sys
 
 from lbr.bus.access import Rights
 from lbr.cli import main
-from lbr.executive import rights
+from lbr.executive.planning import rights
 
 rights.of_local = lambda _plan: Rights(trusted=True)
 

@@ -1,0 +1,82 @@
+"""Devices of the rows: whose they are, what may be set, and where they are in this run. Pure."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from msgspec import Struct
+
+from lbr.capability import twins
+from lbr.capability.kind import Kind
+from lbr.capability.settings import faults
+from lbr.capability.twins import TwinError
+from lbr.database.reading import Problem
+from lbr.database.rows import CapabilityRow, DeviceRow, RobotRows
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
+
+
+def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulated: bool) -> list[Problem]:
+    """Return what is wrong with what device rows set, for every kind that reads it, and with their twins if `simulated`."""
+    devices = [(device, f"{rows.robot.name}/{device.name}") for device in rows.devices]
+    devices += [
+        (one.row, one.label) for one in rows.faulty if one.table == "device" and not one.columns & {"type", "settings"}
+    ]
+    problems = []
+    for device, label in devices:
+        for kind in {id(kind): kind for kind in kinds.values()}.values():
+            of_type, wrong = _settable(kind, device.type)
+            if of_type is not None:
+                said = [f"{fault} (for kind '{kind.name}')" for fault in faults(of_type, device.settings)]
+                problems += [Problem("device", label, "settings", one) for one in said]
+            elif wrong and simulated:
+                problems.append(Problem("device", label, "type", wrong))
+    return problems
+
+
+def _settable(kind: Kind, device_type: str) -> tuple[type[Struct] | None, str]:
+    """Return what a device row of a type may set for a kind, or why that is not known."""
+    of_type = kind.device_settings.get(device_type)
+    if of_type is not None or not kind.emulates:
+        return of_type, ""
+    try:
+        twin = twins.find(device_type)
+    except TwinError as err:
+        return None, str(err)
+    return (twin.row, "") if twin is not None else (None, "")
+
+
+def check_devices(
+    rows: RobotRows, chosen: list[CapabilityRow], kinds: Mapping[str, Kind], settings: Mapping[str, Any]
+) -> list[Problem]:
+    """Return which capabilities name a device of another type, or one that is somebody else's."""
+    problems = []
+    devices = {device.name: device for device in rows.devices}
+    owners: dict[str, str] = {}
+    for row in chosen:
+        wanted = kinds[row.name].device
+        if not wanted or row.name not in settings:
+            continue
+        name = str(getattr(settings[row.name], "device", ""))
+        device = devices.get(name)
+        if device is None:
+            continue
+        if device.type != wanted:
+            text = f"device '{name}' is of type '{device.type}', and this kind drives '{wanted}'"
+        elif name in owners:
+            text = f"device '{name}' already belongs to '{owners[name]}'; one capability owns a device"
+        else:
+            owners[name] = row.name
+            continue
+        problems.append(Problem("capability", f"{rows.robot.name}/{row.name}", "settings", f"device: {text}"))
+    return problems
+
+
+def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: Site, robot: str) -> str:
+    """Return where a device is in this run: its emulated twin's place if it has a twin, the profile's word, or the row's."""
+    driver = next((kind for kind in kinds if kind.device == device.type), None)
+    emulated = driver.emulated if driver is not None else "tty"
+    if not profile.simulate or not (emulated == "folder" or device.type in twins.names()):
+        return profile.devices.get(device.name, device.address)
+    place = str(Path(site.home) / "run" / f"{robot}-devices" / device.name)
+    return f"unix:{place}" if emulated == "socket" else place

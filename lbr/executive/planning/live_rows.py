@@ -1,0 +1,154 @@
+"""The rows in force: the plan that runs, and how it becomes another by edits, and by what the robot learns of itself."""
+
+import contextlib
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import msgspec
+from msgspec import Raw
+
+from lbr.console.verbs import Vocabulary
+from lbr.database.store import Database, RowKey
+from lbr.errors import LbrError
+from lbr.executive.planning import plan as plans
+from lbr.executive.planning.last_good_copy import Keeper
+from lbr.executive.planning.plan import Change, Plan
+from lbr.executive.planning.units import read_by
+from lbr.executive.planning.watch import RowWatch
+from lbr.executive.planning.wiring import least_roles
+from lbr.messages.faces import EditCommand
+from lbr.messages.rows import Row, by_table
+
+PROBLEMS_TOLD = 3
+"""So many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
+
+
+class Happened(Protocol):
+    """Makes an event."""
+
+    def __call__(
+        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
+    ) -> None:
+        """Make it."""
+
+
+class LiveRows:
+    """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force.
+
+    While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a process go on with what it learnt.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        watch: RowWatch,
+        keeper: Keeper,
+        *,
+        happened: Happened,
+        take_over: Callable[[Change], None],
+        kept: Callable[[str], None],
+    ) -> None:
+        self._database = database
+        self._watch = watch
+        self._keeper = keeper
+        self._happened = happened
+        self._take_over = take_over
+        self._kept = kept
+        self.problems: tuple[str, ...] = ()
+        self.held = False
+        self.plan = watch.first()
+        self.vocabulary = _words(self.plan)
+
+    def look(self) -> None:
+        """Adopt what was edited, or say why not; not while an edit is being written on somebody's behalf."""
+        news = None if self.held else self._watch.look(self.plan)
+        if news is None:
+            return
+        if news.plan is None or news.problems:
+            self._keeper.not_well()
+            if news.problems != self.problems:
+                self.problems = news.problems
+                what = "the rows cannot be read" if news.unreadable else "the edit is not applied"
+                text = f"{what}, the robot goes on as it was: {_first(news.problems)}"
+                self._happened("rows_refused", "executive", text, "error")
+        if news.plan is None:
+            return
+        if not news.problems:
+            self._keeper.touched(time.monotonic())
+        if self.problems and not news.problems:
+            self.problems = ()
+            self._happened("rows_good", "executive", "the rows are good again")
+        if news.edited or news.change != Change():
+            self._adopt(news.plan, news.change, news.edited or "a capability's file")
+
+    def adopted(self) -> dict[str, Any]:
+        """Write down that the plan's rows run, and return which they are."""
+        rows = self.plan.rows
+        with contextlib.suppress(LbrError):
+            self._database.adopt(rows)
+        return {"revision": rows.revision, "rows": rows.digest}
+
+    def learnt(self, name: str, told: Mapping[str, Raw]) -> None:
+        """Write down what a capability has learnt; it goes on with it already, and is not restarted for it."""
+        rows = self._may_learn(name, told) if name in self.plan.units else ()
+        if not rows:
+            return
+        try:
+            self._database.learn(self.plan.robot, rows, self._known(name))
+        except LbrError as err:
+            what = ", ".join(dict.fromkeys(row.told for row in rows))
+            text = f"the {what} holds until the next restart only, it could not be written down: {err}"
+            self._happened("learnt_lost", name, text, "error")
+            return
+        self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
+
+    def _may_learn(self, name: str, told: Mapping[str, Raw]) -> tuple[Row, ...]:
+        """Return the rows of those told that the capability's kind may write; the others are told of."""
+        kind, config = self.plan.kinds[name], self.plan.units[name].config
+        found: list[Row] = []
+        try:
+            for read in kind.reads:
+                if read.row in kind.learns and read.row.TABLE in told:
+                    rows = msgspec.json.decode(told[read.row.TABLE], type=list[read.row])  # type: ignore[name-defined]
+                    found += read_by(read, kind.parse(bytes(config.settings)), rows)
+        except msgspec.MsgspecError as err:
+            self._happened("refused", name, f"what it has learnt cannot be written down: {err}", "warning")
+            return ()
+        return tuple(found)
+
+    def edited(self, name: str, edit: EditCommand) -> None:
+        """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for it."""
+        self._keep(plans.learnt(self.plan, name, by_table(edit.rows)), name)
+
+    def _known(self, name: str) -> dict[RowKey, Any]:
+        """Return the rows that a capability has, by table and key."""
+        return {
+            (table, tuple(row[column] for column in one.key)): row
+            for table, one in self.plan.units[name].config.rows.items()
+            for row in msgspec.json.decode(one.rows)
+        }
+
+    def _adopt(self, plan: Plan, change: Change, edited: str) -> None:
+        self.vocabulary = _words(plan)
+        self.plan = plan
+        steps = (("stop", change.stop), ("restart", change.restart), ("start", change.start))
+        done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
+        self._happened("rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self.adopted())
+        self._take_over(change)
+
+    def _keep(self, plan: Plan, name: str) -> None:
+        self.plan = plan
+        self._kept(name)
+        self._watch.look_again()
+
+
+def _first(problems: tuple[str, ...]) -> str:
+    more = len(problems) - PROBLEMS_TOLD
+    rest = f"; and {more} more, which `lbr db check` lists" if more > 0 else ""
+    return "; ".join(problems[:PROBLEMS_TOLD]) + rest
+
+
+def _words(plan: Plan) -> Vocabulary:
+    messages = {f"{name}.{command}": kind for name in plan.kinds for command, kind in plan.kinds[name].messages.items()}
+    return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages, least_roles(plan.kinds))

@@ -1,0 +1,62 @@
+"""Which of a robot's processes another machine runs: what a profile may place there, and what stays. Pure."""
+
+import re
+from collections.abc import Iterator, Mapping
+
+from lbr.capability.kind import Kind
+from lbr.database.reading import Problem
+from lbr.database.rows import RobotRows
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.units import LAN
+from lbr.executive.planning.wiring import EXECUTIVE
+
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+
+
+def problems(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> list[Problem]:
+    """Return what is wrong with the hosts of a profile."""
+    return [
+        Problem("profile", profile.robot, f"hosts.{host}" if host else "plugged_in_elsewhere", text)
+        for host, text in _found(rows, kinds, profile)
+    ]
+
+
+def _found(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> Iterator[tuple[str, str]]:
+    known = rows.names("capability")
+    placed: dict[str, str] = {}
+    for host, names in profile.hosts.items():
+        if _NAME.fullmatch(host) is None:
+            yield host, f"'{host[:40]}' is no host's name: small letters, digits and _, a letter first"
+        for name in names:
+            if name not in known:
+                yield host, f"there is no capability '{name}'"
+            elif name in placed:
+                yield host, f"'{name}' is placed on '{placed[name]}' already"
+            elif name in kinds and (why := _why_it_stays(name, kinds, rows, profile, host)):
+                yield host, f"'{name}' stays on the robot's own host: {why}"
+            placed.setdefault(name, host)
+    for name in sorted(set(profile.plugged_in_elsewhere) - set(placed)):
+        yield "", f"'{name}' is placed on no host"
+
+
+def _why_it_stays(name: str, kinds: Mapping[str, Kind], rows: RobotRows, profile: Profile, host: str) -> str:
+    kind = kinds[name]
+    fed = [target for target in _fed(name, rows) if target[1] in getattr(kinds.get(target[0]), "setpoints", ())]
+    whys = {
+        "it is the door that the host comes in by": kind.name == LAN,
+        "it is the world that the emulated devices are in": kind.family == "simulation",
+        f"it takes setpoints ({', '.join(sorted(kind.setpoints))}), and what drives a motor is where the motor is": (
+            bool(kind.setpoints)
+        ),
+        "it may change rows, and whoever does is the robot's own": EXECUTIVE
+        in {target for target, _ in _fed(name, rows)},
+        f"it decides the setpoints of '{fed[0][0] if fed else ''}', and they cross no network": bool(fed),
+        f"its device ({kind.device}) is emulated there": bool(kind.device) and profile.simulate,
+        f"it owns a device ({kind.device}); if that is plugged in at '{host}', say so in the profile: "
+        f'plugged_in_elsewhere = ["{name}"]': bool(kind.device) and name not in profile.plugged_in_elsewhere,
+    }
+    return next((why for why, holds in whys.items() if holds), "")
+
+
+def _fed(name: str, rows: RobotRows) -> list[tuple[str, str]]:
+    return [channel.target_end for channel in rows.channels if channel.enabled and channel.source_end[0] == name]

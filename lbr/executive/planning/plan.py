@@ -1,0 +1,68 @@
+"""What should run, the rows it came from, and the difference between two plans. Pure; `planner` makes one."""
+
+from collections.abc import Container, Mapping
+
+import msgspec
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.capability.kind import STOP, Kind
+from lbr.database.rows import RobotRows
+from lbr.executive.planning.units import Unit, commands_of, streams_of, with_learnt
+
+
+class Plan(Struct, frozen=True, kw_only=True):
+    """What should run, in start order, and the rows it came from."""
+
+    robot: str
+    units: dict[str, Unit]
+    kinds: dict[str, Kind]
+    rows: RobotRows
+
+    @property
+    def here(self) -> dict[str, Unit]:
+        """Return what runs on the robot's own host."""
+        return {name: unit for name, unit in self.units.items() if not unit.config.host}
+
+    def commands(self, name: str) -> tuple[str, ...]:
+        """Return what a unit can be asked for."""
+        return commands_of(self.units[name], self.kinds[name])
+
+    def stoppable(self) -> tuple[str, ...]:
+        """Return the units that move something and can be told to stop: of their kind, or programs that take a stop."""
+        moving = (name for name, unit in self.units.items() if unit.moves or unit.program is not None)
+        return tuple(name for name in moving if STOP in self.commands(name))
+
+    def streams(self) -> tuple[str, ...]:
+        """Return the keys of all streams that units publish under their own names."""
+        return streams_of(self.robot, self.units.values())
+
+
+class Change(Struct, frozen=True, kw_only=True):
+    """What an edit of the rows does to the processes."""
+
+    start: tuple[str, ...] = ()
+    stop: tuple[str, ...] = ()
+    restart: tuple[str, ...] = ()
+
+
+def difference(old: Plan, new: Plan) -> Change:
+    """Return what has to start, stop and restart to get from one plan to another, and nothing else."""
+    return Change(
+        start=tuple(name for name in new.units if name not in old.units),
+        stop=tuple(name for name in old.units if name not in new.units),
+        restart=tuple(name for name, unit in new.units.items() if name in old.units and unit != old.units[name]),
+    )
+
+
+def only(change: Change, names: Container[str]) -> Change:
+    """Return the part of a change that concerns these."""
+    start, stop, restart = (
+        tuple(name for name in part if name in names) for part in (change.start, change.stop, change.restart)
+    )
+    return Change(start=start, stop=stop, restart=restart)
+
+
+def learnt(plan: Plan, name: str, rows: Mapping[str, msgspec.Raw]) -> Plan:
+    """Return the plan with a unit that has these rows already: a database that says the same does not restart it."""
+    return replace(plan, units={**plan.units, name: with_learnt(plan.units[name], rows)})

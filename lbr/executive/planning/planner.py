@@ -1,0 +1,183 @@
+"""From rows to a plan of what should run. Pure; tells all problems at once."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from msgspec.structs import replace
+
+from lbr.bus.door import LanUser
+from lbr.capability import registry
+from lbr.capability.kind import Kind, KindError
+from lbr.capability.program import ProgramSettings
+from lbr.capability.settings import faults
+from lbr.database.columns import json_strictly
+from lbr.database.reading import Problem
+from lbr.database.rows import CapabilityRow, RobotRows, TokenRow
+from lbr.executive.planning import machine, placement, rights
+from lbr.executive.planning.devices import check_device_settings, check_devices
+from lbr.executive.planning.machine import Machine
+from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
+from lbr.executive.planning.units import LAN, unit, with_lan
+from lbr.executive.planning.wiring import EXECUTIVE, check_channels, check_verbs
+
+Find = Callable[[str, Path], Kind]
+"""Returns the kind of a name in a home, or raises KindError."""
+
+
+def make(
+    rows: RobotRows, profile: Profile, site: Site, on: Machine = machine.ANY, *, find: Find = registry.find
+) -> tuple[Plan | None, tuple[Problem, ...]]:
+    """Return the plan, or None and everything that is wrong with the rows, and on this machine."""
+    known = cache(partial(_find, find, Path(site.home)))
+    rows = _listening(rows, (*profile.listen, *site.listen))
+    problems = list(rows.problems)
+    kinds: dict[str, Kind] = {}
+    settings: dict[str, Any] = {}
+    for row, label, bad in _named(rows):
+        kind, parsed, found = _understand(row, label, known, bad)
+        problems += found
+        if kind is not None and "name" not in bad and (parsed is not None or kind.settings is not ProgramSettings):
+            kinds[row.name] = kind
+        if parsed is not None and "name" not in bad:
+            settings[row.name] = parsed
+    problems += check_channels(rows, kinds, settings)
+    problems += check_verbs(rows, kinds, settings)
+    problems += _check_tables(rows, kinds)
+    chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
+    problems += check_devices(rows, chosen, kinds, settings)
+    problems += check_device_settings(rows, kinds, simulated=profile.simulate)
+    problems += _check_profile(rows, profile)
+    problems += placement.problems(rows, kinds, profile)
+    problems += machine.problems(rows.robot.name, chosen, kinds, profile, on)
+    chosen = _after_the_world(chosen, kinds)
+    if problems:
+        return None, tuple(problems)
+    order = _order(chosen)
+    channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= {EXECUTIVE, *order}]
+    by_name = {row.name: row for row in chosen}
+    units = {
+        name: unit(by_name[name], kinds, settings[name], rows, channels, profile, site, set(order)) for name in order
+    }
+    plan = Plan(robot=rows.robot.name, units=units, kinds=kinds, rows=rows)
+    guests = {name: rights.of_guest(plan, one) for name, one in units.items() if one.config.host}
+    units = {name: with_lan(one, units, kinds, rows, site, guests) for name, one in units.items()}
+    return replace(plan, units=units), ()
+
+
+def with_tokens(plan: Plan, tokens: tuple[TokenRow, ...], profile: Profile, site: Site, on: Machine) -> Plan | None:
+    """Return the plan with other tokens and nothing else, whatever has become of the files of its kinds meanwhile."""
+    kinds = {kind.name: kind for kind in plan.kinds.values()}
+    made, _ = make(replace(plan.rows, tokens=tokens), profile, site, on, find=lambda name, _home: kinds[name])
+    if made is None:
+        return None
+    units = {name: replace(one, fingerprint=plan.units[name].fingerprint) for name, one in made.units.items()}
+    return replace(made, units=units)
+
+
+def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:
+    """Return the rows with a door to other machines that listens as this run was told to."""
+    if not listen:
+        return rows
+    settings = msgspec.json.encode({"listen": listen}).decode()
+    door = CapabilityRow(name=LAN, kind=LAN, settings=settings)
+    others = tuple(row for row in rows.capabilities if row.name != LAN)
+    return replace(rows, capabilities=(*others, door))
+
+
+def _find(find: Find, home: Path, kind: str) -> Kind | str:
+    """Return a kind, or why it cannot be used: several rows of one kind ask once."""
+    try:
+        return find(kind, home)
+    except (KindError, OSError) as err:
+        return str(err)
+
+
+def _understand(
+    row: CapabilityRow, label: str, known: Callable[[str], Kind | str], bad: AbstractSet[str]
+) -> tuple[Kind | None, Any, list[Problem]]:
+    """Return a capability's kind and settings, as far as its columns are not bad already, and what is wrong with them."""
+    if row.name == EXECUTIVE and "name" not in bad:
+        text = "'executive' is the runtime itself; choose another"
+        return None, None, [Problem("capability", label, "name", text)]
+    if "kind" in bad:
+        return None, None, []
+    kind = known(row.kind)
+    if isinstance(kind, str):
+        return None, None, [Problem("capability", label, "kind", kind)]
+    if "settings" in bad:  # by a device that is not there, perhaps, and in more
+        return kind, None, _more(row, kind, label)
+    try:
+        return kind, kind.parse(row.settings), []
+    except Exception as err:  # noqa: BLE001 - a kind of somebody's own may check its settings in any way
+        told = _more(row, kind, label)
+        return kind, None, told or [Problem("capability", label, "settings", f"{err} (kind '{row.kind}')")]
+
+
+def _more(row: CapabilityRow, kind: Kind, label: str) -> list[Problem]:
+    """Return all that fields of settings have against them, as far as the settings are JSON at all."""
+    try:
+        found = faults(kind.settings, json_strictly(row.settings))
+    except Exception:  # noqa: BLE001 - see above
+        return []
+    return [Problem("capability", label, "settings", f"{fault} (kind '{row.kind}')") for fault in found]
+
+
+def _named(rows: RobotRows) -> Iterator[tuple[CapabilityRow, str, AbstractSet[str]]]:
+    """Yield every capability with its label and its bad columns, also those that are left out."""
+    for row in rows.capabilities:
+        yield row, f"{rows.robot.name}/{row.name}", frozenset()
+    for one in rows.faulty:
+        if one.table == "capability":
+            yield one.row, one.label, one.columns
+
+
+def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
+    if kind.family == "simulation" and not profile.simulate:
+        return False
+    wanted = profile.only is None or row.name in profile.only
+    return row.enabled and wanted and row.name not in profile.without
+
+
+def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Problem]:
+    """Yield what is wrong with the rows that kinds read, each once."""
+    readers = {read.row: name for name, kind in kinds.items() for read in kind.reads}
+    for row in sorted((registry.tables() | readers.keys()) - {LanUser}, key=lambda row: row.TABLE):
+        if row.TABLE in rows.tables:
+            yield from rows.tables.problems(row)
+        elif name := readers.get(row, ""):
+            text = f"'{kinds[name].name}' reads the table '{row.TABLE}', which is not there: its SQL makes it, with triggers"
+            yield Problem("capability", f"{rows.robot.name}/{name}", "kind", text)
+
+
+def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
+    names, devices = rows.names("capability"), rows.names("device")
+    bad_names = sorted({*(profile.only or ()), *profile.without} - names)
+    bad_devices = sorted(set(profile.devices) - devices)
+    return [
+        *(Problem("profile", profile.robot, "only/without", f"there is no capability '{name}'") for name in bad_names),
+        *(Problem("profile", profile.robot, "devices", f"there is no device row '{name}'") for name in bad_devices),
+    ]
+
+
+def _after_the_world(chosen: list[CapabilityRow], kinds: Mapping[str, Kind]) -> list[CapabilityRow]:
+    """Let every driver need the simulation that emulates its device, where there is one."""
+    worlds = tuple(row.name for row in chosen if kinds[row.name].family == "simulation")
+    return [replace(row, needs=(*row.needs, *worlds)) if kinds[row.name].device else row for row in chosen]
+
+
+def _order(chosen: Iterable[CapabilityRow]) -> list[str]:
+    """Return the names so that everything comes after what it needs; the database refuses needs in a ring."""
+    order: list[str] = []
+    waiting = {row.name: row for row in chosen}
+    while waiting:
+        free = [name for name, row in waiting.items() if not (set(row.needs) & set(waiting))] or list(waiting)
+        order += free
+        for name in free:
+            del waiting[name]
+    return order

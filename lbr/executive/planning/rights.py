@@ -1,0 +1,112 @@
+"""From the plan to the bus's access control: who may put, ask and answer what. Pure."""
+
+from collections.abc import Iterable
+
+from lbr.bus import keys
+from lbr.bus.access import Rights
+from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.units import Unit
+
+
+def of_unit(plan: Plan, unit: Unit) -> dict[str, Rights]:
+    """Return the users that a process needs on the bus, and what each may do: what its rows wire, and no more."""
+    users = {unit.name: _of_process(plan, unit)}
+    if unit.lan is not None:
+        users[unit.lan.link.user] = _of_lan(plan, unit)
+    return users
+
+
+def of_guest(plan: Plan, unit: Unit) -> Rights:
+    """Return what a process on another machine may do at the door there."""
+    return _of_process(plan, unit)
+
+
+def of_local(plan: Plan) -> Rights:
+    """Return what whoever may reach the robot's socket may do, without any password: look, and operate.
+
+    Setpoints may be put, and are refused aloud by who takes them: they lack the seal. Streams may not. What may be put
+    is named key by key: a wildcard would let pass every other wildcard, and by that whatever a row denies.
+    """
+    robot = plan.robot
+    return Rights(
+        put=(*_taken(plan), keys.estop(robot)),
+        ask=(
+            f"{robot}/**",
+            keys.console(robot, "view"),
+            keys.console(robot),
+            keys.estop(robot),
+            keys.estop_reset(robot),
+            *keys.looked_at(robot),
+        ),
+        hear=(f"{robot}/**", keys.estop(robot), keys.estop_acknowledgement(robot, "*"), *keys.looked_at(robot)),
+        watch=(keys.alive(robot, "*"),),
+    )
+
+
+def looked_at(plan: Plan) -> tuple[str, ...]:
+    """Return what is only looked at: a look that comes to nothing can be repeated, and holds up nobody."""
+    return (*plan.streams(), *keys.looked_at(plan.robot))
+
+
+def _taken(plan: Plan) -> Iterable[str]:
+    """Return every key on which a capability takes commands or setpoints, also one whose row is off now."""
+    kinds = plan.kinds.items()
+    declared = {keys.port(plan.robot, name, port) for name, kind in kinds for port in (*kind.commands, *kind.setpoints)}
+    running = {keys.port(plan.robot, name, command) for name in plan.units for command in plan.commands(name)}
+    return sorted((declared | running) - set(plan.streams()))
+
+
+def _of_process(plan: Plan, unit: Unit) -> Rights:
+    config, robot, name = unit.config, plan.robot, unit.name
+    outputs = tuple(wire.key for wires in config.outputs.values() for wire in wires)
+    inputs = tuple(wire.key for wires in config.wiring.values() for wire in wires)
+    commands = tuple(keys.port(robot, name, command) for command in plan.commands(name))
+    requests = tuple(key for asked in config.requests.values() for key in asked.values())
+    relayed = _relayed(unit.lan.commands, robot) if unit.lan is not None else ()
+    watched = (keys.status(robot),) if unit.lan is not None else ()
+    acknowledgement = (keys.estop_acknowledgement(robot, name),) if unit.moves else ()
+    release = (keys.estop_release(robot, name),) if unit.moves else ()
+    return Rights(
+        put=(*outputs, *relayed, *acknowledgement, keys.event(robot), keys.estop(robot)),
+        ask=(*requests, *inputs, *relayed),
+        serve=(*outputs, *commands, *release, keys.event(robot), keys.schema(robot, name, "*")),
+        hear=(*inputs, *commands, *release, *watched, keys.estop(robot)),
+        alive=(keys.alive(robot, name),),
+        watch=(keys.alive(robot, "*"),),
+    )
+
+
+def _of_lan(plan: Plan, unit: Unit) -> Rights:
+    """Return what may come in from other machines without passing the relay: looking, and stopping.
+
+    So may what processes say that run there, but for what they ask of others: that is relayed.
+    """
+    assert unit.lan is not None
+    robot, lan = plan.robot, unit.lan
+    guests = [guest.rights for guest in lan.guests]
+    agents = [keys.agent_alive(robot, user.name) for user in lan.users if user.role == "host"]
+    asked = {key for rights in guests for key in rights.ask} - set(lan.commands)
+    return Rights(
+        put=(*lan.stops, keys.estop(robot), *_all(rights.put for rights in guests)),
+        ask=(
+            *lan.stops,
+            *lan.streams,
+            keys.estop(robot),
+            *keys.looked_at(robot),
+            keys.host(robot, "*"),
+            *sorted(asked),
+        ),
+        serve=_all(rights.serve for rights in guests),
+        hear=(f"{robot}/**", keys.estop(robot), *keys.looked_at(robot)),
+        alive=(*_all(rights.alive for rights in guests), *agents),
+        watch=(keys.alive(robot, "*"),),
+    )
+
+
+def _all(allowed: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(key for some in allowed for key in some))
+
+
+def _relayed(commands: Iterable[str], robot: str) -> tuple[str, ...]:
+    consoles = tuple(keys.console(robot, role) for role in ("view", "operate", "admin"))
+    return (*commands, *consoles, keys.estop_reset(robot))

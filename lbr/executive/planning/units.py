@@ -1,0 +1,248 @@
+"""From a row to the one document that its process gets: settings, wiring, devices, ways onto the bus. Pure."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.bus import keys
+from lbr.bus.access import Credentials, Rights
+from lbr.bus.door import LanConfig, LanGuest, LanUser
+from lbr.capability import registry
+from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
+from lbr.capability.kind import Kind
+from lbr.capability.kind import Rows as Read
+from lbr.capability.program import ProgramSettings
+from lbr.database.rows import CapabilityRow, ChannelRow, RobotRows
+from lbr.executive.planning.credentials import token_secret
+from lbr.executive.planning.devices import device_address
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
+from lbr.executive.planning.wiring import EXECUTIVE
+from lbr.messages.rows import Row, RowSet, row_set, with_rows
+
+LAN = "lan"
+
+
+class Unit(Struct, frozen=True, kw_only=True):
+    """One process of the plan; two equal units need no restart. `lan` is for the door to other machines alone."""
+
+    name: str
+    kind: str
+    family: str
+    moves: bool
+    serves: bool = False
+    restart: str
+    needs: tuple[str, ...]
+    config: ProcessConfig
+    fingerprint: str = ""
+    program: ProgramSettings | None = None
+    lan: LanConfig | None = None
+
+
+def unit(
+    row: CapabilityRow,
+    kinds: Mapping[str, Kind],
+    settings: Any,
+    rows: RobotRows,
+    channels: list[ChannelRow],
+    profile: Profile,
+    site: Site,
+    running: set[str],
+) -> Unit:
+    """Return the process of a capability row, wired by `channels` to those that run."""
+    kind = kinds[row.name]
+    robot, host = rows.robot.name, profile.host_of(row.name)
+    devices = tuple(
+        DeviceConfig(
+            name=d.name,
+            type=d.type,
+            address=device_address(d, kinds.values(), profile, site, robot),
+            settings=d.settings,
+        )
+        for d in rows.devices
+        if kind.family == "simulation" or (kind.device and d.name == getattr(settings, "device", None))
+    )
+    device = getattr(settings, "device", "") if kind.device else ""
+    ports = settings if isinstance(settings, ProgramSettings) else kind
+    config = ProcessConfig(
+        robot=robot,
+        name=row.name,
+        kind=row.kind,
+        settings=_compact(row.settings),
+        simulated=profile.simulate,
+        endpoints=() if host else site.endpoints,
+        credentials=_guest(host, row.name, rows, site) if host else site.credentials(row.name),
+        home="" if host else site.home,
+        host=host,
+        device=device,
+        devices=devices,
+        wiring=_wiring(row.name, kinds, channels, site, robot),
+        outputs={name: _outputs(row.name, name, kinds, channels, site, robot) for name in ports.outputs},
+        requests=_requests(row.name, kinds, channels, robot),
+        rows={read.row.TABLE: _read(read, settings, rows, site) for read in kind.reads},
+        release_key=site.seal(keys.estop_release(robot, row.name)),
+    )
+    return Unit(
+        name=row.name,
+        kind=row.kind,
+        family=kind.family,
+        moves=kind.moves,
+        serves=kind.serves,
+        restart=row.restart,
+        needs=tuple(need for need in row.needs if need in running),
+        config=config,
+        fingerprint=registry.fingerprint(row.kind, Path(site.home)),
+        program=settings if isinstance(settings, ProgramSettings) else None,
+    )
+
+
+def with_lan(
+    unit: Unit,
+    units: Mapping[str, Unit],
+    kinds: Mapping[str, Kind],
+    rows: RobotRows,
+    site: Site,
+    rights: Mapping[str, Rights],
+) -> Unit:
+    """Return the unit; the door to other machines gets to know whom it may let in, and to what.
+
+    `rights` are those of the processes that run on other machines.
+    """
+    if unit.kind != LAN:
+        return unit
+    robot = rows.robot.name
+    others = [other for other in units.values() if other.name != unit.name]
+    here, away = (
+        {
+            keys.port(robot, other.name, command): kinds[other.name].role(command)
+            for other in others
+            if bool(other.config.host) is elsewhere
+            for command in commands_of(other, kinds[other.name])
+        }
+        for elsewhere in (False, True)
+    )
+    folder = Path(site.home) / "credentials"
+    config = LanConfig(
+        listen=tuple(kinds[unit.name].parse(bytes(unit.config.settings)).listen),
+        link=site.credentials(f"@{unit.name}"),
+        users=_users(rows, site, "bus"),
+        streams=streams_of(robot, others),
+        stops=tuple(key for key, role in (here | away).items() if role == "view"),
+        commands={key: role for key, role in here.items() if role != "view"},
+        guests=tuple(
+            LanGuest(credentials=other.config.credentials, rights=rights[other.name])
+            for other in others
+            if other.config.host and other.config.credentials is not None
+        ),
+        theirs={key: role for key, role in away.items() if role != "view"},
+        private_key=str(folder / "bus.key"),
+        certificate=str(folder / "bus.crt"),
+    )
+    return replace(unit, lan=config)
+
+
+def with_learnt(unit: Unit, rows: Mapping[str, msgspec.Raw]) -> Unit:
+    """Return a unit that has these rows already, by table, as far as it reads such."""
+    return replace(unit, config=replace(unit.config, rows=with_rows(unit.config.rows, rows)))
+
+
+def read_by(read: Read, settings: Any, rows: Iterable[Row]) -> tuple[Row, ...]:
+    """Return those of a table's rows that a kind gets with such settings."""
+    wanted = {column: getattr(settings, setting) for column, setting in read.where.items()}
+    return tuple(row for row in rows if all(getattr(row, column) == value for column, value in wanted.items()))
+
+
+def commands_of(unit: Unit, kind: Kind) -> tuple[str, ...]:
+    """Return what a unit can be asked for."""
+    return tuple(unit.program.commands if unit.program is not None else kind.commands)
+
+
+def streams_of(robot: str, units: Iterable[Unit]) -> tuple[str, ...]:
+    """Return the keys of the streams that units publish under their own names."""
+    keyed = ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
+    return tuple(sorted({key for unit, key in keyed if key.startswith(f"{robot}/{unit.name}/")}))
+
+
+def _read(read: Read, settings: Any, rows: RobotRows, site: Site) -> RowSet:
+    """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit."""
+    if read.row is LanUser:
+        return row_set(read.row, _users(rows, site, "web"))
+    return row_set(read.row, read_by(read, settings, rows.of(read.row)))
+
+
+def _users(rows: RobotRows, site: Site, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:
+    """Return who may come in there; whose token is for the other way in is not even known to who opens this one."""
+    return tuple(
+        LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
+        for t in rows.tokens
+        if t.lets_in(door)
+    )
+
+
+def _guest(host: str, name: str, rows: RobotRows, site: Site) -> Credentials | None:
+    """Return how a process on another machine proves itself: void with the token of its host."""
+    token = next((one for one in rows.tokens if one.name == host and one.role == "host" and one.lets_in("bus")), None)
+    if token is None:
+        return None
+    password = site.seal(f"password of {name} on {host} since {token.created_at}")
+    return Credentials(user=f"{host}.{name}", password=password)  # no token's name has a dot
+
+
+def _compact(settings: str) -> msgspec.Raw:
+    """Return the settings without white space: the document is one line, and spaces restart nothing."""
+    return msgspec.Raw(msgspec.json.encode(msgspec.json.decode(settings)))
+
+
+def _is_setpoint(target: tuple[str, str], kinds: Mapping[str, Kind]) -> bool:
+    return target[1] in kinds[target[0]].setpoints
+
+
+def _wiring(
+    name: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: Site, robot: str
+) -> dict[str, tuple[InputWire, ...]]:
+    wires: dict[str, tuple[InputWire, ...]] = {}
+    for channel in channels:
+        (source, output), (target, port) = channel.source_end, channel.target_end
+        if target != name or output in kinds[source].requests:
+            continue
+        addressed = _is_setpoint((target, port), kinds)
+        key = keys.port(robot, target, port) if addressed else keys.port(robot, source, output)
+        wire = InputWire(
+            key=key,
+            source=source,
+            rate_hz=channel.rate_hz,
+            history=channel.history,
+            seal=site.seal(key) if kinds[source].family != "program" else "",
+        )
+        wires[port] = (*wires.get(port, ()), wire)
+    return wires
+
+
+def _outputs(
+    name: str, output: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: Site, robot: str
+) -> tuple[OutputWire, ...]:
+    setpoints = [
+        keys.port(robot, *channel.target_end)
+        for channel in channels
+        if channel.source_end == (name, output) and _is_setpoint(channel.target_end, kinds)
+    ]
+    if setpoints:
+        return tuple(OutputWire(key=key, seal=site.seal(key)) for key in setpoints)
+    own = keys.port(robot, name, output)
+    return (OutputWire(key=own, seal="" if kinds[name].family == "program" else site.seal(own)),)
+
+
+def _requests(
+    name: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], robot: str
+) -> dict[str, dict[str, str]]:
+    asked: dict[str, dict[str, str]] = {}
+    for channel in channels:
+        (source, request), (target, command) = channel.source_end, channel.target_end
+        if source == name and request in kinds[source].requests:
+            own = {"edit": keys.edit(robot), "estop_reset": keys.estop_reset(robot)} if target == EXECUTIVE else {}
+            asked.setdefault(request, {})[target] = own.get(command, keys.port(robot, target, command))
+    return asked

@@ -1,0 +1,167 @@
+"""Looks at the rows: the first plan, and every later one when somebody has edited rows or a capability's file."""
+
+from collections.abc import Callable, Iterable
+from datetime import UTC, datetime
+from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.database import copies
+from lbr.database.rows import RevisionRow, RobotRows
+from lbr.database.store import PATIENCE_S, Database
+from lbr.errors import InputError, LbrError, RowError
+from lbr.executive.planning import plan as plans
+from lbr.executive.planning import planner
+from lbr.executive.planning.kinds import KindsBeside
+from lbr.executive.planning.machine import Machine
+from lbr.executive.planning.plan import Change, Plan
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.site import Site
+
+UNKNOWN_VERSION = -1
+NEVER = datetime.max.replace(tzinfo=UTC)
+EDITS_TOLD = 4
+PART_OF = {"motion_step", "choreography", "phrase"}
+"""Tables whose rows are known by two names: of which motion it is a step, say."""
+
+
+class News(Struct, frozen=True):
+    """What a look has found: a plan that differs, with what to do and what was edited, or why there is none.
+
+    With problems, a plan is the old one with the tokens of now: whoever is locked out is out, whatever else is wrong.
+    """
+
+    plan: Plan | None = None
+    change: Change = Change()
+    edited: str = ""
+    problems: tuple[str, ...] = ()
+    unreadable: bool = False
+
+
+class RowWatch:
+    """Compares what the database says with what was planned last; cheap to call five times a second."""
+
+    def __init__(self, database: Database, profile: Profile, site: Site, machine: Callable[[int], Machine]) -> None:
+        """Watch rows for a machine that has `machine(n)` when n of the robot's processes run on it."""
+        self._database = database
+        self._machine = machine
+        self._profile = profile
+        self._site = site
+        self._file = _identity(database.path)
+        self._version = UNKNOWN_VERSION
+        self._kinds = KindsBeside(Path(site.home))
+        self._named: frozenset[str] = frozenset()
+        self._files: dict[str, str] = {}
+        self._problems: tuple[str, ...] = ()
+        self._next_end = NEVER
+
+    def first(self) -> Plan:
+        """Return the plan to start with; raise RowError with everything that is wrong."""
+        self._version = self._database.data_version()
+        rows = self._with_valid_tokens(loaded(self._database, [self._profile.robot])[self._profile.robot])
+        self._files = self._marks(rows)
+        self._kinds.try_now(self._files)
+        plan, problems = planner.make(rows, self._profile, self._site, self._machine(0), find=self._kinds.find)
+        if plan is None:
+            raise RowError(tuple(str(problem) for problem in problems))
+        return plan
+
+    def look(self, plan: Plan) -> News | None:
+        """Return what is new since the last look; None if nothing was touched."""
+        try:
+            self._check_file()
+            seen = self._database.data_version()
+            untouched = (seen, self._kinds.marks(self._named)) == (self._version, self._files)
+            if untouched and datetime.now(UTC) < self._next_end:
+                return None
+            rows = self._with_valid_tokens(self._database.load(self._profile.robot, patience_s=PATIENCE_S))
+        except LbrError as err:
+            self._version = UNKNOWN_VERSION
+            self._problems = (str(err),)
+            return News(problems=self._problems, unreadable=True)
+        files = self._marks(rows)
+        if not self._kinds.ready(files):
+            self._version = UNKNOWN_VERSION
+            return self._locked_out(plan, rows) if rows.tokens != plan.rows.tokens else None
+        self._version, self._files = seen, files
+        new, problems = planner.make(
+            rows, self._profile, self._site, self._machine(len(plan.here)), find=self._kinds.find
+        )
+        self._kinds.forget_faults()
+        self._problems = tuple(str(problem) for problem in problems)
+        if new is None and rows.tokens != plan.rows.tokens:
+            return self._locked_out(plan, rows)
+        if new is None:
+            return News(problems=self._problems)
+        return self._news(plan, new)
+
+    def _locked_out(self, plan: Plan, rows: RobotRows) -> News:
+        """Return the old plan with the tokens of now."""
+        new = planner.with_tokens(plan, rows.tokens, self._profile, self._site, self._machine(len(plan.here)))
+        return self._news(plan, new) if new is not None else News(problems=self._problems)
+
+    def _news(self, plan: Plan, new: Plan) -> News:
+        edited = self._edited(plan.rows, new.rows)
+        return News(plan=new, change=plans.difference(plan, new), edited=edited, problems=self._problems)
+
+    def look_again(self) -> None:
+        """Read the rows at the next look: they were written by this process, which `data_version` does not tell."""
+        self._version = UNKNOWN_VERSION
+
+    def _with_valid_tokens(self, rows: RobotRows) -> RobotRows:
+        """Leave out the tokens that have no rights any more, and note when the next one's end comes."""
+        now = datetime.now(UTC)
+        valid = tuple(one for one in rows.tokens if one.revoked_at is None and not one.has_expired(now))
+        self._next_end = min((datetime.fromisoformat(one.expires_at) for one in valid if one.expires_at), default=NEVER)
+        return replace(rows, tokens=valid)
+
+    def _edited(self, old: RobotRows, new: RobotRows) -> str:
+        rows = self._database.revisions(old.revision) if new.revision != old.revision else ()
+        said = list(dict.fromkeys(_edit(row) for row in rows))
+        more = f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else ""
+        return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(old, new))))
+
+    def _marks(self, rows: RobotRows) -> dict[str, str]:
+        """Return the marks of the kinds that rows name, and go by these from now on, also if the rows are refused."""
+        self._named = frozenset(row.kind for row in rows.capabilities)
+        return self._kinds.marks(self._named)
+
+    def _check_file(self) -> None:
+        """Notice that another file stands where the database was: what is written there is not what is read here."""
+        path = self._database.path
+        try:
+            found = _identity(path)
+        except OSError as err:
+            raise InputError(f"database {path} is gone ({err.strerror}); put it back, or restart") from err
+        if found != self._file:
+            raise InputError(f"database {path} was replaced by another file; restart to use it")
+
+
+def loaded(database: Database, robots: Iterable[str]) -> dict[str, RobotRows]:
+    """Return the rows of robots as a start reads them."""
+    found = database.load_all(robots)
+    lost = copies.lost_edits(database.path, next(iter(found.values())).revision) if found else ()
+    return {name: replace(rows, problems=(*rows.problems, *lost)) for name, rows in found.items()}
+
+
+def _edit(row: RevisionRow) -> str:
+    """Say what was edited; the many numbers of one calibration are one edit."""
+    if row.table == "calibration":
+        return f"calibration of '{row.row_key[-2]}'"
+    named = row.row_key[-2:] if row.table in PART_OF else row.row_key[-1:]
+    return f"{row.operation} {row.table} '{'/'.join(map(str, named))}'"
+
+
+def _tokens_edited(old: RobotRows, new: RobotRows) -> str:
+    """Say whose tokens came and went, whether they were revoked or their time was up."""
+    came = [f"token '{one.name}' ({one.role}) is valid" for one in new.tokens if one not in old.tokens]
+    names = {one.name for one in new.tokens}
+    went = [f"token '{one.name}' has no rights any more" for one in old.tokens if one.name not in names]
+    said = [*went, *came]
+    return ", ".join(said[:EDITS_TOLD]) + (f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else "")
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    found = path.stat()
+    return found.st_dev, found.st_ino

@@ -1,0 +1,197 @@
+"""One process of ours: started with its document, watched by heartbeat and pidfd, ended for certain."""
+
+import contextlib
+import fcntl
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import IO
+
+import msgspec
+
+from lbr import home
+from lbr.bus.codec import Decoder
+from lbr.bus.keys import alive
+from lbr.bus.session import client_settings, leaf_environment
+from lbr.capability.config import NOTHING, ProcessConfig, Report
+from lbr.capability.program import ProgramSettings
+from lbr.capability.reporter import HEARTBEAT_VARIABLE
+from lbr.capability.tether import tethered
+from lbr.console import wallet
+from lbr.errors import MalformedError
+from lbr.executive.planning.units import Unit
+from lbr.executive.processes import scheduling
+from lbr.executive.processes.reaper import Mark
+
+LARGEST_DOCUMENT_BYTES = 1 << 20
+PIPE_BYTES = 1 << 16
+_reports = Decoder(Report)
+
+
+class Child:
+    """A running process: capability or program; `mark` makes it known to the reaper."""
+
+    def __init__(self, unit: Unit, config: ProcessConfig, log: IO[bytes], mark: Mark) -> None:
+        self.unit = unit
+        self.endpoint = next(iter(config.endpoints), "")
+        self._mark = mark
+        self.reports_fd = -1
+        self._buffer = b""
+        self._popen = self._start_program(unit.program, config, log) if unit.program else self._start(config, log)
+        self.pid = self._popen.pid
+        try:
+            self.pid_fd = os.pidfd_open(self.pid)
+        except OSError:
+            self.kill()
+            self._popen.wait()
+            self._let_go()
+            raise
+
+    @property
+    def fds(self) -> tuple[int, ...]:
+        """File descriptors that have news of it."""
+        return (self.pid_fd,) if self.reports_fd < 0 else (self.pid_fd, self.reports_fd)
+
+    def _start(self, config: ProcessConfig, log: IO[bytes]) -> "subprocess.Popen[bytes]":
+        document = msgspec.json.encode(config) + b"\n"
+        if len(document) > LARGEST_DOCUMENT_BYTES:
+            raise ValueError(f"its settings and wiring have {len(document)} bytes, more than a process can be given")
+        self.reports_fd, report_fd = os.pipe()
+        os.set_blocking(self.reports_fd, False)
+        try:
+            popen = subprocess.Popen(
+                [sys.executable, "-P", "-m", "lbr.capability.process", f"{config.robot}/{config.name}", config.home],
+                stdin=subprocess.PIPE,
+                stdout=log,
+                stderr=log,
+                env=_environment(config) | self._mark.environment | {HEARTBEAT_VARIABLE: str(report_fd)},
+                pass_fds=(report_fd,),
+                start_new_session=True,
+            )
+        except BaseException:
+            os.close(self.reports_fd)
+            raise
+        finally:
+            os.close(report_fd)
+        assert popen.stdin is not None
+        self._mark.began(popen.pid)  # before the document comes, it does nothing and hides nothing
+        self._take_rank(popen.pid)
+        if len(document) > PIPE_BYTES:
+            with contextlib.suppress(OSError):  # so that writing never waits for a reader, if this user has pipes left
+                fcntl.fcntl(popen.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)
+        with contextlib.suppress(BrokenPipeError):  # it died at once; its end is seen where every end is
+            popen.stdin.write(document)
+            popen.stdin.flush()
+        return popen
+
+    def _start_program(
+        self, program: ProgramSettings, config: ProcessConfig, log: IO[bytes]
+    ) -> "subprocess.Popen[bytes]":
+        popen = subprocess.Popen(
+            tethered(program.argv, within=config.home),
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            env=_environment(config)
+            | program_environment(program, config)
+            | self._mark.environment
+            | {"LBR_CONFIG": str(_way_in(config))},
+            start_new_session=True,
+        )
+        self._mark.began(popen.pid)
+        self._take_rank(popen.pid)
+        return popen
+
+    def _take_rank(self, pid: int) -> None:
+        self._rank = scheduling.Rank(pid)
+        self._rank.set(min(scheduling.niceness(self.unit), scheduling.USUAL))
+
+    def settle(self) -> None:
+        """Let it fall back to its rank: starting takes a busy machine long enough as it is."""
+        self._rank.set(scheduling.niceness(self.unit))
+
+    def reports(self) -> list[Report]:
+        """Return what the process has said since the last call; an empty report is a heartbeat."""
+        self._rank.retry()
+        if self.reports_fd < 0:
+            return []
+        try:
+            part = os.read(self.reports_fd, 65536)
+        except BlockingIOError:
+            return []
+        if not part:  # it closed its end, and will say no more
+            os.close(self.reports_fd)
+            self.reports_fd = -1
+        self._buffer = (self._buffer + part)[-65536:]
+        *lines, self._buffer = self._buffer.split(b"\n")
+        return [_decode(line) for line in lines]
+
+    def terminate(self) -> None:
+        """Ask it to end; one that is frozen goes on, so that it hears."""
+        self._signal(signal.SIGTERM)
+        self._signal(signal.SIGCONT)
+
+    def kill(self) -> None:
+        """End it and everything it started."""
+        self._signal(signal.SIGKILL)
+
+    def returncode(self) -> int | None:
+        """Return how it ended, or None while it runs."""
+        return self._popen.poll()
+
+    def close(self) -> None:
+        """Let go of it after its end, and end what it started and left behind."""
+        self.kill()
+        os.close(self.pid_fd)
+        self._let_go()
+
+    def _let_go(self) -> None:
+        if self._popen.stdin is not None:
+            with contextlib.suppress(BrokenPipeError):
+                self._popen.stdin.close()
+        if self.reports_fd >= 0:
+            os.close(self.reports_fd)
+        self._rank.close()
+        self._mark.ended()
+
+    def _signal(self, number: int) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.pid, number)
+
+
+def _environment(config: ProcessConfig) -> dict[str, str]:
+    environment = leaf_environment() if config.private == NOTHING else dict(os.environ)  # the door is a router, no leaf
+    environment.pop(wallet.VARIABLE, None)
+    return environment | {"LBR_HOME": config.home}
+
+
+def _way_in(config: ProcessConfig) -> Path:
+    """Write down, in Zenoh's own words, how a program gets to the bus as itself; for its owner's eyes only."""
+    path = home.directory("run") / f"{config.robot}-{config.name}.json5"
+    with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "w") as file:
+        json.dump(client_settings(config.endpoints, config.credentials, certificate=config.certificate), file)
+    return path
+
+
+def program_environment(program: ProgramSettings, config: ProcessConfig) -> dict[str, str]:
+    """Return what a program of kind `exec` learns about its wiring."""
+    return program.env | {
+        "LBR_ROBOT": config.robot,
+        "LBR_NAME": config.name,
+        "LBR_ALIVE": alive(config.robot, config.name),
+        "LBR_INPUTS": json.dumps({port: [wire.key for wire in wires] for port, wires in config.wiring.items()}),
+        "LBR_OUTPUTS": json.dumps({port: wires[0].key for port, wires in config.outputs.items()}),
+        "LBR_COMMANDS": json.dumps({name: f"{config.robot}/{config.name}/{name}" for name in program.commands}),
+    }
+
+
+def _decode(line: bytes) -> Report:
+    if not line:
+        return Report()
+    try:
+        return _reports.decode(line)
+    except MalformedError:
+        return Report()

@@ -1,0 +1,279 @@
+"""The routers of a robot: the core that its processes meet at, and the doors to it.
+
+    process (user, password) ──► core ◄── annex: opened later, for processes whose rights the core does not know
+    anybody at the socket ─────► local door ─┘
+
+What a router allows is fixed when it opens, and to open the core anew would cut off everything that moves. So the
+processes that an edit has given other rights get an annex: a router that knows their rights, hung on the core until none of
+them runs any more. `lbr/executive/planning/rights.py` says who may do what.
+
+A thread of its own opens and closes annexes, because the bus library may take its time: nobody waits for it but the
+processes that are to come in there.
+"""
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable, Collection, Iterable, Mapping
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from lbr import home
+from lbr.bus import session
+from lbr.bus.access import TOOLS, Credentials, Rights
+from lbr.errors import BusError
+from lbr.executive.planning import rights
+from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.site import Site
+from lbr.executive.planning.units import Unit
+
+EXECUTIVE, ANNEX = "@executive", "@annex"
+CORE = "core"
+TRUSTED = Rights(trusted=True)
+SETTLED_S = 0.3
+"""Routers tell one another what has changed 0.1 s later, and one that is closed before keeps a thread of the library for
+ten seconds: of those it has fifty, and without them nobody comes in any more."""
+OPENS_WITHIN_S = 5.0
+RETRY_S = 1.0
+CLOSES_WITHIN_S = 1.0
+Users = dict[str, Rights]
+
+
+def local_endpoint(robot: str) -> str:
+    """Return where anybody on this machine who may read the home comes in."""
+    return f"unixsock-stream/{home.socket_path(robot)}"
+
+
+def core_endpoint(robot: str) -> str:
+    """Return where the robot's own processes come in."""
+    return f"unixsock-stream/{home.socket_path(robot, '.core')}"
+
+
+def inside_endpoint(robot: str, name: str) -> str:
+    """Return where the relay of a door to other machines comes in at it."""
+    return f"unixsock-stream/{home.socket_path(robot, f'.{name}')}"
+
+
+class Place(NamedTuple):
+    """A router that a process comes in at."""
+
+    endpoint: str
+    router_id: str
+
+
+class Annex:
+    """A router for the processes of one change; `known` is what each of them may do there."""
+
+    def __init__(self, place: Place, known: dict[str, Users], opened: session.Session) -> None:
+        self.place = place
+        self.known = known
+        self.session = opened
+
+
+class Doors:
+    """Opens core and local door, and annexes as plans need them. Raises BusError if a socket is taken.
+
+    `wake` is called when a place has become free to come in at. `open_router` is there for tests.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        site: Site,
+        wake: Callable[[], None] = lambda: None,
+        open_router: Callable[[session.Router], session.Session] = session.open_router,
+    ) -> None:
+        self._robot = plan.robot
+        self._site = site
+        self._wake = wake
+        self._open_router = open_router
+        self._stack = ExitStack()
+        self._plan = plan
+        self._wanted = _wanted(plan)
+        self._in_use: frozenset[str] = frozenset()
+        self._annexes: list[Annex] = []
+        self._opened = 0
+        self._since: float | None = None
+        self._trouble = ""
+        self._settled_at = self._retry_at = 0.0
+        self._over = False
+        self._changed = threading.Condition()
+        self._known = dict(self._wanted)
+        local = site.router_id("local")
+        self._core = Place(core_endpoint(self._robot), site.router_id(CORE))
+        self._open(session.Router(listen=(local_endpoint(self._robot),), id=local, lease_ms=session.HELD_MS))
+        self._open(
+            self._router(
+                self._core,
+                {EXECUTIVE: TRUSTED, TOOLS: TRUSTED, ANNEX: TRUSTED} | _merged(self._known.values()),
+                links={local: rights.of_local(plan)},
+                connect=(local_endpoint(self._robot),),
+            )
+        )
+        self._worker = threading.Thread(target=self._work, name="doors", daemon=True)
+        self._worker.start()
+
+    def credentials(self, user: str) -> Credentials:
+        """Return how a user proves itself, the same for the whole run."""
+        return self._site.credentials(user)
+
+    def adopt(self, plan: Plan) -> None:
+        """Take over a plan: one annex is opened for all its processes whose rights no router knows."""
+        wanted = _wanted(plan)
+        with self._changed:
+            self._plan, self._wanted, self._trouble, self._retry_at = plan, wanted, "", 0.0
+            self._changed.notify_all()
+
+    def place(self, unit: Unit) -> Place | None:
+        """Return where a process of the plan has its rights, None if that is being opened; BusError if it cannot be."""
+        with self._changed:
+            found = self._find(unit.name)
+            if found is not None or unit.name not in self._wanted:
+                return found
+            if self._trouble:
+                raise BusError(f"the router for its rights did not open: {self._trouble}")
+            if self._since is not None and time.monotonic() - self._since > OPENS_WITHIN_S:
+                text = f"the router for its rights has not opened within {OPENS_WITHIN_S:.0f} s"
+                raise BusError(f"{text}; the robot runs on without it until it is started anew")
+            return None
+
+    def tidy(self, in_use: Iterable[str]) -> None:
+        """Have the annexes closed that no process of the plan needs and none runs at, by their endpoints."""
+        found = frozenset(in_use)
+        with self._changed:
+            if found != self._in_use:
+                self._in_use = found
+                self._changed.notify_all()
+
+    def annexes(self) -> int:
+        """Return how many annexes are open."""
+        with self._changed:
+            return len(self._annexes)
+
+    def close(self) -> None:
+        """Close every router, the newest first, as far as the bus library does so in time."""
+        with self._changed:
+            self._over = True
+            self._changed.notify_all()
+        closing = threading.Thread(target=self._close_all, name="doors close", daemon=True)
+        closing.start()
+        closing.join(CLOSES_WITHIN_S)
+
+    def _close_all(self) -> None:
+        self._worker.join(CLOSES_WITHIN_S)
+        for annex in reversed(self._annexes):
+            _close(annex)
+        self._stack.close()
+
+    # -- the thread that opens and closes annexes ---------------------------------------------------------------------
+
+    def _work(self) -> None:
+        while (job := self._next_job()) is not None:
+            job()
+
+    def _next_job(self) -> Callable[[], None] | None:
+        """Wait for something to open or to close; None if all is over."""
+        with self._changed:
+            while not self._over:
+                now, missing, unused = time.monotonic(), self._missing(), self._unused()
+                if missing and now >= self._retry_at:
+                    return partial(self._open_annex, missing)
+                if unused is not None and now >= self._settled_at:
+                    self._annexes.remove(unused)  # so that nobody is sent there any more
+                    return partial(self._close_annex, unused)
+                dues = [*([self._retry_at] if missing else ()), *([self._settled_at] if unused is not None else ())]
+                self._changed.wait(min(dues) - now if dues else None)
+        return None
+
+    def _missing(self) -> dict[str, Users]:
+        return {name: users for name, users in self._wanted.items() if self._find(name) is None}
+
+    def _unused(self) -> Annex | None:
+        needed = {place.endpoint for name in self._wanted if (place := self._find(name)) is not None} | self._in_use
+        return next((annex for annex in self._annexes if annex.place.endpoint not in needed), None)
+
+    def _close_annex(self, annex: Annex) -> None:
+        _close(annex)
+        with self._changed:
+            self._settled_at = time.monotonic() + SETTLED_S
+
+    def _find(self, name: str) -> Place | None:
+        wanted = self._wanted.get(name)
+        if wanted is None or self._known.get(name) == wanted:
+            return self._core if wanted is not None else None
+        return next((annex.place for annex in self._annexes if annex.known.get(name) == wanted), None)
+
+    def _open_annex(self, known: dict[str, Users]) -> None:
+        with self._changed:
+            self._opened += 1
+            number, plan = self._opened, self._plan
+            self._since = time.monotonic()
+        socket = home.socket_path(self._robot, f".{number}")
+        place = Place(f"unixsock-stream/{socket}", self._site.router_id(f"annex {number}"))
+        router = self._router(
+            place,
+            _merged(known.values()),
+            links={self._core.router_id: TRUSTED},
+            connect=(self._core.endpoint,),
+            credentials=self.credentials(ANNEX),
+            plan=plan,
+        )
+        try:
+            opened, trouble = self._open_router(router), ""
+        except BusError as err:
+            opened, trouble = None, str(err)
+        with self._changed:
+            now = time.monotonic()
+            self._since, self._trouble = None, trouble
+            self._settled_at, self._retry_at = now + SETTLED_S, now + RETRY_S if trouble else 0.0
+            if opened is not None:
+                self._annexes.append(Annex(place, known, opened))
+        self._wake()
+
+    # -- routers --------------------------------------------------------------------------------------------------------
+
+    def _router(
+        self,
+        place: Place,
+        users: Mapping[str, Rights],
+        *,
+        links: Mapping[str, Rights],
+        connect: tuple[str, ...],
+        credentials: Credentials | None = None,
+        plan: Plan | None = None,
+    ) -> session.Router:
+        return session.Router(
+            listen=(place.endpoint,),
+            robot=self._robot,
+            users={user: self.credentials(user).password for user in users},
+            rights=dict(users),
+            links=dict(links),
+            id=place.router_id,
+            connect=connect,
+            credentials=credentials,
+            never_waiting=rights.looked_at(plan or self._plan),
+            lease_ms=session.HELD_MS,
+        )
+
+    def _open(self, router: session.Router) -> None:
+        try:
+            self._stack.enter_context(self._open_router(router))
+        except BaseException:
+            self._stack.close()
+            raise
+
+
+def _wanted(plan: Plan) -> dict[str, Users]:
+    return {name: rights.of_unit(plan, unit) for name, unit in plan.here.items()}
+
+
+def _merged(all_users: Collection[Users] | Iterable[Users]) -> Users:
+    return {user: found for users in all_users for user, found in users.items()}
+
+
+def _close(annex: Annex) -> None:
+    annex.session.close()
+    with contextlib.suppress(OSError):
+        Path(annex.place.endpoint.removeprefix("unixsock-stream/")).unlink()

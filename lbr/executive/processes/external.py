@@ -1,0 +1,180 @@
+"""External commands: programs started by name from the console, one of each at a time, none outliving the executive.
+
+Each gives up what every process of the robot does (capability/confine.py).
+"""
+
+import contextlib
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from lbr import home
+from lbr.bus.session import leaf_environment
+from lbr.capability.tether import tethered
+from lbr.database.rows import ExternalCommandRow
+from lbr.errors import InputError, LbrError
+from lbr.executive.processes import scheduling
+from lbr.executive.processes.logs import open_log
+from lbr.executive.processes.reaper import Mark, Reaper
+
+BLOCKING_LIMIT_S = 60.0
+OUTPUT_LIMIT = 4000
+STOP_S = 2.0
+CLOSE_S = 0.3
+PYTHON = "python"
+"""As the program of a row: the interpreter that lbr runs on, with lbr's own packages and none of the directory that
+`lbr run` was started in."""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A program that was started for a row, and what the reaper knows it by."""
+
+    row: ExternalCommandRow
+    popen: "subprocess.Popen[bytes]"
+    mark: Mark
+
+    @property
+    def pid(self) -> int:
+        """Its process, or what was."""
+        return self.popen.pid
+
+    @property
+    def over(self) -> bool:
+        """Whether it has ended."""
+        return self.popen.poll() is not None
+
+
+class ExternalCommands:
+    """Starts and stops programs. `start` must run on the thread that lives as long as the process does."""
+
+    def __init__(self, logs: Path, robot: str, reaper: Reaper) -> None:
+        self._logs = logs
+        self._robot = robot
+        self._reaper = reaper
+        self._running: dict[str, Command] = {}
+
+    def start(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> Command:
+        """Start it; raise InputError if it runs already, LbrError if it cannot be started."""
+        known = self._running.get(row.name)
+        if known is not None and not known.over:
+            raise InputError(f"'{row.name}' runs already (pid {known.pid}); 'stop {row.name}' ends it")
+        mark = self._reaper.mark()
+        try:
+            popen = self._spawn(row, arguments, mark)
+        except OSError as err:
+            raise LbrError(f"'{row.name}' could not be started: {err}") from err
+        mark.began(popen.pid)
+        if known is not None:
+            known.mark.ended(kept=not known.row.blocking)
+        self._running[row.name] = command = Command(row, popen, mark)
+        return command
+
+    def _spawn(self, row: ExternalCommandRow, arguments: tuple[str, ...], mark: Mark) -> "subprocess.Popen[bytes]":
+        with contextlib.ExitStack() as stack:
+            out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
+            popen = subprocess.Popen(
+                tethered((*_program(row.argv), *arguments), within=str(home.home())),
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                env=leaf_environment()
+                | {"LBR_ROBOT": self._robot, "LBR_NAME": row.name, "LBR_STARTED_S": repr(time.monotonic())}
+                | mark.environment,
+                start_new_session=True,
+            )
+        scheduling.rank(popen.pid, scheduling.BACKGROUND)
+        return popen
+
+    @staticmethod
+    def wait(row: ExternalCommandRow, command: Command) -> tuple[int, str]:
+        """Wait for a blocking command; return its exit code and the beginning of what it printed. From any thread."""
+        popen = command.popen
+        assert popen.stdout is not None
+        with popen.stdout:
+            output, over = _read(popen.stdout.fileno(), time.monotonic() + BLOCKING_LIMIT_S)
+        try:
+            popen.wait(STOP_S if over else 0.0)
+        except subprocess.TimeoutExpired:
+            over = False
+        _signal(popen, signal.SIGKILL)
+        code = popen.wait()
+        command.mark.ended()
+        if not over:
+            return 1, f"'{row.name}' took longer than {BLOCKING_LIMIT_S:.0f} s and was ended"
+        text = output[:OUTPUT_LIMIT].decode(errors="replace").rstrip()
+        return code, text + ("\n…" if len(output) > OUTPUT_LIMIT else "")
+
+    def stop(self, name: str) -> str:
+        """End a running command with all that it has started, by force after two seconds; from any thread."""
+        command = self._running.get(name)
+        if command is None or command.over:
+            raise InputError(f"'{name}' does not run")
+        popen = command.popen
+        _ask(popen)
+        try:
+            popen.wait(STOP_S)
+        except subprocess.TimeoutExpired:
+            _signal(popen, signal.SIGKILL)
+            popen.wait()
+            return f"'{name}' did not end within {STOP_S:.0f} s and was killed"
+        finally:
+            command.mark.ended()
+        return f"'{name}' has ended"
+
+    def prune(self, names: set[str]) -> None:
+        """End commands whose rows are gone, and forget those that have ended by themselves."""
+        for name, command in list(self._running.items()):
+            if command.over:
+                del self._running[name]
+                command.mark.ended(kept=name in names and not command.row.blocking)
+            elif name not in names:
+                _ask(command.popen)
+
+    def close(self) -> None:
+        """End them all, in the same third of a second."""
+        running = [command.popen for command in self._running.values() if not command.over]
+        for popen in running:
+            _ask(popen)
+        until = time.monotonic() + CLOSE_S
+        for popen in running:
+            try:
+                popen.wait(max(0.0, until - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                _signal(popen, signal.SIGKILL)
+                popen.wait()
+
+
+def _program(argv: tuple[str, ...]) -> tuple[str, ...]:
+    return (sys.executable, "-P", *argv[1:]) if argv[0] == PYTHON else argv
+
+
+def _read(fd: int, until: float) -> tuple[bytes, bool]:
+    """Read to the end, keeping only the beginning; say whether the end came in time."""
+    kept = b""
+    poll = select.poll()
+    poll.register(fd, select.POLLIN)
+    while poll.poll(max(0.0, until - time.monotonic()) * 1000):
+        part = os.read(fd, 65536)
+        if not part:
+            return kept, True
+        kept += part[: OUTPUT_LIMIT + 1 - len(kept)]
+        if time.monotonic() > until:
+            break
+    return kept, False
+
+
+def _ask(popen: "subprocess.Popen[bytes]") -> None:
+    """Ask it to end; one that is frozen goes on, so that it hears."""
+    _signal(popen, signal.SIGTERM)
+    _signal(popen, signal.SIGCONT)
+
+
+def _signal(popen: "subprocess.Popen[bytes]", number: int) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(popen.pid, number)

@@ -1,0 +1,66 @@
+"""One capability as the supervisor keeps it: its process, its phase, its past."""
+
+from typing import Protocol
+
+from lbr.capability.config import Report
+from lbr.executive.planning.units import Unit
+from lbr.executive.processes.starvation import Look
+from lbr.messages.system import CapabilityPhase
+
+
+class Started(Protocol):
+    """What the supervisor needs of a process."""
+
+    pid: int
+
+    def reports(self) -> list[Report]:
+        """Return what it has said since the last call."""
+
+    def settle(self) -> None:
+        """Hear that it is ready for the first time."""
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+
+    def kill(self) -> None:
+        """End it."""
+
+    def returncode(self) -> int | None:
+        """Return how it ended, or None."""
+
+    def close(self) -> None:
+        """Let go of it after its end."""
+
+
+class Slot:
+    """`reason` is about now; `last_words` is what was said of an end to come; `last_end` how it last ended unasked.
+
+    `suspect` is the first look at its threads in a silence, `look_at` when to look again, and `usual` the last look at
+    how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
+    """
+
+    def __init__(self, unit: Unit) -> None:
+        self.unit = unit
+        self.phase: CapabilityPhase = "waiting"
+        self.reason = ""
+        self.child: Started | None = None
+        self.restarts = 0
+        self.deaths: tuple[float, ...] = ()
+        self.started_at = 0.0
+        self.beat_at = 0.0
+        self.suspect: Look | None = None
+        self.look_at = 0.0
+        self.usual: Look | None = None
+        self.said: tuple[str, str] | None = None
+        self.told = ("", "")
+        self.settled_at = 0.0
+        self.tell_at: float | None = None
+        self.last_words = ""
+        self.last_end = ""
+        self.due_at: float | None = 0.0
+        self.kill_at: float | None = None
+        self.hung = False
+        self.wanted = True
+        self.counts: dict[str, int] = {}
+        self.rates: dict[str, float] = {}
+        self.counted_at = 0.0

@@ -1,0 +1,264 @@
+"""One stay of an agent with a robot: from the first report to the loss of contact, with the share in between."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+from math import inf
+from pathlib import Path
+
+from msgspec import Raw
+from msgspec.structs import replace
+
+from lbr import home
+from lbr.bus import keys, wire
+from lbr.bus.codec import Decoder
+from lbr.bus.links import Links
+from lbr.bus.session import Session
+from lbr.capability import registry
+from lbr.console.remote import RefusedError
+from lbr.console.target import Target
+from lbr.errors import BusError, MalformedError
+from lbr.executive.planning import machine
+from lbr.executive.planning import plan as plans
+from lbr.executive.planning.units import Unit, with_learnt
+from lbr.executive.processes.child import Child
+from lbr.executive.processes.logs import open_log, trim_all
+from lbr.executive.processes.mainthread import MainThread
+from lbr.executive.processes.reaper import Reaper
+from lbr.executive.processes.supervisor import Supervisor
+from lbr.executive.remote import hosting
+from lbr.executive.remote.hosting import HostReport, HostShare, Learnt, Placed
+from lbr.executive.service.overview import Overview
+from lbr.messages.system import EstopState, Event, Status
+
+ANSWER_S = 1.0
+TAKEN_S = hosting.GONE_S + 1.0
+"""An agent that died is forgotten by then, and this one takes its place."""
+END_S, LOST_END_S = 2.5, 0.5
+"""How long the processes have to end; without contact they can only wait for what does not come."""
+TRIM_S = 1.0
+MOST_WAITING = 64
+_shares = Decoder(HostShare)
+_latches = Decoder(EstopState)
+_statuses = Decoder(Status)
+
+
+class Stay:
+    """Supervises a host's share on this machine; lives on the thread of `main`."""
+
+    def __init__(
+        self,
+        bus: Session,
+        found: Target,
+        host: str,
+        main: MainThread,
+        reaper: Reaper,
+        *,
+        agent: str,
+        where: str,
+        say: Callable[[str], None],
+    ) -> None:
+        self._bus = bus
+        self._found = found
+        self._host = host
+        self._main = main
+        self._reaper = reaper
+        self._agent = agent
+        self._where = where
+        self._say = say
+        self._source = f"agent {host}"
+        self._home = str(home.home())
+        self._version = hosting.version()
+        self._mark = ""
+        self._placed: dict[str, Placed] = {}
+        self._events: deque[Event] = deque(maxlen=MOST_WAITING)
+        self._learns: deque[Learnt] = deque()
+        self._presence = wire.Presence(bus, found.robot, lambda _name, _alive: main.wake())
+        self._token = wire.alive(bus, found.robot, keys.agent(host))
+        self._links = Links(bus, ("tls", "tcp"), main.wake)
+        self._supervisor = Supervisor(
+            self._start,
+            self._happened,
+            lambda name: name in self._presence.names,
+            learnt=self._learnt,
+            at_once=machine.at_once(),
+        )
+        self._overview = Overview(self._supervisor)
+        self._since = self._heard_at = time.monotonic()
+        self._accepted = False
+        self._question: wire.Question | None = None
+        self._told: HostReport | None = None
+        self._ask_at = self._trim_at = -inf
+        self._over = ""
+
+    def run(self, stopping: Callable[[], bool]) -> str:
+        """Return why contact ended, with every process of the share ended; raise RefusedError if there never was any."""
+        try:
+            while not (self._over or stopping()):
+                now = time.monotonic()
+                due = self._supervisor.step()
+                self._converse(now)
+                if now >= self._trim_at:
+                    self._trim_at = now + TRIM_S
+                    trim_all(home.home() / "logs")
+                    if why := self._reaper.step():
+                        self._say(f"the process that ends what is left over cannot be started: {why}")
+                self._wait(max(0.0, min(due, self._ask_at - now if self._question is None else hosting.REPORT_S)))
+        finally:
+            self._supervisor.shut_down(self._wait, limit_s=LOST_END_S if self._over else END_S)
+        if self._accepted and not self._over:
+            self._leave()
+        return self._over
+
+    # -- with the executive -------------------------------------------------------------------------------------------
+
+    def _converse(self, now: float) -> None:
+        if self._accepted and any(not one.here for one in self._links.take()):
+            self._over = f"contact with robot '{self._found.robot}' is lost"
+            return
+        if self._question is None and now >= self._ask_at:
+            self._ask_at = now + hosting.REPORT_S
+            self._question = self._report()
+        question = self._question
+        if question is not None and question.replies:
+            self._question = None
+            self._read(question.replies[0], now)
+        elif question is not None and question.done:
+            self._question = None
+        if not now - self._heard_at < (hosting.LOST_S if self._accepted else ANSWER_S):
+            self._unanswered()
+
+    def _report(self, *, leaving: bool = False) -> wire.Question:
+        events = tuple(self._events)[: hosting.MOST_EVENTS]
+        self._told = HostReport(
+            agent=self._agent,
+            where=self._where,
+            share=self._mark,
+            states=() if leaving else self._overview.capabilities(time.monotonic()),
+            events=events,
+            learnt=tuple(self._learns),
+            leaving=leaving,
+        )
+        return wire.Question(
+            self._bus,
+            keys.host(self._found.robot, self._host),
+            wire.encode(self._told),
+            timeout_s=ANSWER_S,
+            source=self._source,
+            wake=self._main.wake,
+        )
+
+    def _read(self, raw: wire.Raw, now: float) -> None:
+        try:
+            share = _shares.decode(raw.payload)
+        except MalformedError as err:
+            raise RefusedError(f"the robot's answer cannot be read ({err}): {self._versions('another')}") from err
+        if not share.accepted:
+            if now - self._since > TAKEN_S:
+                raise RefusedError(share.reason)
+            self._heard_at = now
+            return
+        if share.version != self._version:
+            raise RefusedError(self._versions(share.version))
+        self._heard_at = now
+        if share.ended:
+            self._over = f"robot '{self._found.robot}' has shut down"
+            return
+        self._delivered()
+        if not self._accepted:
+            self._accepted = True
+            self._say(f"host '{self._host}' of robot '{self._found.robot}' at {self._found.endpoints[0]}")
+        if share.units is not None and share.share != self._mark:
+            self._adopt(share.units)
+            self._mark = share.share
+
+    def _versions(self, theirs: str) -> str:
+        return f"the robot has lbr {theirs} and this machine {self._version}; install the same on both"
+
+    def _delivered(self) -> None:
+        """Forget what has been told."""
+        told = self._told
+        if told is not None:
+            self._events = deque((one for one in self._events if one not in told.events), self._events.maxlen)
+            self._learns = deque(one for one in self._learns if one not in told.learnt)
+        self._told = None
+
+    def _unanswered(self) -> None:
+        if self._accepted:
+            self._over = f"robot '{self._found.robot}' does not answer any more"
+            return
+        answers = wire.ask(self._bus, keys.status(self._found.robot), None, source=self._source, timeout_s=ANSWER_S)
+        if not answers:
+            raise BusError(f"robot '{self._found.robot}' does not answer")
+        status = _statuses.decode(answers[0].payload)
+        known = sorted({one.host for one in status.capabilities if one.host})
+        if self._host not in known:
+            which = f"it names {', '.join(known)}" if known else "it names no host"
+            text = f"robot '{status.robot}' runs by profile '{status.profile}', which places nothing on '{self._host}'"
+            raise RefusedError(f"{text}; {which}")
+        how = f"'lbr token revoke {self._host}', then 'lbr token add {self._host} --role host' at the robot"
+        raise RefusedError(f"the token '{self._host}' is not one for a host: {how}")
+
+    def _leave(self) -> None:
+        """Say that the share has ended here; nobody waits long for it."""
+        question = self._report(leaving=True)
+        until = time.monotonic() + hosting.REPORT_S
+        while not (question.replies or question.done) and time.monotonic() < until:
+            self._main.wait(until - time.monotonic(), ())
+
+    # -- with the processes -------------------------------------------------------------------------------------------
+
+    def _adopt(self, placed: tuple[Placed, ...]) -> None:
+        """Start, stop and restart what differs from what runs here."""
+        old, new = self._placed, {one.unit.name: one for one in placed}
+        change = plans.Change(
+            start=tuple(name for name in new if name not in old),
+            stop=tuple(name for name in old if name not in new),
+            restart=tuple(name for name, one in new.items() if name in old and one != old[name]),
+        )
+        self._placed = new
+        units = {name: one.unit for name, one in new.items()}
+        self._supervisor.adopt(units, change)
+
+    def _start(self, unit: Unit) -> Child:
+        if _size(registry.fingerprint(unit.kind, Path(self._home))) != _size(unit.fingerprint):
+            raise BusError(f"{self._home}/capabilities/{unit.kind}.py is not the file that the robot has; copy it here")
+        config = replace(
+            unit.config,
+            endpoints=self._found.endpoints,
+            certificate=self._found.certificate,
+            home=self._home,
+            estop=self._latch() if unit.moves else unit.config.estop,
+        )
+        with open_log(home.directory("logs") / f"{self._found.robot}-{unit.name}.log") as log:
+            return Child(unit, config, log, self._reaper.mark())
+
+    def _latch(self) -> EstopState:
+        answers = wire.ask(
+            self._bus, keys.estop(self._found.robot), None, source=self._source, timeout_s=hosting.REPORT_S
+        )
+        if not answers:
+            raise BusError("the robot does not say whether its emergency stop is latched")
+        return _latches.decode(answers[0].payload)
+
+    def _wait(self, timeout_s: float) -> None:
+        children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
+        self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
+
+    def _happened(self, kind: str, subject: str, text: str, level: str) -> None:
+        self._say(f"{subject}: {text}")
+        event = Event(kind=kind, subject=subject, text=text[: hosting.LONGEST_TEXT], level=level)  # type: ignore[arg-type]
+        self._events.append(event)
+
+    def _learnt(self, name: str, rows: dict[str, Raw]) -> None:
+        """Go on with what was learnt here: rows that say the same restart nothing."""
+        if name in self._placed:
+            one = replace(self._placed[name], unit=with_learnt(self._placed[name].unit, rows))
+            self._placed[name] = one
+            self._supervisor.slots[name].unit = one.unit
+        self._learns.append(Learnt(name=name, rows=rows))
+
+
+def _size(fingerprint: str) -> str:
+    """Return how large a capability's file is; when it was written differs from machine to machine."""
+    return fingerprint.rpartition("-")[2]

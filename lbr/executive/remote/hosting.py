@@ -1,0 +1,72 @@
+"""What the executive and the agent on another machine say to each other: a report, answered with the share."""
+
+from hashlib import blake2b
+from importlib import metadata
+
+import msgspec
+from msgspec import Raw, Struct
+
+from lbr.executive.planning.units import Unit
+from lbr.messages.codes import ReasonCode
+from lbr.messages.system import CapabilityStatus, Event
+
+REPORT_S = 0.2
+LOST_S = 2.0
+"""An agent that is not answered for so long ends its share; one whose link is lost does at once."""
+GONE_S = 3.0
+"""An agent that does not report for so long is gone; one whose link is lost, or who died, is at once."""
+TOLD = frozenset(["started", "recovered", "degraded", "stopped", "crashed", "hung", "ended", "failed", "need_lost"])
+"""What a supervisor tells of its processes; an agent is believed nothing else."""
+MOST_EVENTS = 16
+LONGEST_TEXT = 500
+
+
+class Learnt(Struct, frozen=True, kw_only=True):
+    """Rows that a capability has learnt, by table: to be written down."""
+
+    name: str
+    rows: dict[str, Raw]
+
+
+class HostReport(Struct, frozen=True, kw_only=True):
+    """How a share of the robot is: `agent` tells one run of an agent from others, `where` says which for people.
+
+    `share` is the mark of the share it has. `events` and `learnt` are told until there is an answer.
+    """
+
+    agent: str
+    where: str
+    share: str = ""
+    states: tuple[CapabilityStatus, ...] = ()
+    events: tuple[Event, ...] = ()
+    learnt: tuple[Learnt, ...] = ()
+    leaving: bool = False
+
+
+class Placed(Struct, frozen=True, kw_only=True):
+    """A process of a share; `restarts` is how often somebody has asked for a restart of it."""
+
+    unit: Unit
+    restarts: int = 0
+
+
+class HostShare(Struct, frozen=True, kw_only=True):
+    """The answer: `units` are told if the agent has others. `ended`: the robot shuts down, and its processes end."""
+
+    accepted: bool
+    code: ReasonCode = ""
+    reason: str = ""
+    version: str = ""
+    ended: bool = False
+    share: str = ""
+    units: tuple[Placed, ...] | None = None
+
+
+def version() -> str:
+    """Return the version of lbr that both ends must have."""
+    return metadata.version("lbr")
+
+
+def mark(units: tuple[Placed, ...]) -> str:
+    """Return what tells a share from others."""
+    return blake2b(msgspec.json.encode(units), digest_size=8).hexdigest()

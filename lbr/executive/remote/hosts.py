@@ -1,0 +1,187 @@
+"""The other machines that a robot's processes run on, as the executive sees them: who is there, and how its share is."""
+
+from collections.abc import Callable, Iterable, Mapping
+from math import inf
+
+from msgspec import Raw
+from msgspec.structs import replace
+
+from lbr.bus import keys, wire
+from lbr.bus.codec import Decoder
+from lbr.errors import MalformedError
+from lbr.executive.planning.units import Unit
+from lbr.executive.remote.hosting import GONE_S, TOLD, HostReport, HostShare, Placed, mark
+from lbr.messages.leases import CommandReply
+from lbr.messages.system import CapabilityStatus
+
+RUNNING = frozenset({"starting", "ready", "degraded", "stopping"})
+_reports = Decoder(HostReport)
+
+
+class Host:
+    """One machine: its share, and the agent that has it, if there is one."""
+
+    def __init__(self, name: str, served: wire.Served) -> None:
+        self.name = name
+        self.served = served
+        self.units: dict[str, Unit] = {}
+        self.share: tuple[Placed, ...] = ()
+        self.mark = ""
+        self.agent = self.where = ""
+        self.heard_at = -inf
+        self.seen = False
+        self.states: dict[str, CapabilityStatus] = {}
+
+
+class Hosts:
+    """Answers agents, at the key that `served` has for each host, from one thread.
+
+    `happened(kind, subject, text, level)` hears what people should know, `learnt(name, rows)` what is to be written down, and
+    `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines come in at, and
+    `present(name)` says who is on the bus.
+    """
+
+    def __init__(
+        self,
+        served: Mapping[str, wire.Served],
+        *,
+        version: str,
+        happened: Callable[[str, str, str, str], None],
+        learnt: Callable[[str, dict[str, Raw]], None],
+        begun: Callable[[str], None],
+        ways: Callable[[], tuple[str, ...]],
+        present: Callable[[str], bool],
+    ) -> None:
+        self._version = version
+        self._happened = happened
+        self._learnt = learnt
+        self._begun = begun
+        self._ways = ways
+        self._present = present
+        self._restarts: dict[str, int] = {}
+        self._ended = False
+        self._hosts = {name: Host(name, one) for name, one in served.items()}
+
+    def adopt(self, units: Iterable[Unit]) -> None:
+        """Take over a plan's processes; each host gets its share with the answer to its next report."""
+        units = tuple(units)
+        for host in self._hosts.values():
+            host.units = {unit.name: unit for unit in units if unit.config.host == host.name}
+            host.share = tuple(Placed(unit=u, restarts=self._restarts.get(n, 0)) for n, u in host.units.items())
+            host.mark = mark(host.share)
+
+    def restart(self, name: str) -> bool:
+        """Have a process started anew, if it is on another machine; say whether it is."""
+        host = next((host for host in self._hosts.values() if name in host.units), None)
+        if host is not None:
+            self._restarts[name] = self._restarts.get(name, 0) + 1
+            self.adopt([unit for each in self._hosts.values() for unit in each.units.values()])
+        return host is not None
+
+    def end(self) -> None:
+        """Have all processes elsewhere end: the robot shuts down."""
+        self._ended = True
+
+    def step(self, now: float) -> float:
+        """Answer who has reported, and see who is gone; return when to be called again."""
+        for host in self._hosts.values():
+            for request in host.served.take():
+                request.reply(self._answer(host, request, now), "executive")
+            if host.agent and (why := self._why_gone(host, now)):
+                self._gone(host, f"the agent at {host.where} {why}", "error")
+        return min((host.heard_at + GONE_S for host in self._hosts.values() if host.agent), default=inf)
+
+    def capabilities(self) -> dict[str, CapabilityStatus]:
+        """Return the status of every process elsewhere."""
+        return {name: self._status(host, unit) for host in self._hosts.values() for name, unit in host.units.items()}
+
+    def movers(self) -> list[str]:
+        """Return what moves something, runs, and is in contact; from any thread."""
+        return [
+            name
+            for host in self._hosts.values()
+            if host.agent
+            for name, state in list(host.states.items())
+            if state.phase in RUNNING and name in host.units and host.units[name].moves
+        ]
+
+    def close(self) -> None:
+        """Answer nobody any more."""
+        for host in self._hosts.values():
+            host.served.close()
+
+    def _answer(self, host: Host, request: wire.Request, now: float) -> HostShare | CommandReply:
+        try:
+            report = _reports.decode(request.payload)
+        except MalformedError as err:
+            return CommandReply(accepted=False, code="malformed", reason=f"malformed report: {err}")
+        answer = HostShare(accepted=True, version=self._version, share=host.mark, ended=self._ended)
+        if host.agent and host.agent != report.agent:
+            text = f"host '{host.name}' has an agent already, at {host.where}"
+            return replace(answer, accepted=False, reason=text, code="denied")
+        if report.leaving:
+            if host.agent:
+                self._gone(host, f"the agent at {host.where} has ended", "warning")
+            return answer
+        if self._ended:
+            return answer
+        if not host.agent:
+            host.agent, host.where, host.states = report.agent, report.where[:80], {}
+            names = ", ".join(host.units) or "nothing at present"
+            self._happened("host_joined", host.name, f"{host.where} runs {names}", "info")
+        host.heard_at = now
+        self._hear(host, report)
+        return answer if report.share == host.mark else replace(answer, units=host.share)
+
+    def _hear(self, host: Host, report: HostReport) -> None:
+        states = {state.name: replace(state, host=host.name) for state in report.states if state.name in host.units}
+        for name, state in states.items():
+            before = host.states.get(name)
+            if state.pid is not None and (before is None or before.pid != state.pid):
+                self._begun(name)
+        host.states = states
+        for event in report.events:
+            if event.subject in host.units and event.kind in TOLD:
+                self._happened(event.kind, event.subject, event.text, event.level)
+        for one in report.learnt:
+            if one.name in host.units:
+                self._learnt(one.name, one.rows)
+
+    def _why_gone(self, host: Host, now: float) -> str:
+        """Say why an agent counts as gone, or nothing; its token may come a little later than its first report."""
+        here = self._present(keys.agent(host.name))
+        lost, host.seen = host.seen and not here, here
+        return "is out of reach" if lost else "is silent" if not now - host.heard_at < GONE_S else ""
+
+    def _gone(self, host: Host, why: str, level: str) -> None:
+        running = [name for name, state in host.states.items() if state.phase in RUNNING]
+        host.agent, host.states, host.seen = "", {}, False
+        lost = f"; gone with it: {', '.join(running)}" if running else ""
+        self._happened("host_lost", host.name, f"{why}{lost}", level)
+
+    def _status(self, host: Host, unit: Unit) -> CapabilityStatus:
+        found = host.states.get(unit.name) if host.agent else None
+        if found is not None:
+            ready = found.phase not in {"ready", "degraded"} or self._present(unit.name)
+            return found if ready else replace(found, phase="starting")  # there, but it cannot be asked from here yet
+        reason = f"host '{host.name}' begins" if host.agent else self._what_to_type(host.name, unit)
+        return CapabilityStatus(
+            name=unit.name,
+            kind=unit.kind,
+            phase="waiting",
+            pid=None,
+            restarts=0,
+            uptime_s=None,
+            reason=reason,
+            rates_hz={},
+            host=host.name,
+        )
+
+    def _what_to_type(self, name: str, unit: Unit) -> str:
+        if unit.config.credentials is None:
+            return f"waits for host '{name}', which has no token; here, type: lbr token add {name} --role host"
+        ways = self._ways()
+        if not ways:
+            return f"waits for host '{name}', which cannot come in: the robot needs --listen tls/0.0.0.0:7447"
+        endpoint = ways[0].replace("0.0.0.0", "ROBOT").replace("[::]", "ROBOT")  # noqa: S104 - for people to read
+        return f"waits for host '{name}'; there, type: lbr agent {name} --connect {endpoint}"

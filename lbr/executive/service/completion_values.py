@@ -1,0 +1,36 @@
+"""What a field of a line may be on this robot, for completion: what its kind says, out of its rows and files."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TypeVar
+
+from lbr.executive.planning.plan import Plan
+from lbr.executive.service import reports
+from lbr.messages.rows import Row
+
+R = TypeVar("R", bound=Row)
+
+
+class _Known:
+    """What a robot knows that a field of one capability's command may be."""
+
+    def __init__(self, plan: Plan, home: Path, name: str) -> None:
+        self.home = home
+        self.devices = tuple(device.name for device in plan.rows.devices)
+        self.wired = tuple(one.target_end[0] for one in plan.rows.channels if one.source_end[0] == name)
+        self._plan = plan
+
+    def rows(self, row: type[R]) -> tuple[R, ...]:
+        """Return the rows of a table."""
+        return self._plan.rows.of(row)
+
+
+def choices(plan: Plan, home: Path) -> dict[str, Iterable[str]]:
+    """Return the known values by `capability.command` for its first field, or with `.field` at its end for that one."""
+    found: dict[str, Iterable[str]] = {"executive.report": reports.NAMES, "executive.restart": tuple(plan.units)}
+    for name, kind in plan.kinds.items():
+        known = _Known(plan, home, name)
+        for command in kind.commands:
+            for field, may_be in kind.command(command).choices.items():
+                found[f"{name}.{command}.{field}"] = may_be(known)
+    return found

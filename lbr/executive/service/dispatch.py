@@ -1,0 +1,315 @@
+"""One console line, whoever sent it: understood by the verb rows, asked on the bus, answered in words."""
+
+import ast
+import contextlib
+import io
+import json
+import threading
+import time
+import traceback
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from lbr import home
+from lbr.bus import codec, keys, stamp, wire
+from lbr.bus.session import Session
+from lbr.capability.halts import Halts
+from lbr.capability.kind import STOP
+from lbr.console.printable import clean
+from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
+from lbr.errors import InputError, LbrError
+from lbr.executive.service import reports
+from lbr.executive.service.completion_values import choices
+from lbr.executive.service.reports import Reports
+from lbr.executive.service.robot import Robot
+from lbr.messages.codes import Reason
+from lbr.messages.leases import STOPPED_SINCE, StopCommand
+from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+STOPPED = "stopped"
+MAX_RUN_S = 30.0
+BOUNDED_RUN_S = 86_400.0
+"""What knows its own end is held until then, unless its capability sets a limit."""
+MOST_LEASES = 256
+MOST_RECORDED = 200
+
+
+class _Speaker(NamedTuple):
+    """Who says a line, with which rights, whether at the robot's own terminal, and when.
+
+    `afar` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had `waited_s` there.
+    """
+
+    source: str
+    role: Role
+    local: bool
+    sent_s: float
+    afar: bytes = b""
+    waited_s: float = 0.0
+
+    @property
+    def told(self) -> str:
+        """Who it is, for the audit trail: from another machine with the token that the door saw proven."""
+        if not self.afar:
+            return self.source
+        found = stamp.read(self.afar)
+        proven = f"by token '{found.token}'" if found is not None and found.token else "token not told"
+        return f"{self.source} on another machine ({proven})"
+
+    def holder(self, capability: str) -> tuple[str, str, bool]:
+        """Return whose motion of what it is: a name from another machine is never that of somebody here."""
+        return capability, self.source, bool(self.afar)
+
+
+class Dispatcher:
+    """Executes lines. Blocks the calling thread for as long as the robot takes to answer, two seconds at most."""
+
+    def __init__(self, robot: Robot, bus: Session, namespace: Mapping[str, Any]) -> None:
+        self._robot = robot
+        self._bus = bus
+        self._reports = Reports(robot, bus)
+        self._namespace = dict(namespace)
+        self._halts = Halts()
+        self._halting = threading.Lock()
+        self._leases: dict[tuple[str, str, bool], str] = {}
+        self._built_in: dict[str, Callable[[VerbCall, _Speaker], ConsoleResult]] = {
+            "stop": self._stop,
+            "report": self._report,
+            "status": lambda _call, _by: ConsoleResult(code=DONE, text=self._reports.health()),
+            "estop": self._estop,
+            "reset": lambda _call, by: robot.estop_reset(by.source),
+            "help": self._help,
+            "shutdown": self._shutdown,
+            "restart": self._restart,
+        }
+
+    def execute(
+        self,
+        line: str | bytes,
+        *,
+        source: str,
+        role: Role,
+        local: bool = False,
+        sent_s: float | None = None,
+        afar: bytes = b"",
+        waited_s: float = 0.0,
+    ) -> ConsoleResult:
+        """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock.
+
+        `afar` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or written.
+        """
+        try:
+            parsed = self._robot.vocabulary.parse(line)
+            if parsed is None:
+                return ConsoleResult(code=DONE, text="")
+            said_s = time.monotonic() if sent_s is None else sent_s
+            return self._run(parsed, _Speaker(source, role, local, said_s, afar, waited_s), clean(line))
+        except InputError as err:
+            return ConsoleResult(code=BAD_INPUT, text=str(err), reason_code=err.code)
+        except LbrError as err:
+            return ConsoleResult(code=FAILED, text=str(err), reason_code="failed")
+        except Exception as err:  # noqa: BLE001 - a fault in one word must not silence the others
+            traceback.print_exception(err)
+            return ConsoleResult(
+                code=FAILED, text=f"this word is broken: {type(err).__name__}: {err}", reason_code="failed"
+            )
+
+    def _run(self, parsed: Parsed, by: _Speaker, line: str) -> ConsoleResult:
+        if isinstance(parsed, PythonLine):
+            return self._python(parsed.code, by)
+        needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
+        if why := _not_allowed(needed, by) or self._too_late(parsed, needed, by):
+            return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
+        if by.afar and RANKS[needed] > RANKS["view"]:
+            self._robot.record("line", by.told, line[:MOST_RECORDED])
+        if isinstance(parsed, ExternalStop):
+            return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told, by.source))
+        if isinstance(parsed, ExternalCall):
+            return self._robot.run_external(parsed, by.told, by.source)
+        if parsed.capability == "executive":
+            return self._built_in[parsed.command](parsed, by)
+        return self._ask(parsed, by)
+
+    def _too_late(self, parsed: Parsed, needed: Role, by: _Speaker) -> Reason | None:
+        """Return why a line that waited does nothing any more: another stopped the robot in the meantime.
+
+        Each mover knows this of motion; here it holds for programs and whatever else may come to move something.
+        """
+        ends = isinstance(parsed, ExternalStop) or (isinstance(parsed, VerbCall) and parsed.command in {STOP, "estop"})
+        if ends or by.waited_s == 0.0 or RANKS[needed] <= RANKS["view"]:
+            return None
+        at, who = self._halts.by_others(by.source)
+        return None if by.sent_s - by.waited_s > at else Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
+
+    def _halt(self, by: _Speaker) -> None:
+        with self._halting:
+            self._halts = self._halts.heard(by.sent_s, by.source)
+
+    def _estop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+        self._halt(by)
+        return self._robot.estop(str(call.payload.get("reason", "")), by.source)
+
+    def _ask(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+        name = call.capability
+        if name not in self._robot.plan.units:
+            text = f"'{name}' is not running: its row is disabled or the profile leaves it out"
+            return ConsoleResult(code=FAILED, text=text, reason_code="unreachable")
+        if outright := self._robot.vocabulary.confirming(call):
+            text = f"{outright.help}. To do it, say {outright.pattern}"
+            return ConsoleResult(code=FAILED, text=text, reason_code="confirm", confirm=outright.pattern)
+        kind = self._robot.plan.kinds[name]
+        moves = call.command in kind.commands and kind.command(call.command).leased
+        payload = dict(call.payload)
+        lease = self._leases.get(by.holder(name), "") if moves else ""
+        answer = self._query(call, payload | ({"lease": lease} if lease else {}), by)
+        if lease and answer is not None and answer.get("code") == "dead_lease":
+            self._leases.pop(
+                by.holder(name), None
+            )  # what we held is over; this line may begin anew, dated as it was said
+            answer = self._query(call, payload, by)
+        if answer is None:
+            text = f"'{name}' did not answer; {self._why_silent(name)}"
+            return ConsoleResult(code=FAILED, text=text, reason_code="unreachable")
+        return self._told(call, payload, answer, by)
+
+    def _told(self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], by: _Speaker) -> ConsoleResult:
+        if "accepted" not in answer:
+            return ConsoleResult(code=DONE, text=json.dumps(answer), reason_code="done", data=answer)
+        reason = str(answer.get("reason", ""))
+        if not answer["accepted"]:
+            code, cause = str(answer.get("code") or "refused"), str(answer.get("cause", ""))
+            return ConsoleResult(code=FAILED, text=reason or "refused", reason_code=code, cause=cause, data=answer)
+        lease = str(answer.get("lease", ""))
+        if not lease:
+            said = {name: value for name, value in answer.items() if name not in {"accepted", "reason", "code"}}
+            text = reason or (reports.flat({call.command: said}) if said else "done")
+            return ConsoleResult(code=DONE, text=text, reason_code=str(answer.get("code") or "done"), data=answer)
+        self._leases[by.holder(call.capability)] = lease
+        while len(self._leases) > MOST_LEASES:
+            self._leases.pop(next(iter(self._leases)))
+        robot, name = self._robot.plan.robot, call.capability
+        hold = Hold(
+            lease=lease,
+            ttl_s=float(answer.get("ttl_s") or 0.3),
+            key=keys.port(robot, name, call.command),
+            stop_key=keys.port(robot, name, "stop"),
+            result_key=keys.port(robot, name, "result"),
+            payload=payload | {"lease": lease},
+            goal=str(answer.get("goal", "")),
+            max_run_s=self._max_run_s(name, bounded=bool(answer.get("goal"))),
+        )
+        return ConsoleResult(code=DONE, text=reason or "accepted", hold=hold, data=answer)
+
+    def _max_run_s(self, name: str, *, bounded: bool) -> float:
+        settings = self._robot.plan.kinds[name].parse(self._robot.plan.units[name].config.settings)
+        return float(getattr(settings, "max_run_s", BOUNDED_RUN_S if bounded else MAX_RUN_S))
+
+    def _query(self, call: VerbCall, payload: dict[str, Any], by: _Speaker) -> dict[str, Any] | None:
+        key = keys.port(self._robot.plan.robot, call.capability, call.command)
+        answers = wire.ask(
+            self._bus,
+            key,
+            payload,
+            source=by.source,
+            timeout_s=2.0,
+            sent_s=by.sent_s,
+            attachment=by.afar,
+            waited_s=by.waited_s,
+        )
+        if not answers:
+            return None
+        decoded = codec.decode(answers[0].payload)
+        return decoded if isinstance(decoded, dict) else {"answer": decoded}
+
+    def _why_silent(self, name: str) -> str:
+        if (found := self._found(name)) is None:
+            return "it does not run"
+        return f"it is {found.phase}" + (f": {found.reason}" if found.reason else "")
+
+    def _found(self, name: str) -> CapabilityStatus | None:
+        return next((unit for unit in self._robot.status().capabilities if unit.name == name), None)
+
+    def _stop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+        """Stop whatever moves, all of it at once: what one does not answer delays the stop of no other."""
+        self._halt(by)
+        robot = self._robot.plan.robot
+        movers = {keys.port(robot, name, STOP): name for name in self._robot.plan.stoppable()}
+        if not movers:
+            return ConsoleResult(code=DONE, text="nothing of this robot moves by commands: there is nothing to stop")
+        payload = wire.encode(StopCommand(reason=str(call.payload.get("reason", "")), whole=True))
+        attachment = by.afar or stamp.make(by.source, 0, sent_s=by.sent_s)
+        answers = wire.ask_all(self._bus, movers, payload, source=by.source, timeout_s=2.0, attachment=attachment)
+        said = {movers[answer.key]: codec.decode(answer.payload) for answer in answers if answer.key in movers}
+        silent = [name for name in movers.values() if name not in said and self._has_process(name)]
+        told = {name: _stopped(name, answer) for name, answer in said.items()}
+        texts = [
+            *dict.fromkeys(text for text, _ in told.values()),
+            *(f"'{name}' did not answer; {self._why_silent(name)}" for name in silent),
+        ]
+        good = not silent and all(good for _, good in told.values())
+        text = "; ".join(texts) or f"nothing runs that could move: {', '.join(movers.values())}"
+        code = "done" if good else "unreachable" if silent else "refused"
+        return ConsoleResult(code=DONE if good else FAILED, text=text, reason_code=code)
+
+    def _has_process(self, name: str) -> bool:
+        return (found := self._found(name)) is not None and found.pid is not None
+
+    def _report(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
+        data, text = self._reports.make(str(call.payload.get("name", "telemetry")))
+        return ConsoleResult(code=DONE, text=text, data=data)
+
+    def _help(self, _call: VerbCall, _by: _Speaker) -> ConsoleResult:
+        words = self._robot.vocabulary
+        known = choices(self._robot.plan, home.home())
+        return ConsoleResult(code=DONE, text=words.help(), data=words.entries(known))
+
+    def _shutdown(self, _call: VerbCall, by: _Speaker) -> ConsoleResult:
+        self._robot.shutdown(by.source)
+        return ConsoleResult(code=DONE, text="shutting down")
+
+    def _restart(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
+        name = str(call.payload.get("name", ""))
+        if name not in self._robot.plan.units:
+            raise InputError(f"'{name}' does not run; {', '.join(self._robot.plan.units)} do", "unknown_name")
+        if (found := self._found(name)) is not None and found.host and found.phase == "waiting":
+            raise InputError(f"'{name}' does not run: {found.reason}", "unreachable")
+        self._robot.restart(name)
+        return ConsoleResult(code=DONE, text=f"'{name}' is starting anew")
+
+    def _python(self, code: str, by: _Speaker) -> ConsoleResult:
+        if not by.local:
+            text = "Python runs at the terminal that started the robot, and nowhere else"
+            return ConsoleResult(code=FAILED, text=text, reason_code="denied")
+        self._robot.note("python", f"{by.source}: {code[:400]}", about=by.source)
+        out = io.StringIO()
+        try:
+            with contextlib.redirect_stdout(out):
+                value = _evaluate(code, self._namespace)
+        except BaseException as err:  # noqa: BLE001 - whatever the operator typed, the console lives on
+            return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}", reason_code="failed")
+        text = out.getvalue() + ("" if value is None else repr(value))
+        return ConsoleResult(code=DONE, text=text.rstrip("\n"))
+
+
+def _not_allowed(needed: Role, by: _Speaker) -> Reason | None:
+    if RANKS[by.role] >= RANKS[needed]:
+        return None
+    return Reason("role", f"this needs the role '{needed}', and you have '{by.role}'")
+
+
+def _stopped(name: str, answer: object) -> tuple[str, bool]:
+    """Return what became of a stop, as one mover answers it, and whether it stopped."""
+    if isinstance(answer, dict) and answer.get("accepted"):
+        return str(answer.get("reason", "")) or STOPPED, True
+    reason = answer.get("reason") if isinstance(answer, dict) else None
+    return f"'{name}' did not stop: {reason or 'it gave no reason'}", False
+
+
+def _evaluate(code: str, namespace: dict[str, Any]) -> Any:
+    try:
+        tree = ast.parse(code, mode="eval")
+    except SyntaxError:
+        exec(compile(code, "console", "exec"), namespace)  # noqa: S102 - what the operator's terminal is for
+        return None
+    return eval(compile(tree, "console", "eval"), namespace)  # noqa: S307 - likewise

@@ -1,0 +1,200 @@
+"""Edits of rows that capabilities ask for: written beside the main loop, as a client of SQLite's would, and answered."""
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+import msgspec
+from msgspec import Struct
+
+from lbr.bus import stamp, wire
+from lbr.bus.codec import Decoder
+from lbr.database.edits import describe
+from lbr.database.reading import Problem
+from lbr.database.rows import RobotRows
+from lbr.database.store import Database
+from lbr.errors import InputError, LbrError, MalformedError, RowError
+from lbr.executive.planning.live_rows import Happened
+from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.wiring import EXECUTIVE
+from lbr.executive.processes.child import LARGEST_DOCUMENT_BYTES
+from lbr.messages.faces import EditCommand, EditReply
+
+WAITED_FOR_S = 5.0
+"""Who asks waits so long; what is written later restarts it, since it may not know."""
+SLOW_S = 1.0
+MOST_WAITING = 16
+MORE_IN_A_DOCUMENT_BYTES = 4096
+"""What a process is told at its start besides what is planned."""
+_edits = Decoder(EditCommand)
+
+
+class Rows(Protocol):
+    """The rows in force."""
+
+    held: bool
+
+    @property
+    def plan(self) -> Plan:
+        """What runs."""
+
+    def edited(self, name: str, edit: EditCommand) -> None:
+        """Take note that a capability has an edit already."""
+
+
+class Written:
+    """Checks and writes an edit by a connection of its own; `make` plans what would run. From any thread."""
+
+    def __init__(
+        self, path: Path, robot: str, make: Callable[[RobotRows], tuple[Plan | None, tuple[Problem, ...]]]
+    ) -> None:
+        self._path = path
+        self._robot = robot
+        self._make = make
+
+    def __call__(self, edit: EditCommand) -> EditReply:
+        """Return what became of it."""
+        revision = 0
+        try:
+            with Database.open(self._path) as database:
+                revision = database.revision()
+                revision = database.edit(self._robot, edit, self._wrong)
+        except RowError as err:
+            more = len(err.problems) - 1
+            return EditReply(
+                accepted=False,
+                code="bad_value",
+                reason=err.problems[0] + f"; and {more} more" * bool(more),
+                revision=revision,
+            )
+        except LbrError as err:
+            code = err.code if isinstance(err, InputError) else "failed"
+            return EditReply(accepted=False, reason=str(err), code=code, revision=revision)
+        return EditReply(accepted=True, revision=revision)
+
+    def _wrong(self, rows: RobotRows) -> list[str]:
+        plan, problems = self._make(rows)
+        units = plan.units.values() if plan is not None else ()
+        sizes = {unit.name: len(msgspec.json.encode(unit.config)) + MORE_IN_A_DOCUMENT_BYTES for unit in units}
+        return [
+            *map(str, problems),
+            *(
+                f"the rows for '{name}' would be too many: it can be given {LARGEST_DOCUMENT_BYTES} bytes of them"
+                for name, size in sizes.items()
+                if size > LARGEST_DOCUMENT_BYTES
+            ),
+        ]
+
+
+class _Job(Struct):
+    """An edit under way: who asked, by which process, and since when."""
+
+    request: wire.Request
+    edit: EditCommand
+    name: str
+    process: object
+    begun_s: float
+    reply: EditReply | None = None
+
+
+class Edits:
+    """Answers edits one after the other. `process(name)` is what runs for a capability now.
+
+    The main thread calls `step`; a thread of its own waits for the disk meanwhile.
+    """
+
+    def __init__(
+        self,
+        served: wire.Served,
+        rows: Rows,
+        write: Callable[[EditCommand], EditReply],
+        *,
+        process: Callable[[str], object],
+        happened: Happened,
+        wake: Callable[[], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._served = served
+        self._rows = rows
+        self._write = write
+        self._process = process
+        self._happened = happened
+        self._wake = wake
+        self._clock = clock
+        self._waiting: deque[_Job] = deque()
+        self._job: _Job | None = None
+
+    def step(self) -> bool:
+        """Begin and end what is due; say whether rows were written."""
+        for request in self._served.take():
+            self._take(request)
+        job, written = self._job, False
+        if job is not None and job.reply is not None:
+            self._job = None
+            self._rows.held = False
+            self._end(job, job.reply)
+            written = job.reply.accepted
+        if self._job is None and self._waiting and not written:
+            self._begin(self._waiting.popleft())
+        return written
+
+    def close(self) -> None:
+        """Take no more; one under way is written, or not, by itself."""
+        self._served.close()
+
+    def _take(self, request: wire.Request) -> None:
+        found = stamp.read(request.attachment)
+        name = found.source if found is not None else ""
+        revision = self._rows.plan.rows.revision
+        if not self._may(name):
+            text = f"'{name[:40]}' is not wired to executive.edit"
+            request.reply(EditReply(accepted=False, reason=text, code="denied", revision=revision), EXECUTIVE)
+            return
+        if len(self._waiting) >= MOST_WAITING:
+            request.reply(
+                EditReply(accepted=False, reason="too many edits at once", code="busy", revision=revision), EXECUTIVE
+            )
+            return
+        try:
+            edit = _edits.decode(request.payload)
+        except MalformedError as err:
+            request.reply(
+                EditReply(accepted=False, reason=f"malformed edit: {err}", code="malformed", revision=revision),
+                EXECUTIVE,
+            )
+            return
+        self._waiting.append(_Job(request, edit, name, self._process(name), self._clock()))
+
+    def _may(self, name: str) -> bool:
+        """Say whether rows wire a capability to this; the bus lets in nobody else, but a name in a stamp is a claim."""
+        units = self._rows.plan.units
+        return name in units and any(EXECUTIVE in asked for asked in units[name].config.requests.values())
+
+    def _begin(self, job: _Job) -> None:
+        self._job = job
+        self._rows.held = True
+        threading.Thread(target=self._run, args=(job,), name="edit", daemon=True).start()
+
+    def _run(self, job: _Job) -> None:
+        try:
+            job.reply = self._write(job.edit)
+        except Exception as err:  # noqa: BLE001 - whoever asked is to hear it, and the rows are not held for ever
+            job.reply = EditReply(
+                accepted=False, code="failed", reason=f"this edit is broken: {type(err).__name__}: {err}"
+            )
+        self._wake()
+
+    def _end(self, job: _Job, reply: EditReply) -> None:
+        took_s = self._clock() - job.begun_s
+        if reply.accepted:
+            if took_s < WAITED_FOR_S and self._may(job.name) and self._process(job.name) is job.process:
+                self._rows.edited(job.name, job.edit)
+            by = f" for {job.edit.by}" if job.edit.by else ""
+            text = f"wrote {describe(job.edit)[:300]}{by}"
+            self._happened("edit", job.name, text, "info", {"revision": reply.revision})
+            if took_s > SLOW_S:
+                self._happened("slow_disk", job.name, f"it took {took_s:.1f} s to write rows", "warning")
+        job.request.reply(reply, EXECUTIVE)

@@ -1,0 +1,142 @@
+"""What the robot tells of itself at the console: data, and the same in words."""
+
+import contextlib
+import json
+import time
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import msgspec
+
+from lbr.bus import codec, stamp, wire
+from lbr.bus.session import Session
+from lbr.console import wiring
+from lbr.errors import InputError, MalformedError
+from lbr.executive.service.robot import Robot
+from lbr.messages.camera import JpegFrame
+from lbr.messages.drive import DriveState
+from lbr.messages.joints import JointsState
+from lbr.messages.telemetry import Telemetry
+
+NAMES = ("telemetry", "settings", "statistics", "health", "events", "wiring")
+ANSWERS_WITHIN_S = 1.0
+
+LONGEST_SHOWN = 400
+
+
+class Reports:
+    """Makes reports; from any thread."""
+
+    def __init__(self, robot: Robot, bus: Session) -> None:
+        self._robot = robot
+        self._bus = bus
+
+    def make(self, name: str) -> tuple[Any, str]:
+        """Return a report's data and its text; raise InputError if there is none of this name."""
+        makers: dict[str, Callable[[], Any]] = {
+            "telemetry": self.telemetry,
+            "settings": self._settings,
+            "statistics": self._statistics,
+            "health": lambda: msgspec.to_builtins(self._robot.status()),
+            "events": lambda: [msgspec.to_builtins(event) for event in self._robot.recent_events()],
+            "wiring": self._wiring,
+        }
+        if name not in makers:
+            raise InputError(f"there is no report '{name}': {', '.join(NAMES)}", "unknown_name")
+        data = makers[name]()
+        texts: dict[str, Callable[[], str]] = {
+            "health": self.health,
+            "events": lambda: _events_text(data),
+            "telemetry": lambda: self._telemetry_text(data),
+            "wiring": lambda: "\n".join(wiring.tree(wiring.from_plain(data))),
+        }
+        return data, texts[name]() if name in texts else flat(data)
+
+    def telemetry(self) -> dict[str, Any]:
+        """Return what every stream but pictures last said, and how long ago."""
+        return self._said(key for key, message in self._streams() if message is not JpegFrame)
+
+    def _streams(self) -> Iterator[tuple[str, Any]]:
+        """Yield the key of every output, setpoints too, and what it carries; None for a program's own."""
+        plan = self._robot.plan
+        for unit in plan.units.values():
+            for output, wires in unit.config.outputs.items():
+                yield from ((each.key, plan.kinds[unit.name].outputs.get(output)) for each in wires)
+
+    def _said(self, keys: Iterable[str]) -> dict[str, Any]:
+        """Return the latest of streams by capability and output; all are asked at once."""
+        found: dict[str, Any] = {}
+        for raw in wire.ask_all(self._bus, keys, source="executive", timeout_s=ANSWERS_WITHIN_S):
+            said = stamp.read(raw.attachment)
+            age = (time.monotonic_ns() - said.mono_ns) / 1e9 if said and said.boot == stamp.boot_id() else None
+            with contextlib.suppress(MalformedError):  # what a program publishes may be anything
+                value = codec.decode(raw.payload)
+                if isinstance(value, dict):
+                    found[raw.key.partition("/")[2]] = value | ({"age_s": round(age, 3)} if age is not None else {})
+        return dict(sorted(found.items()))
+
+    def _telemetry_text(self, data: dict[str, Any]) -> str:
+        """Return the robot's own package part by part, and then every stream."""
+        robot = self._robot.plan.robot
+        packages = {key.removeprefix(f"{robot}/") for key, message in self._streams() if message is Telemetry}
+        parts = {name: part for key in packages for name, part in data.get(key, {}).items() if isinstance(part, dict)}
+        return flat(parts | {name: fields for name, fields in data.items() if name not in packages})
+
+    def _wiring(self) -> dict[str, Any]:
+        return wiring.plain(wiring.graph(self._robot.plan.rows, *wiring.running(self._robot.status())))
+
+    def _settings(self) -> dict[str, Any]:
+        units = self._robot.plan.units.values()
+        return {unit.name: {"kind": unit.kind} | msgspec.json.decode(unit.config.settings) for unit in units}
+
+    def _statistics(self) -> dict[str, Any]:
+        status = self._robot.status()
+        fields = ("rates_hz", "restarts", "uptime_s", "cpu_percent", "memory_mb")
+        found = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
+        drives = self._said(key for key, message in self._streams() if message in {DriveState, JointsState})
+        loops = {f"{name.partition('/')[0]}/loop": said.get("loop") for name, said in drives.items()}
+        return found | {name: loop for name, loop in loops.items() if loop}
+
+    def health(self) -> str:
+        """Return how every capability is, in lines."""
+        status = self._robot.status()
+        lines = [
+            f"{unit.name}: {unit.phase}" + (f" ({unit.reason})" if unit.reason else "") for unit in status.capabilities
+        ]
+        lines += [f"rows: {problem}" for problem in status.problems]
+        stop = f"emergency stop: {status.estop.reason}" if status.estop.engaged else "no emergency stop"
+        return "\n".join([*lines, stop])
+
+
+def flat(data: dict[str, Any]) -> str:
+    """Return a line for each part."""
+    lines = []
+    for name, fields in data.items():
+        shown = ", ".join(f"{key} {_short(value)}" for key, value in fields.items())
+        lines.append(f"{name}: {shown}")
+    return "\n".join(lines) or "nothing yet"
+
+
+def _short(value: Any) -> str:
+    """Return a value as a person reads it; of what would fill a screen, how much it is."""
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    if not isinstance(value, dict | list):
+        return str(value)
+    text = json.dumps(_rounded(value))
+    return text if len(text) <= LONGEST_SHOWN else f"({len(value)} entries)"
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.3g}")
+    if isinstance(value, dict):
+        return {name: _rounded(part) for name, part in value.items()}
+    return [_rounded(part) for part in value] if isinstance(value, list) else value
+
+
+def _events_text(events: list[dict[str, Any]]) -> str:
+    lines = [
+        f"{time.strftime('%H:%M:%S', time.localtime(e['wall_ns'] / 1e9))} {e['subject']}: {e['text']}" for e in events
+    ]
+    return "\n".join(lines) or "no events yet"

@@ -1,0 +1,49 @@
+"""What those who speak for the robot need of the executive."""
+
+from typing import Protocol
+
+from lbr.console.verbs import ExternalCall, Vocabulary
+from lbr.executive.planning.plan import Plan
+from lbr.messages.system import ConsoleResult, Event, Status
+
+
+class Robot(Protocol):
+    """A running robot; every method may be called from any thread."""
+
+    @property
+    def plan(self) -> Plan:
+        """What runs."""
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said."""
+
+    def status(self) -> Status:
+        """Return the robot at a glance."""
+
+    def recent_events(self) -> list[Event]:
+        """Return the newest events, oldest first."""
+
+    def estop(self, reason: str, source: str) -> ConsoleResult:
+        """Latch the emergency stop and wait for the devices."""
+
+    def estop_reset(self, source: str) -> ConsoleResult:
+        """Release it."""
+
+    def shutdown(self, source: str) -> None:
+        """Begin the shutdown."""
+
+    def restart(self, name: str) -> None:
+        """Start a capability anew."""
+
+    def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
+        """Start an external command."""
+
+    def stop_external(self, name: str, who: str, about: str) -> str:
+        """End one."""
+
+    def note(self, kind: str, text: str, about: str = "") -> None:
+        """Write down an event."""
+
+    def record(self, kind: str, who: str, text: str) -> None:
+        """Put an entry into the audit trail, soon; returns at once."""

@@ -1,0 +1,45 @@
+"""The robot's own console: a thread beside the executive's, at the terminal that started it."""
+
+import sys
+import threading
+from collections.abc import Callable
+
+from lbr.bus.session import Session
+from lbr.errors import LbrError
+from lbr.executive.service.dispatch import Dispatcher
+from lbr.messages.system import ConsoleResult
+
+
+def start(
+    robot: str, connect: Callable[[], Session], dispatcher: Dispatcher, ended: Callable[[int, str], None]
+) -> None:
+    """Open the console; `ended` is told its exit code and why, when it is left or its input ends."""
+    from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console
+
+    at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # what a pipe says, somebody else may have written
+
+    def submit(line: str, waited_s: float) -> ConsoleResult:
+        return dispatcher.execute(line, source="console", role="admin", local=at_terminal, waited_s=waited_s)
+
+    def talk() -> None:
+        code, why = 0, "console closed"
+        try:
+            code = run_local(robot, connect, submit)
+        except LbrError as err:
+            code, why = 1, str(err)
+        except OSError as err:
+            code, why = 1, f"the console's output cannot be written ({err.strerror})"
+        finally:
+            ended(code, why)
+
+    threading.Thread(target=talk, name="terminal", daemon=True).start()
+
+
+def leave() -> threading.Thread | None:
+    """Begin to close the console, if there is one; return the thread that waits until it has let go."""
+    local = sys.modules.get("lbr.console.local")
+    if local is None:
+        return None
+    leaving = threading.Thread(target=local.leave, name="leave-terminal")
+    leaving.start()
+    return leaving
