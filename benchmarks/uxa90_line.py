@@ -14,19 +14,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import msgspec
 
 from benchmarks import Measured
-from lbr.capability.context import Device, Received
+from lbr.capability.context import Device
 from lbr.drivers.uxa90 import KIND
 from lbr.drivers.uxa90.capability import Uxa90
 from lbr.drivers.uxa90.packets import position_rad
 from lbr.drivers.uxa90.plausibility import TOLERANCE
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
+from lbr.testing.driver import RealTimeContext
 from tests.fuzzing.uxa90_answers import Fuzzer, wrong
 from tests.support import programs
 from tests.support.figures import Promise, Results, percentile
@@ -68,21 +68,23 @@ class Driver:
 
     def __init__(self, path: Path, **settings: Any) -> None:
         row = msgspec.json.encode({"device": "board", "guard": False} | settings).decode()
-        self.state = ServosState(sweep=0, measured_s=0.0, armed=False, phase="released", servos=())
         self.goals: dict[int, int] = {}
-        self._inbox: list[Received] = []
         joints = tuple(
             Joint(name=f"joint_{servo}", device_id=servo, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0)
             for servo in SERVOS
         )
-        self.ctx: Any = SimpleNamespace(
-            name="servos", settings=KIND.parse(row), device=Device("board", "uxa90", str(path), {}), joints=joints,
-            clock=time.monotonic, estop=SimpleNamespace(engaged=False, reason="", acknowledge=lambda **_: None),
-            sources=lambda _port: ("joints",), alive=lambda _name: True, take=self._take, publish=self._publish,
-            event=lambda *_args, **_kw: None, warn=lambda _why: None, ready=lambda: None,
-        )  # fmt: skip
+        device = Device("board", "uxa90", str(path), {})
+        self.ctx = RealTimeContext(KIND.parse(row), name="servos", device=device, given=joints)
+        self.ctx.wired["setpoint"] = ("joints",)
         self.driver = Uxa90(self.ctx)
         self.driver.open()
+
+    @property
+    def state(self) -> ServosState:
+        """What it said last of its servos."""
+        said = [message for _, message in self.ctx.published[-20:] if isinstance(message, ServosState)]
+        del self.ctx.published[:-20]
+        return said[-1] if said else ServosState(sweep=0, measured_s=0.0, armed=False, phase="released", servos=())
 
     def tell(self, torque: float = 1.0) -> None:
         """Give the goals and step, as when a setpoint wakes the driver."""
@@ -92,9 +94,7 @@ class Driver:
             else ServoGoal(id=servo, torque=0.0)
             for servo in SERVOS
         )
-        self._inbox.append(
-            Received(ServoSetpoint(goals=goals, lease="a" if self.goals else ""), None, time.monotonic(), "joints")
-        )
+        self.ctx.arrive("setpoint", ServoSetpoint(goals=goals, lease="a" if self.goals else ""), source="joints")
         self.driver.step()
 
     def run(self, seconds: float, each: Callable[[], object] = lambda: None) -> None:
@@ -104,14 +104,6 @@ class Driver:
             each()
             self.tell()
             time.sleep(max(0.0, now + TICK_S - time.monotonic()))
-
-    def _take(self, _port: str) -> list[Received]:
-        taken, self._inbox = self._inbox, []
-        return taken
-
-    def _publish(self, _output: str, message: msgspec.Struct) -> None:
-        if isinstance(message, ServosState):
-            self.state = message
 
 
 def reading(together: int, seconds: float) -> dict[str, float]:

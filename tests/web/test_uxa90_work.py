@@ -219,7 +219,7 @@ def test_a_job_that_is_refused_when_due_is_dropped_with_the_reason(bench):
     bench.run(0.3)
     job = bench.work.jobs.get("1")
     assert (job.state, job.reason, job.steps[0].begun) == ("dropped", "held by tracking", False)
-    assert bench.ctx.events == ["job_dropped: job 1 was dropped: held by tracking"]
+    assert bench.ctx.events == [("job_dropped", "job 1 was dropped: held by tracking")]
 
 
 def test_jobs_are_so_many_and_no_more(bench):
@@ -258,5 +258,5 @@ def test_the_state_says_what_goes_on(bench):
 def test_a_layer_that_no_motor_has_is_told(bench, layer, told):
     bench.ctx.settings = WebSettings(faces=("uxa90",), layer=layer)
     Uxa90Face(Robot(bench.ctx, bench.bridge, None, None))
-    assert [one for one in bench.ctx.events if "there are api, factory, safe" in one] == bench.ctx.events
+    assert [one for one in bench.ctx.events if "there are api, factory, safe" in one[1]] == bench.ctx.events
     assert len(bench.ctx.events) == told

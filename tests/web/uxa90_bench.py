@@ -14,7 +14,7 @@ from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, JointsState, JointState, Motion, MotionsState
 from lbr.messages.leases import CommandReply
-from tests.support.rows import given
+from lbr.testing import FakeContext
 
 
 def shipped() -> SimpleNamespace:
@@ -65,19 +65,13 @@ class Asked:
         return self.found
 
 
-class FakeContext:
-    """A context whose questions wait for the test."""
-
-    robot = "uxa90"
-    name = "web"
+class WebContext(FakeContext):
+    """A context whose questions wait for the test, and whose clock never stands still."""
 
     def __init__(self) -> None:
-        self.settings = WebSettings(faces=("uxa90",))
         motions = (row for motion in SHIPPED.motions for row in motion.rows)
-        self.rows = given(*SHIPPED.joints, *SHIPPED.motors, *SHIPPED.buttons, *motions)
-        self.now = 100.0
-        self.asked: list[Asked] = []
-        self.events: list[str] = []
+        rows = (*SHIPPED.joints, *SHIPPED.motors, *SHIPPED.buttons, *motions)
+        super().__init__(WebSettings(faces=("uxa90",)), robot="uxa90", name="web", given=rows)
 
     def clock(self) -> float:
         self.now += 1e-6
@@ -88,18 +82,15 @@ class FakeContext:
         self.asked.append(Asked(request, message))
         return self.asked[-1]
 
-    def event(self, kind: str, text: str, **_: Any) -> None:
-        self.events.append(f"{kind}: {text}")
-
 
 class Bench:
     """Work with its fakes. `joints` says yes by itself, unless a test takes it away."""
 
     def __init__(self) -> None:
-        self.ctx = FakeContext()
+        self.ctx = WebContext()
         self.failed: list[Exception] = []
         self.bridge = Bridge(lambda: None, self.failed.append)
-        self.robot = Robot(self.ctx, self.bridge, None, None)  # type: ignore[arg-type]
+        self.robot = Robot(self.ctx, self.bridge, None, None)
         self.work = Work(self.robot)
         self.leases = 0
         self.refusal = ""
