@@ -51,6 +51,11 @@ class Unit(Struct, frozen=True, kw_only=True):
     fingerprint: str = ""
     program: ProgramSettings | None = None
 
+    @property
+    def guarded(self) -> bool:
+        """Whether it may leave a guard behind, which has the last word on its line."""
+        return self.family == "driver" and self.program is None
+
 
 def unit(
     row: CapabilityRow,
