@@ -177,5 +177,6 @@ async def _whose(scope: Scope) -> str | None:
     if connection is None:
         return None
     if connection.whose is None:
-        connection.whose = await asyncio.to_thread(peers.whose, scope["client"], scope["server"])
+        whose = await asyncio.to_thread(peers.whose, scope["client"], scope["server"])
+        connection.whose = whose if connection.is_held else None
     return connection.whose

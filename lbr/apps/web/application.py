@@ -250,7 +250,8 @@ async def _is_owners(scope: Scope, address: str) -> bool:
     if connection is None or not names.is_loopback(address):
         return False
     if connection.owner is None:
-        connection.owner = await asyncio.to_thread(peers.is_owners, scope["client"], scope["server"])
+        owners = await asyncio.to_thread(peers.is_owners, scope["client"], scope["server"])
+        connection.owner = owners and connection.is_held
     return connection.owner
 
 
