@@ -34,7 +34,7 @@ DEAD = "ZX"
 END, BEAT, REST = b".", b"!", b"_"
 SUSPICIOUS_S = 2.0
 """From here on it is looked at who has the processor."""
-OTHERS_EXCUSE = 3.0
+OTHERS_EXCUSE = 2.0
 """Whoever holds the interpreter's lock may wait for the processor in the main thread's stead. Threads that merely carry
 messages wait as well, so this excuses no longer than so many times its patience."""
 ELSEWHERE = "Dt"
@@ -69,7 +69,7 @@ class Silence:
         self._patience_s = patience_s
         self._waiting = False
         self._since = self._at = 0.0
-        self._counted = 0.0
+        self._counted = self._by_main = 0.0
         self._before: Mapping[int, Thread] | None = None
 
     @property
@@ -79,7 +79,8 @@ class Silence:
 
     def beat(self, now: float) -> None:
         """Hear that the main loop goes round."""
-        self._waiting, self._since, self._at, self._counted, self._before = True, now, now, 0.0, None
+        self._waiting, self._since, self._at, self._before = True, now, now, None
+        self._counted = self._by_main = 0.0
 
     def rest(self) -> None:
         """Expect no more beats until the next one."""
@@ -92,14 +93,15 @@ class Silence:
         threads = look()
         elapsed = now - self._at
         if self._before is None:
-            self._counted = min(elapsed, SUSPICIOUS_S + LEFT_S)
+            self._counted = self._by_main = min(elapsed, SUSPICIOUS_S + LEFT_S)
         elif main not in threads or threads[main].state not in ELSEWHERE:
-            waits = [_waited(self._before[one], threads[one], elapsed) for one in self._before.keys() & threads.keys()]
-            if now - self._since > OTHERS_EXCUSE * self._patience_s:
-                waits = [_waited(self._before[main], threads[main], elapsed)] if main in self._before else []
-            self._counted += max(0.0, min(elapsed, 2.0 * LEFT_S) - max(waits, default=0.0))
+            both = self._before.keys() & threads.keys()
+            waits = {one: _waited(self._before[one], threads[one], elapsed) for one in both}
+            seen = min(elapsed, 2.0 * LEFT_S)
+            self._counted += max(0.0, seen - max(waits.values(), default=0.0))
+            self._by_main += max(0.0, seen - waits.get(main, 0.0))
         self._at, self._before = now, threads
-        return self._counted > self._patience_s
+        return self._counted > self._patience_s or self._by_main > OTHERS_EXCUSE * self._patience_s
 
 
 def _waited(before: Thread, now: Thread, elapsed: float) -> float:
