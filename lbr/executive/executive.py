@@ -63,6 +63,8 @@ LOOK_AT_ROWS_S = 0.2
 LOOK_SHARE = 5.0
 """Rows that are slow to read are looked at less often: they get a fifth of the main thread's time."""
 STATUS_S = 1.0
+NO_THREAD = "can't start new thread"
+"""As Python words it."""
 NO_REAPER = "if the executive were killed now, frozen processes would be left; the one that ends them cannot be started"
 
 
@@ -82,6 +84,10 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
             opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)
             return executive.run(console=console)
+    except RuntimeError as err:
+        if NO_THREAD not in str(err):
+            raise
+        raise LbrError(f"{err}: free some memory, or have the limits raised ('ulimit -v', 'ulimit -u')") from err
     finally:
         lock.release()
 
