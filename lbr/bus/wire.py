@@ -346,17 +346,20 @@ def ask_all(
 
 
 def put(session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False) -> bytes:
-    """Publish once, and return the stamp that it went with; `urgent` overtakes streams."""
+    """Publish once, and return the stamp that it went with; `urgent` overtakes streams. BusError: it was not sent."""
     stamp = stamps.make(source, 0)
-    session.put(
-        key,
-        encode(message),
-        encoding=JSON,
-        attachment=stamp,
-        priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
-        congestion_control=zenoh.CongestionControl.BLOCK if urgent else zenoh.CongestionControl.DROP,
-        express=urgent,
-    )
+    try:
+        session.put(
+            key,
+            encode(message),
+            encoding=JSON,
+            attachment=stamp,
+            priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
+            congestion_control=zenoh.CongestionControl.BLOCK if urgent else zenoh.CongestionControl.DROP,
+            express=urgent,
+        )
+    except zenoh.ZError as err:
+        raise BusError(f"{key}: {err}") from err
     return stamp
 
 

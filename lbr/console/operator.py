@@ -1,5 +1,6 @@
 """Between a front end and a robot: submits lines, holds what moves, and keeps the latest that the robot says."""
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
@@ -15,19 +16,24 @@ from lbr.console.ear import Ear
 from lbr.console.hold import Ending, Holder, stop
 from lbr.console.news import News
 from lbr.console.printable import clean
+from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
 from lbr.messages.joints import JointsState
 from lbr.messages.motors import MotorsState
 from lbr.messages.power import PowerState
 from lbr.messages.sensing import Ranges
-from lbr.messages.system import ConsoleResult, Event, Hold, Role, Status
+from lbr.messages.system import ConsoleResult, EstopRequest, Event, Hold, Role, Status
 
 LINE_TIMEOUT_S = 600.0
 SETTLE_S = 0.6
 LATE_ANSWER_S = 1.0
+STOP_TIMEOUT_S = 5.0
+"""A stop is answered within 2 s, also where what moves does not answer."""
 STOPS = frozenset({"s", "stop", "estop"})  # after these, the end of a motion is no news
 LET_GO = "the operator let go"
+
+_BUILT_IN = Vocabulary(())
 
 T = TypeVar("T", bound=Struct)
 
@@ -83,7 +89,17 @@ class Operator(Protocol):
 
 def is_stop(line: str) -> bool:
     """Say whether a line stops the robot."""
-    return line.strip().strip("/").lower() in STOPS
+    word, _, more = line.strip().strip("/").partition("/")
+    return word.strip().lower() in STOPS and (not more or word.strip().lower() == "estop")
+
+
+def emergency(line: str) -> str | None:
+    """Return the reason that an emergency stop gives, None if the line is none: each robot knows its words."""
+    try:
+        said = _BUILT_IN.parse(line)
+    except InputError:
+        return None
+    return str(said.payload.get("reason", "")) if isinstance(said, VerbCall) and said.command == "estop" else None
 
 
 def stopped_since(result: ConsoleResult) -> bool:
@@ -138,6 +154,8 @@ class BusOperator:
         began = time.monotonic()
         if is_stop(line):
             self._cease()
+        if (reason := emergency(line)) is not None:
+            self._press(reason)
         result = self._submit(line, waited_s)
         self._news.answered(result)
         late_s = time.monotonic() - began
@@ -191,6 +209,12 @@ class BusOperator:
             self._quiet_until = time.monotonic() + SETTLE_S
             holder.drop()
 
+    def _press(self, reason: str) -> None:
+        """Tell what moves directly: whatever hangs in the executive does not delay it. The line latches it there."""
+        with contextlib.suppress(BusError):  # a closed session: the line says so
+            request = EstopRequest(engaged=True, reason=reason[:200])
+            wire.put(self._session, keys.estop(self.robot), request, source=self._source, urgent=True)
+
     def close(self) -> None:
         """Release, and stop listening."""
         self.release()
@@ -237,7 +261,7 @@ class BusOperator:
             self._session,
             keys.console(self.robot, self._role),
             line.encode(),
-            timeout_s=LINE_TIMEOUT_S,
+            timeout_s=STOP_TIMEOUT_S if is_stop(line) else LINE_TIMEOUT_S,
             source=self._source,
             proof=self._proof,
             waited_s=waited_s,
@@ -247,7 +271,8 @@ class BusOperator:
             answered.wait(1.0)
             answered.clear()
         if not question.replies:
-            switch = "; if it moves, use the hardware switch" if is_stop(line) else ""
+            sent = "; what moves was told to stop, and nobody has confirmed it" if emergency(line) is not None else ""
+            switch = f"{sent}; if it moves, use the hardware switch" if is_stop(line) else ""
             raise BusError(
                 f"robot '{self.robot}' does not answer{switch}; 'lbr status' (with --connect, if you used it) says why"
             )

@@ -68,6 +68,8 @@ LOOK_AT_ROWS_S = 0.2
 LOOK_SHARE = 5.0
 """Rows that are slow to read are looked at less often: they get a fifth of the main thread's time."""
 STATUS_S = 1.0
+NO_THREAD = "can't start new thread"
+"""As Python words it."""
 NO_REAPER = "if the executive were killed now, frozen processes would be left; the one that ends them cannot be started"
 
 
@@ -87,6 +89,10 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
             opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)
             return executive.run(console=console)
+    except RuntimeError as err:
+        if NO_THREAD not in str(err):
+            raise
+        raise LbrError(f"{err}: free some memory, or have the limits raised ('ulimit -v', 'ulimit -u')") from err
     finally:
         lock.release()
 
@@ -142,18 +148,19 @@ class Executive:
         signal.set_wakeup_fd(self._last_resort.signal_fd, warn_on_full_buffer=False)
         for number in SIGNALS:
             signal.signal(number, lambda n, _frame: self._stop(f"signal {signal.Signals(n).name}"))
-        with (
-            closing(Reaper()) as self._reaper,
-            closing(Doors(self.plan, self._site, self._main.wake)) as self._doors,
-            self._bus_again() as bus,
-        ):
-            self._open(bus)
-            try:
-                if console:
-                    terminal.start(self.plan.robot, self._bus_again, self.dispatcher, self._console_ended)
-                self._loop(announce=not console)
-            finally:
-                self._close()
+        with closing(Reaper()) as self._reaper:
+            self._reaper.beat()
+            with (
+                closing(Doors(self.plan, self._site, self._main.wake)) as self._doors,
+                self._bus_again() as bus,
+            ):
+                self._open(bus)
+                try:
+                    if console:
+                        terminal.start(self.plan.robot, self._bus_again, self.dispatcher, self._console_ended)
+                    self._loop(announce=not console)
+                finally:
+                    self._close()
         return self._code
 
     @property
@@ -300,6 +307,7 @@ class Executive:
         if estop.engaged:
             text = f"the emergency stop is still latched ({estop.reason or 'pressed'}); 'reset' releases it"
             self._happened("estop", "executive", text, "warning")
+        self._reaper.beat()
         self._take_over(plans.Change(start=tuple(self.plan.units)))
 
     def _close(self) -> None:
@@ -355,6 +363,7 @@ class Executive:
 
     def _wait(self, timeout_s: float) -> None:
         self._notifier.beat()
+        self._reaper.beat()
         self._main.wait(timeout_s, (fd for child in self._children() for fd in child.fds))
 
     def _children(self) -> list[Child]:
@@ -438,7 +447,7 @@ class Executive:
                 config, private=Raw(msgspec.json.encode(replace(unit.lan, upstream=place.router_id, inside=inside)))
             )
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
-            return Child(unit, config, log, self._reaper.mark())
+            return Child(unit, config, log, self._reaper.mark(guarded=unit.guarded))
 
     def _say_how_to_reach(self) -> None:
         robot = self.plan.robot

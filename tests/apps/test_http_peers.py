@@ -1,5 +1,6 @@
 import os
 import socket
+import struct
 from pathlib import Path
 
 import pytest
@@ -79,3 +80,17 @@ def test_another_users_connection_is_not_the_owners():
             ends = other.getsockname(), server.getsockname()
             assert peers.uid_of(*ends) == OTHER
             assert not peers.is_owners(*ends)
+
+
+def test_a_connection_that_was_cut_is_told_from_the_next_one_with_its_ports():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        first = socket.create_connection(server.getsockname())
+        ends = first.getsockname(), server.getsockname()
+        accepted, _ = server.accept()
+        with accepted:
+            assert peers.is_held(accepted)
+            first.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            first.close()
+            with socket.create_connection(ends[1], source_address=ends[0]):
+                assert peers.is_owners(*ends), "the kernel goes by the ports, which are another's now"
+                assert not peers.is_held(accepted)

@@ -115,7 +115,7 @@ class Stage:
         )
         unit = Unit(name="probe", kind="probe", family="app", moves=True, restart="never", needs=(), config=config)
         with open_log(self.home / "log.txt") as log:
-            self.child = Child(unit, config, log, self.reaper.mark())
+            self.child = Child(unit, config, log, self.reaper.mark(guarded=unit.guarded))
         return self
 
     def heard(self, phase):

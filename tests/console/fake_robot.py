@@ -35,6 +35,7 @@ class FakeRobot:
         self._consoles = {role: wire.Served(self.bus, keys.console(ROBOT, role), wake) for role in get_args(Role)}
         self._command = wire.Served(self.bus, f"{ROBOT}/drive/command", wake)
         self._stop = wire.Served(self.bus, f"{ROBOT}/drive/stop", wake)
+        self.presses = wire.Subscription(self.bus, keys.estop(ROBOT), depth=8)
         self.results = wire.Publisher(self.bus, f"{ROBOT}/drive/result", "drive")
         self.events = wire.Publisher(self.bus, keys.event(ROBOT), "executive")
         self.status = wire.Publisher(self.bus, keys.status(ROBOT), "executive")

@@ -1,8 +1,10 @@
 import threading
 
+import msgspec
 import pytest
 
-from lbr.console.operator import BusOperator, is_stop
+from lbr.bus import stamp
+from lbr.console.operator import BusOperator, emergency, is_stop
 from lbr.errors import BusError, InputError
 from lbr.messages.system import ConsoleResult, Event
 from tests.console.fake_robot import ROBOT, wait_for
@@ -56,6 +58,25 @@ def test_who_says_a_stop_renews_no_more_also_when_the_robot_does_not_take_it(rob
     wait_for(lambda: operator.held() is None)
     robot.blocked["s"].set()
     said.join(5)
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"), [("estop", ""), ("ESTOP", ""), ("/estop/it burns", "it burns"), ("/estop", "")]
+)
+def test_an_emergency_stop_is_told_to_what_moves_before_the_executive_answers(robot, operator, line, reason):
+    robot.blocked[line] = threading.Event()
+    said = threading.Thread(target=operator.submit, args=(line,))
+    said.start()
+    (press,) = wait_for(robot.presses.take)
+    assert msgspec.json.decode(press.payload) == {"engaged": True, "reason": reason}
+    assert stamp.read(press.attachment).source == "console@here"
+    robot.blocked[line].set()
+    said.join(5)
+
+
+@pytest.mark.parametrize("line", ["s", "stop", "estopp", "/estops/now", "# estop", "!estop", "", "f"])
+def test_no_other_line_is_an_emergency_stop(line):
+    assert emergency(line) is None
 
 
 def test_a_motion_accepted_after_a_later_line_is_stopped_not_held(robot, operator):
@@ -117,4 +138,7 @@ def test_a_robot_of_another_name_is_a_clear_error(client):
         operator.submit("f")
     with pytest.raises(BusError, match="robot 'nobody' does not answer; if it moves, use the hardware switch"):
         operator.submit("s")
+    told = "does not answer; what moves was told to stop, and nobody has confirmed it; if it moves, use the hardware"
+    with pytest.raises(BusError, match=told):
+        operator.submit("estop")
     operator.close()

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from contextlib import closing, suppress
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ import pytest
 from lbr.capability import lifeline
 from lbr.database.rows import ExternalCommandRow
 from lbr.executive.processes.external import ExternalCommands
+from lbr.executive.processes.reap import Silence, Thread
 from lbr.executive.processes.reaper import Reaper
 from tests.support import programs
 from tests.support.robot import until
@@ -24,7 +26,7 @@ import os, signal, sys
 from subprocess import Popen
 from lbr.executive.processes.reaper import Reaper
 reaper = Reaper()
-mark = reaper.mark()
+mark = reaper.mark(guarded="guarded" in sys.argv)
 child = Popen(["/bin/sh", "-c", sys.argv[1]], env=os.environ | mark.environment, start_new_session=True)
 mark.began(child.pid)
 print(reaper._popen.pid, flush=True)
@@ -50,9 +52,9 @@ def executive(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     started, reapers = [], []
 
-    def start(line: str, many: int) -> tuple["subprocess.Popen[str]", int, list[int]]:
-        command = [sys.executable, "-c", EXECUTIVE, line]
-        popen = programs.start(command, stdout=subprocess.PIPE, text=True)
+    def start(line: str, many: int, *more: str) -> tuple["subprocess.Popen[str]", int, list[int]]:
+        command = [sys.executable, "-c", EXECUTIVE, line, *more]
+        popen = programs.start(command, stdout=subprocess.PIPE, text=True, env=os.environ | SPEAKS)
         started.append(popen)
         assert popen.stdout is not None
         with popen.stdout as said:
@@ -135,15 +137,156 @@ def is_free(fd: int) -> bool:
     return False
 
 
-def test_a_guard_is_not_killed_but_continued_until_its_time_is_over(executive):
-    line = f"{lifeline.LAST_WORD}=2 setsid sh -c 'echo $$ >> pids; kill -STOP $$; : > spoken; exec sleep 60'"
-    popen, reaper, (guard,) = executive(line, 1)
-    until(lambda: Path(f"/proc/{guard}/stat").read_text().rpartition(")")[2].split()[0] == "T")
+GUARD = f'{sys.executable} -I -S -c \'import os; os.getpgrp() == os.getpid() or os.setpgid(0, 0); os.execlp(*["sh"] * 2, "-c", os.environ["LINE"])\''
+SPEAKS = {"LINE": "trap '' HUP; echo $$ >> pids; kill -STOP $$; : > spoken; exec sleep 60"}
+"""A guard has a group of its own in its driver's session."""
+
+
+def test_a_drivers_guard_is_not_killed_but_continued_until_its_time_is_over(executive):
+    line = f"{lifeline.LAST_WORD}=2 {GUARD} & exec sleep 60"
+    popen, reaper, (guard,) = executive(line, 1, "guarded")
+    until(lambda: frozen(guard))
     killed = kill(popen)
     until(Path("spoken").exists)
     assert lives(guard)
     until(lambda: not lives(guard) and not lives(reaper))
     assert time.monotonic() - killed >= 2.0
+
+
+@pytest.mark.parametrize("more", [(), ("guarded",)], ids=["of a program", "beside a driver, in another session"])
+def test_what_only_says_that_it_is_a_guard_is_not_spared(executive, more):
+    line = f"{lifeline.LAST_WORD}=60 setsid {GUARD} & exec sleep 60"
+    popen, _, (guard,) = executive(line, 1, *more)
+    kill(popen)
+    until(lambda: not lives(guard), limit_s=2.0, what="it is ended")
+
+
+def test_a_program_with_a_guards_word_in_its_own_session_is_not_spared(executive):
+    popen, _, (guard,) = executive(f"{lifeline.LAST_WORD}=60 {GUARD} & exec sleep 60", 1)
+    kill(popen)
+    until(lambda: not lives(guard), limit_s=2.0, what="it is ended")
+
+
+def test_a_reaper_that_is_replaced_spares_the_guard_of_a_driver_that_has_ended(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    line = f"{lifeline.LAST_WORD}=60 {GUARD} & exec sleep 60"
+    with closing(Reaper()) as reaper:
+        mark = reaper.mark(guarded=True)
+        driver = programs.start(
+            ["/bin/sh", "-c", line], env=os.environ | SPEAKS | mark.environment, start_new_session=True
+        )
+        mark.began(driver.pid)
+        (guard,) = until(lambda: pids(tmp_path))
+        driver.kill()
+        driver.wait()
+        mark.ended()
+        first = reaper._popen.pid
+        os.kill(first, signal.SIGKILL)
+        until(lambda: reaper.step() == "" and reaper._popen.pid != first)
+        second = reaper._popen
+    try:
+        until(Path("spoken").exists)
+        assert lives(guard)
+        assert second.poll() is None
+    finally:
+        os.kill(guard, signal.SIGKILL)
+        second.wait(2.0)
+
+
+def frozen(pid: int) -> bool:
+    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "T"
+
+
+HANGS = """
+import ctypes, os, sys, time
+from subprocess import Popen
+from lbr.executive.processes.reaper import Reaper
+reaper = Reaper(hangs_s=float(sys.argv[2]))
+mark = reaper.mark()
+child = Popen(["/bin/sh", "-c", sys.argv[1]], env=os.environ | mark.environment, start_new_session=True)
+mark.began(child.pid)
+reaper.beat()
+print(reaper._popen.pid, flush=True)
+exec(sys.argv[3])
+"""
+
+
+@pytest.mark.parametrize(
+    "hangs",
+    ["ctypes.PyDLL(None).sleep(60)", "while True: pass", "os.kill(os.getpid(), 19); time.sleep(60)"],
+    ids=["holds the interpreter's lock", "turns in circles", "is frozen"],
+)
+def test_an_executive_that_hangs_is_ended_with_all_that_it_has_started(tmp_path, monkeypatch, hangs):
+    monkeypatch.chdir(tmp_path)
+    command = [sys.executable, "-c", HANGS, PIDS, "2.5", hangs]
+    popen = programs.start(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    (pid,) = until(lambda: pids(tmp_path))
+    _, said = popen.communicate(timeout=60.0)
+    assert popen.returncode == -signal.SIGKILL
+    assert "which runs the robot, stood still for 2.5 s: killed" in said
+    until(lambda: not lives(pid), limit_s=2.0)
+
+
+def test_an_executive_that_beats_or_rests_is_not_ended(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    lives_on = (
+        "for _ in range(5):\n    reaper.beat()\n    time.sleep(0.5)\nreaper.rest()\ntime.sleep(3.0)\nprint('lived')\n"
+    )
+    command = [sys.executable, "-c", HANGS, PIDS, "1.0", lives_on]
+    popen = programs.start(command, stdout=subprocess.PIPE, text=True)
+    out, _ = popen.communicate(timeout=60.0)
+    assert "lived" in out
+
+
+class Watched:
+    """An executive's silence, with a clock and threads of our own; 1 is the main thread, 2 another."""
+
+    def __init__(self) -> None:
+        self.silence = Silence(10.0)
+        self.silence.beat(0.0)
+        self.threads = {1: Thread(0.0, 0.0, "S"), 2: Thread(0.0, 0.0, "S")}
+
+    def until_it_hangs(self, most_s: float = 200.0, **had: Thread) -> float:
+        """Return how long it took, looked at twice a second; `had` is what a thread gets in a second."""
+        at = 0.0
+        while at < most_s:
+            at += 0.5
+            for name, one in had.items():
+                number = int(name.strip("_"))
+                self.threads[number] = Thread(one.ran * at, one.waited * at, one.state)
+            if self.silence.hangs(at, lambda: dict(self.threads), 1):
+                return at
+        return inf
+
+
+@pytest.mark.parametrize(
+    ("had", "within"),
+    [
+        ({}, (10.0, 11.5)),
+        ({"_1": Thread(1.0, 0.0, "R")}, (10.0, 11.5)),
+        ({"_1": Thread(0.0, 0.0, "T")}, (10.0, 11.5)),
+        ({"_1": Thread(0.5, 0.5, "R")}, (16.0, 20.0)),
+        ({"_2": Thread(0.5, 0.5, "R")}, (16.0, 20.0)),
+        ({"_2": Thread(0.0, 1.0, "R")}, (20.0, 21.5)),
+        ({"_1": Thread(0.0, 1.0, "R")}, (inf, inf)),
+        ({"_1": Thread(0.0, 0.0, "D")}, (inf, inf)),
+        ({"_1": Thread(0.0, 0.0, "t")}, (inf, inf)),
+    ],
+)
+def test_a_silence_is_judged_by_the_time_that_the_machine_gave(had, within):
+    least, most = within
+    assert least <= Watched().until_it_hangs(**had) <= most
+
+
+def test_a_beat_begins_the_count_again_and_a_pause_of_the_reaper_is_not_counted():
+    one = Watched()
+    for at in range(1, 100):
+        assert not one.silence.hangs(at * 0.5, lambda: one.threads, 1) or at * 0.5 > 10.0
+        if at % 12 == 0:
+            one.silence.beat(at * 0.5)
+    late = Watched()
+    assert not late.silence.hangs(3600.0, lambda: late.threads, 1)
+    assert not late.silence.hangs(7200.0, lambda: late.threads, 1)
 
 
 def test_a_reaper_that_dies_is_replaced_and_knows_what_runs(tmp_path):

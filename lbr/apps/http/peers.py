@@ -92,6 +92,15 @@ def whose(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Pat
     return None if uid in {None, NOBODY} else f"user {uid}"
 
 
+def is_held(connection: socket.socket) -> bool:
+    """Say whether a connection stands: until then nobody else can have its ports, and what was looked up by them is of it."""
+    try:
+        connection.getpeername()
+    except OSError:
+        return False
+    return True
+
+
 def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> int | None:
     """Return the user of the socket at the other end; None if the kernel does not know, or nobody holds it any more."""
     wanted = {(_shown(client, family), _shown(server, family)) for family in (socket.AF_INET, socket.AF_INET6)}

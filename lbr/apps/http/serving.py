@@ -13,7 +13,7 @@ from starlette.types import ASGIApp, Scope
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.server import ServerState
 
-from lbr.apps.http import listening, names
+from lbr.apps.http import listening, names, peers
 from lbr.apps.http.listening import BUFFER_BYTES
 from lbr.apps.http.slots import LIMIT_S, Phase, Slot, Slots
 from lbr.errors import InputError
@@ -57,6 +57,11 @@ class Connection(H11Protocol):
         """Have the request that is under way count as something else than asking."""
         self._marked = self.cycle
         self._to(phase)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the other end has not cut the connection, as far as the kernel knows: see `peers.is_held`."""
+        return peers.is_held(self.transport.get_extra_info("socket"))
 
     def data_received(self, data: bytes) -> None:
         """Take what was sent; what comes before the other side of TLS has begun waits for that."""

@@ -207,7 +207,8 @@ async def _is_owners(scope: Scope, address: str) -> bool:
     if connection is None or not names.is_loopback(address):
         return False
     if connection.owner is None:
-        connection.owner = await asyncio.to_thread(peers.is_owners, scope["client"], scope["server"])
+        owners = await asyncio.to_thread(peers.is_owners, scope["client"], scope["server"])
+        connection.owner = owners and connection.is_held
     return connection.owner
 
 
@@ -217,7 +218,8 @@ async def _whose(scope: Scope) -> str | None:
     if connection is None:
         return None
     if connection.whose is None:
-        connection.whose = await asyncio.to_thread(peers.whose, scope["client"], scope["server"])
+        whose = await asyncio.to_thread(peers.whose, scope["client"], scope["server"])
+        connection.whose = whose if connection.is_held else None
     return connection.whose
 
 

@@ -42,6 +42,11 @@ class Unit(Struct, frozen=True, kw_only=True):
     program: ProgramSettings | None = None
     lan: LanConfig | None = None
 
+    @property
+    def guarded(self) -> bool:
+        """Whether it may leave a guard behind, which has the last word on its line."""
+        return self.family == "driver" and self.program is None
+
 
 def unit(
     row: CapabilityRow,

@@ -1,11 +1,14 @@
 """The reaper's program: ends what is left of a run when the executive is gone, also what is frozen or hangs.
 
-`python -I -S reap.py LBR_RUN=TOKEN. LBR_LAST_WORD_S=`, with a pipe from the executive on standard input. It hears there
-`+NUMBER PID` when a process was started, `-NUMBER` when one has ended, and `~NUMBER` when one has ended that may leave
-something behind until the end of the run. A dot, or the end of the pipe, is the end of the executive: who can, ends in order
-by itself; then all the rest is killed. To a process belongs what is in its session, and what has its mark in the
-environment. A guard is not killed but continued until it has said its last word. It has the executive's rights, so that it
-sees and ends whatever that has started, and imports nothing of the project.
+`python -I -S reap.py LBR_RUN=TOKEN. LBR_LAST_WORD_S= PID HANGS_S`, with a pipe from the executive, which is PID, on standard
+input. It hears there `+NUMBER PID` when a process was started, `*NUMBER PID` when a driver was, `-NUMBER` when one has ended,
+`~NUMBER` when one has ended that may leave something behind until the end of the run, and `=PID` of a driver that had ended
+before. `!` says that the executive's main
+loop goes round, and `_` that nobody is to wait for that. A dot, or the end of the pipe, is the end of the executive: who
+can, ends in order by itself; then all the rest is killed. An executive that hangs is killed first. To a process belongs
+what is in its session, and what has its mark in the environment. A guard is not killed but continued until it has said its
+last word; only in a driver's session is one, which no other process can enter. The reaper has the executive's rights, so
+that it sees and ends whatever that has started, and imports nothing of the project.
 """
 
 import os
@@ -13,20 +16,29 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from typing import NamedTuple
 
 PATIENCE_S = 1.1
 """A capability that ends in order is gone 1.0 s after its lifeline closed: its own alarm sees to that."""
 LAST_WORD_MOST_S = 7200.0
+MOST_GUARDED = 512
+"""Sessions of drivers, running or ended; a machine runs at most 100 processes of a robot."""
 LOOK_FIRST_S, LOOK_MOST_S = 0.01, 0.25
 LEFT_S = 0.5
 """How often what ended processes have left behind is looked at again."""
 AWAKE_S = 0.1
 """Frozen for so long at most: a tenth of the patience."""
 DEAD = "ZX"
-END = b"."
+END, BEAT, REST = b".", b"!", b"_"
+SUSPICIOUS_S = 2.0
+"""From here on it is looked at who has the processor."""
+OTHERS_EXCUSE = 2.0
+"""Whoever holds the interpreter's lock may wait for the processor in the main thread's stead. Threads that merely carry
+messages wait as well, so this excuses no longer than so many times its patience."""
+ELSEWHERE = "Dt"
+"""The main thread waits for a disk, or a debugger has it: nobody could end it, or whoever debugs it wants it so."""
 
 
 class Process(NamedTuple):
@@ -39,6 +51,81 @@ class Process(NamedTuple):
     last_word_s: float
 
 
+class Thread(NamedTuple):
+    """What a thread has had by now: how long it `ran` and `waited` for a processor, and its state."""
+
+    ran: float
+    waited: float
+    state: str
+
+
+class Silence:
+    """Whether the executive hangs: it was silent for `patience_s`, not counting what the machine kept from it. Pure.
+
+    One that a person has frozen (SIGSTOP, Ctrl-Z) counts as one that hangs: nobody can stop the robot by it.
+    """
+
+    def __init__(self, patience_s: float) -> None:
+        self._patience_s = patience_s
+        self._waiting = False
+        self._since = self._at = 0.0
+        self._counted = self._by_main = 0.0
+        self._before: Mapping[int, Thread] | None = None
+
+    @property
+    def watched(self) -> bool:
+        """Whether beats are expected."""
+        return self._waiting
+
+    def beat(self, now: float) -> None:
+        """Hear that the main loop goes round."""
+        self._waiting, self._since, self._at, self._before = True, now, now, None
+        self._counted = self._by_main = 0.0
+
+    def rest(self) -> None:
+        """Expect no more beats until the next one."""
+        self._waiting = False
+
+    def hangs(self, now: float, look: Callable[[], Mapping[int, Thread]], main: int) -> bool:
+        """Say whether it hangs; called about twice a second, or what goes by unseen is not counted."""
+        if not self._waiting or now - self._since < SUSPICIOUS_S:
+            return False
+        threads = look()
+        elapsed = now - self._at
+        if self._before is None:
+            self._counted = self._by_main = min(elapsed, SUSPICIOUS_S + LEFT_S)
+        elif main not in threads or threads[main].state not in ELSEWHERE:
+            both = self._before.keys() & threads.keys()
+            waits = {one: _waited(self._before[one], threads[one], elapsed) for one in both}
+            seen = min(elapsed, 2.0 * LEFT_S)
+            self._counted += max(0.0, seen - max(waits.values(), default=0.0))
+            self._by_main += max(0.0, seen - waits.get(main, 0.0))
+        self._at, self._before = now, threads
+        return self._counted > self._patience_s or self._by_main > OTHERS_EXCUSE * self._patience_s
+
+
+def _waited(before: Thread, now: Thread, elapsed: float) -> float:
+    """Return how long a thread has waited for the processor; the kernel counts a wait only when it is over."""
+    waited = now.waited - before.waited
+    if now.state == "R":
+        waited = max(waited, elapsed - (now.ran - before.ran))
+    return min(elapsed, max(0.0, waited))
+
+
+def threads_of(pid: int) -> dict[int, Thread]:
+    """Look at the threads of a process; what cannot be read has had nothing."""
+    found = {}
+    with suppress(OSError):
+        for name in os.listdir(f"/proc/{pid}/task"):  # noqa: PTH208 - importing pathlib takes too long
+            with suppress(OSError, ValueError, IndexError):
+                state = _read(f"/proc/{pid}/task/{name}/stat").rpartition(b")")[2].split()[0].decode()
+                ran, waited = (0, 0)
+                with suppress(OSError):  # a kernel that counts nothing
+                    ran, waited = map(int, _read(f"/proc/{pid}/task/{name}/schedstat").split()[:2])
+                found[int(name)] = Thread(ran / 1e9, waited / 1e9, state)
+    return found
+
+
 class Run:
     """What the executive has started; only processes of this user are seen to the bottom."""
 
@@ -48,6 +135,7 @@ class Run:
         self._clock = clock
         self._running: dict[int, int] = {}
         self._left: dict[int, int] = {}
+        self._guarded: dict[int, None] = {}
         self._guards: dict[tuple[int, str], float] = {}
         self._beyond: set[tuple[int, str]] = set()
 
@@ -61,8 +149,16 @@ class Run:
         if word == END:
             return
         what, number = word[:1], int(word[1:].split()[0])
-        if what == b"+":
-            self._running[number] = int(word.split()[1])
+        if what == b"=":
+            self._guarded[number] = None
+            return
+        if what in {b"+", b"*"}:
+            session = self._running[number] = int(word.split()[1])
+            self._guarded.pop(session, None)
+            if what == b"*":
+                self._guarded[session] = None
+            while len(self._guarded) > MOST_GUARDED:
+                del self._guarded[next(iter(self._guarded))]
             return
         session = self._running.pop(number, 0)
         if what == b"-" and session:
@@ -159,11 +255,12 @@ class Run:
         with suppress(OSError):
             environment = b"\0" + _read(f"/proc/{pid}/environ")
         number = _after(environment, self._mark)
-        seconds = _after(environment, self._last_word) if number.isdigit() else b""
+        session = int(fields[3])
+        seconds = _after(environment, self._last_word) if session in self._guarded else b""
         return Process(
             pid,
             started=fields[19].decode(),
-            session=int(fields[3]),
+            session=session,
             number=int(number) if number.isdigit() else -1,
             last_word_s=float(seconds) if seconds.isdigit() else 0.0,
         )
@@ -203,25 +300,72 @@ def stay_awake() -> None:
     signal.signal(signal.SIGCONT, lambda _number, _frame: None)  # what nobody takes, newer kernels send only once
 
 
-def main(mark: bytes, last_word: bytes) -> None:
-    """Hear what the executive says for as long as it lives, then end what is left."""
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+class Executive:
+    """The process that is watched: its beats go to `silence`."""
+
+    def __init__(self, pid: int, hangs_s: float) -> None:
+        self._pid = pid
+        self._hangs_s = hangs_s
+        self.silence = Silence(hangs_s)
+        try:
+            self._fd = os.pidfd_open(pid)
+        except OSError:
+            self._fd = -1
+        if os.getppid() != pid and self._fd >= 0:  # it is gone, and the number may be another's
+            os.close(self._fd)
+            self._fd = -1
+
+    def end_if_hung(self) -> bool:
+        """Kill it if it hangs, and say why on its standard error, which then is nobody's any more."""
+        if self._fd < 0 or not self.silence.hangs(time.monotonic(), lambda: threads_of(self._pid), self._pid):
+            return False
+        with suppress(OSError):
+            signal.pidfd_send_signal(self._fd, signal.SIGKILL)
+        say(
+            f"reaper: the main loop of process {self._pid}, which runs the robot, stood still for {self._hangs_s:g} s: killed\n"
+        )
+        return True
+
+
+def say(text: str) -> None:
+    """Write a line to standard error, as far as that takes it at once."""
+    with suppress(OSError):
+        blocking = os.get_blocking(2)
+        os.set_blocking(2, False)  # a shell may share it: only for this moment
+        try:
+            os.write(2, text.encode())
+        finally:
+            os.set_blocking(2, blocking)
+
+
+def main(mark: bytes, last_word: bytes, pid: bytes, hangs_s: bytes) -> None:
+    """Hear what the executive says for as long as it lives and beats, then end what is left."""
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE, signal.SIGTTOU):
         signal.signal(number, signal.SIG_IGN)
     run = Run(mark, last_word)
+    executive = Executive(int(pid), float(hangs_s))
     poll = select.poll()
     poll.register(0, select.POLLIN)
     heard = b""
     ended = False
     while not ended:
-        if poll.poll(None if run.tidy else LEFT_S * 1000.0):
+        quiet = run.tidy and not executive.silence.watched
+        if poll.poll(None if quiet else LEFT_S * 1000.0):
             part = os.read(0, 65536)
             *words, heard = (heard + part).split(b"\n")
             ended = not part or END in words
             for word in words:
-                run.hear(word)
+                if word == BEAT:
+                    executive.silence.beat(time.monotonic())
+                elif word == REST:
+                    executive.silence.rest()
+                else:
+                    run.hear(word)
+        ended = ended or executive.end_if_hung()
         run.clear()
+    os.dup2(1, 2)
     stay_awake()
-    run.end(lambda: os.dup2(2, 0))  # closes the pipe: the other end sees that
+    run.end(lambda: os.dup2(1, 0))  # closes the pipe: the other end sees that
 
 
 if __name__ == "__main__":

@@ -106,6 +106,7 @@ class Stay:
                 self._wait(max(0.0, min(due, self._ask_at - now if self._question is None else hosting.REPORT_S)))
         finally:
             self._supervisor.shut_down(self._wait, limit_s=LOST_END_S if self._over else END_S)
+            self._reaper.rest()
         if self._accepted and not self._over:
             self._leave()
         return self._over
@@ -231,7 +232,7 @@ class Stay:
             estop=self._latch() if unit.moves else unit.config.estop,
         )
         with open_log(home.directory("logs") / f"{self._found.robot}-{unit.name}.log") as log:
-            return Child(unit, config, log, self._reaper.mark())
+            return Child(unit, config, log, self._reaper.mark(guarded=unit.guarded))
 
     def _latch(self) -> EstopState:
         answers = wire.ask(
@@ -242,6 +243,7 @@ class Stay:
         return _latches.decode(answers[0].payload)
 
     def _wait(self, timeout_s: float) -> None:
+        self._reaper.beat()
         children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
         self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
 

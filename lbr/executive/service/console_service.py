@@ -3,6 +3,7 @@
 import contextlib
 import json
 import threading
+import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import get_args
@@ -15,7 +16,62 @@ from lbr.messages.system import ConsoleResult, Role, Stamp
 
 MAX_LINE_BYTES = 1 << 16
 MOST_UNDER_WAY = 64
+STOPPERS = 16
+"""Stops that wait for something that does not answer, each 2 s at most."""
+MOST_RESETS = 4
 STOPS = ("s", "stop", "estop")
+
+
+class Stops:
+    """Answers stops, several at once. Those that the same source says in the same words, and that nobody has begun to
+    answer, are one: it is done after the last of them came, and answers all.
+
+    Its threads are there from the beginning, so that a machine that has no more to give does not cost the stop.
+    """
+
+    def __init__(self, answer: Callable[[wire.Request, str | bytes, Role], ConsoleResult]) -> None:
+        self._answer = answer
+        self._changed = threading.Condition()
+        self._waiting: dict[tuple[tuple[str, bool], str | bytes, Role], list[wire.Request]] = {}
+        self._closed = False
+
+    def start(self) -> None:
+        """Begin to answer."""
+        for number in range(STOPPERS):
+            threading.Thread(target=self._run, name=f"stop_{number}", daemon=True).start()
+
+    def put(self, request: wire.Request, line: str | bytes, role: Role) -> None:
+        """Answer it as soon as may be."""
+        found = stamp.read(request.attachment)
+        who = (_caller(found), bool(found and found.via))
+        with self._changed:
+            self._waiting.setdefault((who, line, role), []).append(request)
+            self._changed.notify()
+
+    def close(self) -> None:
+        """Begin no more; those under way end by themselves."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._closed or self._waiting)
+                if self._closed:
+                    return
+                key = next(iter(self._waiting))
+                requests = self._waiting.pop(key)
+            try:
+                self._run_one(requests, *key[1:])
+            except Exception as err:  # noqa: BLE001 - the bus is gone; the next stop needs this thread
+                traceback.print_exception(err)
+
+    def _run_one(self, requests: list[wire.Request], line: str | bytes, role: Role) -> None:
+        last = max(requests, key=lambda one: stamp.sent_s(stamp.read(one.attachment), one.arrived))
+        result = self._answer(last, line, role)
+        for request in requests:
+            request.reply(result, "executive")
 
 
 class ConsoleService:
@@ -33,27 +89,30 @@ class ConsoleService:
         self._reset = reset
         self._room = threading.Semaphore(MOST_UNDER_WAY)
         self._talk = ThreadPoolExecutor(max_workers=16, thread_name_prefix="line")
-        self._stops = ThreadPoolExecutor(max_workers=4, thread_name_prefix="stop")
+        self._resets = ThreadPoolExecutor(max_workers=MOST_RESETS, thread_name_prefix="reset")
+        self._stops = Stops(self._result)
         self._bus = bus
         self._robot = robot
         self._lines: dict[Role, wire.Served] = {}
 
     def start(self) -> None:
         """Begin to take lines: on a key for each role, because the bus lets in who has it."""
+        self._stops.start()
         for role in get_args(Role):
             key = keys.console(self._robot, role)
             self._lines[role] = wire.Served(self._bus, key, self._take, puts=False, source="executive")
 
     def answer_reset(self, request: wire.Request) -> None:
         """Release the emergency stop for somebody on the bus."""
-        _begin(self._stops, self._answer_reset, request)
+        _begin(self._resets, self._answer_reset, request)
 
     def close(self) -> None:
         """Take no more lines; those under way end by themselves."""
         for lines in self._lines.values():
             lines.close()
         self._talk.shutdown(wait=False, cancel_futures=True)
-        self._stops.shutdown(wait=False, cancel_futures=True)
+        self._resets.shutdown(wait=False, cancel_futures=True)
+        self._stops.close()
 
     def _take(self) -> None:
         for role, lines in list(self._lines.items()):
@@ -63,7 +122,7 @@ class ConsoleService:
     def _sort(self, request: wire.Request, role: Role) -> None:
         line = _line(request.payload)
         if _is_stop(line):
-            _begin(self._stops, self._answer, request, line, role)
+            self._stops.put(request, line, role)
         elif not self._room.acquire(blocking=False):
             request.reply(
                 ConsoleResult(code=1, text="too many lines at once; say it again", reason_code="busy"), "executive"
@@ -72,17 +131,18 @@ class ConsoleService:
             _begin(self._talk, self._answer, request, line, role, done=self._room.release)
 
     def _answer(self, request: wire.Request, line: str | bytes, role: Role) -> None:
+        request.reply(self._result(request, line, role), "executive")
+
+    def _result(self, request: wire.Request, line: str | bytes, role: Role) -> ConsoleResult:
         if len(request.payload) > MAX_LINE_BYTES:
             text = f"a line has at most 4096 characters, not {len(request.payload)}"
-            request.reply(ConsoleResult(code=2, text=text, reason_code="bad_value"), "executive")
-            return
+            return ConsoleResult(code=2, text=text, reason_code="bad_value")
         found = stamp.read(request.attachment)
         sent_s, afar = stamp.sent_s(found, request.arrived), request.attachment if found and found.via else b""
         waited_s = found.waited_s if found is not None else 0.0
-        result = self._dispatcher.execute(
+        return self._dispatcher.execute(
             line, source=_caller(found), role=role, sent_s=sent_s, afar=afar, waited_s=waited_s
         )
-        request.reply(result, "executive")
 
     def _answer_reset(self, request: wire.Request) -> None:
         result = self._reset(_caller(stamp.read(request.attachment)))

@@ -143,7 +143,7 @@ class Stage:
         family = "driver" if name == "servos" else "operation"
         unit = Unit(name=name, kind=kind, family=family, moves=True, restart="never", needs=(), config=config)
         with open_log(self.home / f"{name}.txt") as log:
-            self.children[name] = Child(unit, config, log, self.reaper.mark())
+            self.children[name] = Child(unit, config, log, self.reaper.mark(guarded=unit.guarded))
 
     def ask(self, key, message=None):
         answers = wire.ask(self.bus, f"r/{key}", message, source="test")
