@@ -21,6 +21,7 @@ from lbr.apps.web.face import Refused, json
 LONGEST_URL = 4096
 TOO_OFTEN_S = 0.25
 """So long whoever asks too often waits to hear that, so that a flood leaves time for those who stop the robot."""
+_READ = "lbr.headers"
 SECURITY = {
     "content-security-policy": "default-src 'none'; img-src 'self' data:; script-src 'self'; style-src 'self'; "
     "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
@@ -146,8 +147,11 @@ class Hosts:
 
 
 def headers_of(scope: Scope) -> dict[str, str]:
-    """Return a request's headers by small letters; of one that came several times, all of its values."""
-    found: dict[str, str] = {}
+    """Return a request's headers by small letters, read once; of one that came several times, all of its values."""
+    read: dict[str, str] | None = scope.get(_READ)
+    if read is not None:
+        return read
+    found: dict[str, str] = scope.setdefault(_READ, {})
     for name, value in scope["headers"]:
         key, said = name.decode("latin-1").lower(), value.decode("latin-1")
         found[key] = f"{found[key]}, {said}" if key in found else said
