@@ -55,6 +55,10 @@ def test_the_shipped_rows_have_no_hints(path):
             "UPDATE capability SET settings = json_set(settings, '$.left.direction', 1) WHERE name = 'motors'",
             "capability 'motors', settings: both wheels have direction 1",
         ),
+        (
+            """UPDATE capability SET enabled = 1, settings = '{"faces": ["tail"]}' WHERE robot = 'lbr' AND name = 'web'""",
+            "capability 'web', settings: faces: no package brings 'tail'; there are cameras, uxa90",
+        ),
     ],
 )
 def test_what_is_odd_is_a_hint_and_no_fault(path, sql, said):

@@ -1,12 +1,15 @@
 """Faces that packages bring: shown beside ours, or refused in words, while the rest is served."""
 
+import re
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from lbr.apps.web import faces
+from tests.docs.pages import ROOT
 from tests.support.robot import until
 from tests.web.uxa90_bench import SHIPPED
 from tests.web.web_stage import Served, serving
@@ -161,3 +164,13 @@ def test_a_face_that_breaks_ends_and_no_other(packages):
 
 def test_what_lbr_ships_is_installed_as_anybodys():
     assert {point.value for point in faces.installed()["uxa90"]} == {"lbr.apps.web.uxa90:face"}
+
+
+def test_the_face_that_the_page_shows_is_one(packages):
+    page = (ROOT / "docs" / "web.md").read_text()
+    code, project = (re.search(rf"```{kind}\n(.*?)```", page, re.DOTALL)[1] for kind in ("python", "toml"))
+    said = tomllib.loads(project)["project"]
+    assert said["entry-points"][faces.GROUP] == {"hello": "friendly_robot:Hello"}
+    packages.install(said["name"], "hello", code, needs=said["dependencies"][0])
+    with serving(faces=("hello",)) as served:
+        assert served.ask("GET", "/hello").said == "127.0.0.1: the robot stands"

@@ -1,6 +1,7 @@
 """The robot over HTTP: one server for all faces; which of them it shows, and to whom, are settings."""
 
 import re
+from importlib.metadata import entry_points
 from ipaddress import ip_network
 from typing import Annotated, Literal
 
@@ -77,6 +78,12 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
                 raise ValueError(f"cors: '{origin}' is no origin; origins look like http://localhost:8081")
         if self.tls and self.clear_text:
             raise ValueError("tls and clear_text: only one of them can be true")
+
+    def doubts(self) -> tuple[str, ...]:
+        """Return which faces no installed package brings; the server shows the others."""
+        there = sorted(point.name for point in entry_points(group="lbr.faces"))
+        text = f"there are {', '.join(there) or 'none'}"
+        return tuple(f"faces: no package brings '{name}'; {text}" for name in self.faces if name not in there)
 
 
 KIND = Kind(

@@ -114,10 +114,6 @@ class Request:
     params: Any = None
     data: Any = None
 
-    def values(self, name: str) -> tuple[str, ...]:
-        """Return every value that a parameter was given, in order."""
-        return tuple(value for key, value in self.query if key == name)
-
     def require(self, role: Role) -> None:
         """Raise Refused unless the request may do what needs a role.
 
