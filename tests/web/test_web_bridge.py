@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from lbr.apps.web import bridge as bridges
-from lbr.apps.web.bridge import Bridge, Promise, kept, until
+from lbr.apps.web.bridge import Bridge, until
 from lbr.apps.web.face import Refused
 
 
@@ -98,9 +98,15 @@ def test_a_fault_is_told_and_silences_nobody_else(loop):
 
 
 def test_a_refusal_is_an_answer_and_no_fault(loop):
-    promise: Promise[None] = Promise()
-    waits = loop.bridge.start(kept(promise))
-    promise.refuse(Refused(409, "no"))
+    seen: list[int] = []
+
+    async def refuses() -> None:
+        await until(lambda: bool(seen))
+        raise Refused(409, "no")
+
+    waits = loop.bridge.start(refuses())
+    assert not waits.done()
+    seen.append(1)
     loop.bridge.serve()
     assert isinstance(waits.exception(0), Refused)
     assert not loop.failed
