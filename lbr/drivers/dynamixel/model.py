@@ -1,11 +1,14 @@
 """What the numbers of AX-12A servos mean, and which fault has latched: the servo writes 0 to its own torque limit."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.packet import error_names
-from lbr.drivers.dynamixel.setup import Kept
 from lbr.drivers.servos.contract import Seen
+
+if TYPE_CHECKING:  # a guard's program imports this, and sets nothing up
+    from lbr.drivers.dynamixel.setup import Kept
 
 ALL_BITS = 0x7F
 
@@ -21,7 +24,7 @@ class Ax12:
     holding_goal = staticmethod(table.holding_goal)
     faults = staticmethod(error_names)
 
-    def __init__(self, kept: Callable[[int], Kept | None] = lambda _servo: None) -> None:
+    def __init__(self, kept: "Callable[[int], Kept | None]" = lambda _servo: None) -> None:
         self._kept = kept
 
     def most_torque(self, servo: int) -> int:

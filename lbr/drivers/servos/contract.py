@@ -7,9 +7,10 @@ what is read back. `ServoModel` says what they mean.
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
-from lbr.drivers.guard import Guard
+if TYPE_CHECKING:  # a guard's own program imports this, and is to start soon
+    from lbr.drivers.guard import Guard
 
 SETTING_UP = "is being set up"
 UNSEEN = "was not looked for yet"
@@ -200,7 +201,7 @@ class ServoLink(Generic[B]):
 
     bus: B
     model: ServoModel
-    guard: Callable[[], Guard]
+    guard: "Callable[[], Guard]"
     recovery: Callable[[int], Callable[[B], str] | None]
     prepare: Callable[[B, int], str] = lambda _bus, _servo: ""
     begin: Callable[[B], None] = lambda _bus: None
