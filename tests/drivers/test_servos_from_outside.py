@@ -193,10 +193,12 @@ def test_a_killed_driver_leaves_servos_that_hold_and_are_then_let_go(twin):
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     command = [sys.executable, "-c", DRIVER, str(twin.port.path)]
     process = programs.start(command, stdout=subprocess.DEVNULL, env=environment)
-    until(lambda: all(servo.torque and servo.word(42) > 2100 for servo in twin.servos.values()), 8.0)
+    try:
+        until(lambda: all(servo.torque and servo.word(42) > 2100 for servo in twin.servos.values()), 8.0)
+    finally:
+        process.kill()
+        process.wait()
     time_held = time.monotonic()
-    process.kill()
-    process.wait()
     until(lambda: not any(servo.torque for servo in twin.servos.values()), 5.0)
     assert time.monotonic() - time_held > 0.3, "they were not held first"
 

@@ -115,9 +115,11 @@ def test_the_emergency_stop_is_acknowledged_and_execution_can_be_disabled(motors
 def test_a_killed_driver_leaves_wheels_at_zero_and_no_guard(peer):
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     process = programs.start([sys.executable, "-c", DRIVER, str(peer.path)], stdout=subprocess.DEVNULL, env=environment)
-    until(lambda: peer.motor == (500, 500), 5.0)
-    watch = Stopwatch()
-    process.kill()
+    try:
+        until(lambda: peer.motor == (500, 500), 5.0)
+        watch = Stopwatch()
+    finally:
+        process.kill()
     until(lambda: peer.motor == (0, 0), 0.3)
     assert watch.given_s < 0.15, watch
     process.wait()
