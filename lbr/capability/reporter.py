@@ -3,6 +3,7 @@
 import contextlib
 import os
 import time
+from select import PIPE_BUF
 
 import msgspec
 
@@ -35,8 +36,11 @@ class Reporter:
             self._write(_encode(Report(phase=phase, reason=reason[:500])))
 
     def learnt(self, rows: dict[str, msgspec.Raw]) -> None:
-        """Report rows to be written down."""
-        self._write(_encode(Report(learnt=rows)))
+        """Report rows to be written down, which must fit into what a pipe takes whole; ValueError says so."""
+        line = _encode(Report(learnt=rows))
+        if len(line) > PIPE_BUF:
+            raise ValueError(f"rows of {len(line)} bytes are too many to learn at once: {PIPE_BUF} at most")
+        self._write(line)
 
     def beat(self, counts: dict[str, int]) -> None:
         """Say that the main loop goes round; rate-limited here, so call it freely."""

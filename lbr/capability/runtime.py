@@ -261,18 +261,17 @@ class ProcessContext:
         for row in rows:
             if type(row) not in self._kind.learns:
                 raise ValueError(f"'{self.name}' learns no rows of '{row.TABLE}': its kind says so by `learns`")
-        self._reporter.learnt(self._take_over(rows))
+        told = _told(rows)
+        self._reporter.learnt(told)
+        self._take_over(told)
 
     def adopt(self, rows: Iterable[Row]) -> None:
         """Go on with the rows of an edit that was accepted."""
-        self._take_over(rows)
+        self._take_over(_told(rows))
 
-    def _take_over(self, rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
-        """Go on with rows, and return them as they are told; what they must not say raises."""
-        told = by_table(msgspec.convert(msgspec.to_builtins(row), type(row)) for row in rows)
+    def _take_over(self, told: Mapping[str, msgspec.Raw]) -> None:
         self._row_sets = with_rows(self._row_sets, told)
         self._rows.clear()
-        return told
 
     def ready(self, reason: str = "") -> None:
         """Say that this capability works."""
@@ -333,6 +332,11 @@ class ProcessContext:
                 self._complained.clear()
             self._complained[key] = now + 1 / COMPLAINTS_PER_S
             self.event("refused", text, level="warning", data={"key": key}, code=code, about=about)
+
+
+def _told(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
+    """Return rows as they are told to others; raise msgspec.ValidationError for what their annotations refuse."""
+    return by_table(msgspec.convert(msgspec.to_builtins(row), type(row)) for row in rows)
 
 
 def _subscribe(

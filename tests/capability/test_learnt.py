@@ -1,0 +1,57 @@
+"""What a capability learns: told in one piece, merged by key, and the same for whoever merges it."""
+
+import os
+
+import msgspec
+import pytest
+from msgspec.structs import replace
+
+from lbr.capability.config import Report
+from lbr.capability.reporter import Reporter
+from lbr.messages.joints import Joint, MotionRow, MotionStep
+from lbr.messages.rows import by_table, row_set, with_rows
+from lbr.messages.speech import Phrase
+
+NECK = Joint(name="neck", device_id=1, lower_rad=-1.0, upper_rad=1.0, speed_rps=1.0)
+BOW = MotionRow(name="bow")
+
+
+def step(number: int, motion: str = "bow") -> MotionStep:
+    return MotionStep(motion=motion, step=number, duration_s=1.0, positions={"neck": 0.5})
+
+
+def sets(*rows):
+    kinds = (Joint, MotionRow, MotionStep)
+    return {kind.TABLE: row_set(kind, (row for row in rows if type(row) is kind)) for kind in kinds}
+
+
+def test_rows_take_the_place_of_those_with_their_key_in_the_order_of_keys():
+    faster, jaw = replace(NECK, speed_rps=2.0), replace(NECK, name="jaw", device_id=2)
+    after = with_rows(sets(NECK, BOW), by_table([faster, jaw]))
+    assert after == sets(jaw, faster, BOW)
+    assert after["motion"] is not after["joint"]
+
+
+def test_a_part_comes_beside_others_and_with_its_whole_in_their_place():
+    known = sets(BOW, step(1), step(2), step(1, "nod"))
+    assert with_rows(known, by_table([step(3)])) == sets(BOW, step(1), step(2), step(3), step(1, "nod"))
+    assert with_rows(known, by_table([BOW, step(1)])) == sets(BOW, step(1), step(1, "nod"))
+
+
+def test_tables_that_are_not_read_are_left_out():
+    assert with_rows(sets(NECK), by_table([Phrase(name="hi", language="en", text="Hi.")])) == sets(NECK)
+
+
+def test_what_is_learnt_is_one_line_and_too_much_of_it_is_refused():
+    reading, writing = os.pipe()
+    try:
+        reporter = Reporter(writing)
+        reporter.learnt(by_table([step(1)]))
+        (line,) = os.read(reading, 65536).splitlines()
+        rows = msgspec.json.decode(line, type=Report).learnt["motion_step"]
+        assert msgspec.json.decode(rows, type=list[MotionStep]) == [step(1)]
+        with pytest.raises(ValueError, match="too many to learn at once"):
+            reporter.learnt(by_table(step(number) for number in range(1, 100)))
+    finally:
+        os.close(reading)
+        os.close(writing)
