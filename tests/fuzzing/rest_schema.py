@@ -69,6 +69,8 @@ def misfit(document: Schema, case: Case, status: int, media: str, body: bytes) -
     if found is None:
         return f"status {status} is not in the document"
     kinds = found.get("content", {})
+    if not kinds:
+        return "there is content where none is said" if body or media else ""
     kind = media.partition(";")[0]
     if kind not in kinds:
         return f"{kind} is none of {sorted(kinds)}"

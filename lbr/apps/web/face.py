@@ -190,7 +190,7 @@ class Route:
     One that is `regardless` is done whatever its body is: of one that is late, too large or wrong, `data` is None.
     `handle` returns an answer: a coroutine does so in the capability's loop, within `within_s` (else 503), a plain
     function at once.
-    `replies` maps each status to what is then returned: a Struct, or a media type; refusals need not be named.
+    `replies` maps each status to what is then returned: a Struct, a media type, or None for no content; refusals need not be named.
     `role` is the least that is needed, None for nobody's leave. A `page` may be opened by a link from any other page,
     so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
     What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign in.

@@ -6,7 +6,7 @@ from typing import Any
 
 from starlette.responses import Response
 
-from lbr.apps.web.face import TEXT, Refused, Request, Route
+from lbr.apps.web.face import Refused, Request, Route
 from lbr.apps.web.sessions import LIFE_S, Sessions, name_in
 
 
@@ -20,7 +20,7 @@ class Login:
 
     def routes(self) -> list[Route]:
         """Return how to sign in and out."""
-        done: dict[str, Any] = {"replies": {204: TEXT}}
+        done: dict[str, Any] = {"replies": {204: None}}
         return [
             Route(
                 method="POST", path="/session", handle=self._begin, summary="Give a browser a cookie for the token shown",

@@ -32,7 +32,7 @@ def document(routes: Iterable[Route], *, title: str, description: str, version: 
     kinds: list[Any] = [Message]
     for route in shown:
         kinds += [kind for kind in (route.params, route.body) if kind is not None]
-        kinds += [reply for reply in route.replies.values() if not isinstance(reply, str)]
+        kinds += [reply for reply in route.replies.values() if reply is not None and not isinstance(reply, str)]
     kinds = list({id(kind): kind for kind in kinds}.values())
     found, components = msgspec.json.schema_components(kinds, ref_template=_TEMPLATE)
     schemas = {id(kind): schema for kind, schema in zip(kinds, found, strict=True)}
@@ -105,12 +105,7 @@ def _responses(route: Route, schemas: Mapping[int, Any]) -> dict[str, Any]:
         **route.refuses,
     }
     found = {
-        str(status): {
-            "description": route.summary,
-            "content": {reply: {"schema": {"type": "string"}}}
-            if isinstance(reply, str)
-            else {JSON: {"schema": schemas[id(reply)]}},
-        }
+        str(status): {"description": route.summary} | _content(reply, schemas)
         for status, reply in route.replies.items()
     }
     found |= {
@@ -119,6 +114,14 @@ def _responses(route: Route, schemas: Mapping[int, Any]) -> dict[str, Any]:
         if str(status) not in found
     }
     return dict(sorted(found.items()))
+
+
+def _content(reply: Any, schemas: Mapping[int, Any]) -> dict[str, Any]:
+    if reply is None:
+        return {}
+    if isinstance(reply, str):
+        return {"content": {reply: {"schema": {"type": "string"}}}}
+    return {"content": {JSON: {"schema": schemas[id(reply)]}}}
 
 
 def _operation_id(route: Route) -> str:
