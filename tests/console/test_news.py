@@ -64,3 +64,11 @@ def test_python_typed_here_is_for_the_record():
     typed = event("console: 1+1", subject="executive", kind="python", level="info", about="console")
     assert not News("console").sifted([typed])
     assert News("console@2").sifted([typed]) == [typed]
+
+
+def test_what_a_joint_or_a_rule_does_is_told_to_those_who_asked_for_it_too():
+    switched = event("console switched the torque of all joints on", "joints", "torque", "info", code="")
+    limited = event("the forward rule stops the base: forward 0.20 m", "drive", "rule", code="obstacle")
+    news = News("console")
+    news.answered(answer("done"))
+    assert news.sifted([switched, limited]) == [switched, limited]

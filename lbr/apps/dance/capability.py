@@ -121,7 +121,7 @@ class Dance(Capability[DanceSettings]):
         silent = dance.music.silent if dance.music else ""
         without = f", without sound: {silent}" if silent else ""
         text = f"dances {dance.choreography.name} to {dance.song.name}{without}"
-        self.ctx.event("dance_began", text, level="warning" if silent else "info")
+        self.ctx.event("dance_began", text, level="warning" if silent else "info", code="done", about=call.source)
         call.reply(CommandReply(accepted=True, reason=text))
 
     def _end(self, why: Reason) -> None:

@@ -132,7 +132,7 @@ def _told(state: State, source: str, names: Iterable[str], *, on: bool) -> tuple
         return ()
     which = "all joints" if len(changed) == len(state.body.joints) else ", ".join(changed)
     verb = "on" if on else "off"
-    return (Happened(kind="torque", text=f"{source} switched the torque of {which} {verb}", about=source),)
+    return (Happened(kind="torque", text=f"{source} switched the torque of {which} {verb}"),)
 
 
 def _reply(reason: str = "", *troubles: Reason) -> Reply:

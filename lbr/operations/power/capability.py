@@ -183,7 +183,7 @@ class Power(Capability[PowerSettings]):
         if told.kind in REPEATED and now - self._told_at.get(told.kind, -inf) < self.ctx.settings.repeat_s:
             return
         self._told_at[told.kind] = now
-        self.ctx.event(told.kind, told.text, level=told.level)
+        self.ctx.event(told.kind, told.text, level=told.level, code="done" if told.about else "", about=told.about)
         if told.kind in SPOKEN and self.ctx.targets("say"):
             self.ctx.ask("say", SayCommand(text=told.text), timeout_s=SAY_WITHIN_S)  # speech says what goes wrong
 

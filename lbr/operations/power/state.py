@@ -41,11 +41,12 @@ class Watch:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """News for people."""
+    """News for people; `about` is whose command it was that did it."""
 
     kind: str
     text: str
     level: str = "warning"
+    about: str = ""
 
 
 @dataclass(frozen=True, slots=True)

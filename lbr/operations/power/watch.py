@@ -224,7 +224,7 @@ def _arm(watch: Watch, event: Arm) -> Outcome:
     text = (
         f"warns below {warn_v:g} V, shuts down below {shutdown_v:g} V" if event.armed else "shuts nothing down any more"
     )
-    told = Told("armed" if event.armed else "disarmed", f"{event.who}: {text}", "info")
+    told = Told("armed" if event.armed else "disarmed", f"{event.who}: {text}", "info", about=event.who)
     if not event.armed:
         stop: tuple[Task, ...] = ("stop_parking",) if watch.phase == "parking" else ()
         return replace(watch, phase="disarmed", reason=text, until_s=inf, cancelled=False), (told, "keep", *stop)
