@@ -27,6 +27,7 @@ format: ## ruff, what it can mend
 
 types: ## mypy
 	$(BIN)/mypy
+	MYPYPATH=examples/so101 $(BIN)/mypy -p lbr_so101
 
 docs: ## are the generated pages true? (`python docs/generate.py` writes them)
 	$(BIN)/python docs/generate.py --check

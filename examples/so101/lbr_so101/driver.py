@@ -1,0 +1,39 @@
+"""A bus of STS3215 as the capability that drives servos whose registers can be read back."""
+
+from collections.abc import Callable
+
+from lbr.capability.context import Device
+from lbr.drivers.servos.contract import ServoLink
+from lbr.drivers.servos.guard import Guard
+from lbr.drivers.servos.protocol1.line import ServoLine, open_servo_line
+from lbr.drivers.servos.registers import RegisterServos
+from lbr_so101 import FeetechSettings
+from lbr_so101.bus import FeetechBus
+from lbr_so101.model import Sts3215
+from lbr_so101.setup import Setup
+
+RELEASE = "lbr_so101.guard_release"
+
+
+class Feetech(RegisterServos[FeetechSettings, FeetechBus]):
+    """STS3215 servos on one line."""
+
+    def connect(self, device: Device, urgent: Callable[[], bool]) -> ServoLink[FeetechBus]:
+        """Open the line; servos are looked at as they are found."""
+        settings, clock = self.ctx.settings, self.ctx.clock
+        line = open_servo_line(device, settings.baud, settings.reply_margin_s)
+        setup = Setup(settings.models, self.tell, check_phase=settings.check_phase)
+        bus = FeetechBus(
+            line, together=settings.sync_read, acceleration=settings.acceleration, clock=clock, urgent=urgent
+        )
+        return ServoLink(
+            bus=bus,
+            model=Sts3215(setup.kept.get),
+            guard=lambda: self._guard(line),
+            recovery=setup.recovery,
+            prepare=setup.prepare,
+        )
+
+    def _guard(self, line: ServoLine) -> Guard:
+        words = (line.baud, line.margin_s)
+        return Guard(RELEASE, line.fileno(), self.ctx.settings, list(self._joints), self.ctx.clock, words=words)

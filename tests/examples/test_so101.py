@@ -1,0 +1,42 @@
+"""The example of a servo driver outside lbr: its own tests, with the package beside lbr as pip would install it."""
+
+import os
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.support import programs
+
+PACKAGE = Path(__file__).resolve().parents[2] / "examples" / "so101"
+MOST_LINES = 1200
+
+
+@pytest.fixture
+def installed(tmp_path):
+    """The environment in which its modules are on the path, and its entry points are found."""
+    project = tomllib.loads((PACKAGE / "pyproject.toml").read_text())["project"]
+    info = tmp_path / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
+    groups = (
+        f"[{group}]\n" + "".join(f"{name} = {where}\n" for name, where in points.items())
+        for group, points in project["entry-points"].items()
+    )
+    (info / "entry_points.txt").write_text("\n".join(groups))
+    return {**os.environ, "PYTHONPATH": f"{PACKAGE}:{tmp_path}"}
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("part", sorted(path.name for path in (PACKAGE / "tests").glob("test_*.py")))
+def test_its_own_tests_pass(part, installed, tmp_path):
+    argv = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"tests/{part}"]
+    ended = programs.run(argv, cwd=PACKAGE, env=installed, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stdout[-6000:] + ended.stderr[-2000:]
+
+
+def test_driver_and_twin_are_few_lines():
+    lines = sum(len(path.read_text().splitlines()) for path in (PACKAGE / "lbr_so101").glob("*.py"))
+    assert lines < MOST_LINES
