@@ -4,7 +4,6 @@
 """
 
 import re
-import sqlite3
 import sys
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
@@ -22,18 +21,22 @@ from lbr.console.fields import Message
 from lbr.console.verbs import Vocabulary
 from lbr.database import builtin
 from lbr.database.arguments import told
+from lbr.database.checks import check
 from lbr.database.rows import ExternalCommandRow, VerbRow
+from lbr.database.shipped import shipped
+from lbr.executive.planning import words
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.wiring import EXECUTIVE_VERBS, least_roles
+from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_roles
 from lbr.executive.service.reports import NAMES as REPORTS
 from lbr.messages import codes, system
-from lbr.messages.system import higher
+from lbr.messages.system import Role, higher
 from lbr.simulation import faults
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "docs" / "reference"
 NOWHERE = Path("/nowhere")
 HEAD = "<!-- Written by docs/generate.py; do not edit. -->\n\n"
+ROBOTS = ("lbr", "bioloid", "uxa90")
 FAMILIES = ("driver", "operation", "app", "program", "simulation")
 
 
@@ -58,7 +61,7 @@ def pages() -> dict[str, str]:
     return {
         "rows.md": HEAD + rows_page(sql),
         "topics.md": HEAD + topics_page(kinds()),
-        "console.md": HEAD + console_page(sql),
+        "console.md": HEAD + console_page(),
         "settings.md": HEAD + settings_page(kinds()),
         "cli.md": HEAD + cli_page(),
         "codes.md": HEAD + codes_page(),
@@ -357,88 +360,69 @@ def settings_page(known: list[Kind]) -> str:
 # -- console ----------------------------------------------------------------------------------------------------------
 
 
-def console_page(sql: str) -> str:
-    """Return the reference of the shipped vocabulary."""
-    verbs, external = _shipped_words(sql)
+def console_page() -> str:
+    """Return the reference of what can be said to the robots that come with lbr."""
     parts = [
         "# Words of the console\n",
         (
-            "The shipped vocabulary, from the rows of the tables `verb` and `external_command`. A line that starts with a "
+            "What can be said to the robots that come with lbr: the words that their capabilities' kinds bring, and the rows "
+            "of the tables `verb` and `external_command`. A line that starts with a "
             "slash is taken apart at its slashes; doubled slashes count once. Bare words that have no exact match are "
             "looked up in small letters. What `executive` does by itself: "
             + ", ".join(f"`{name}`" for name in sorted(EXECUTIVE_VERBS))
             + f". Reports: {', '.join(f'`{name}`' for name in REPORTS)}.\n"
         ),
-        "A word needs the role that its row names, or the one that the command it asks for needs, if that is higher.\n",
+        "A word needs the role that its row or its kind names, or the one that the command needs, if that is higher.\n",
         "## Every robot\n",
         "These are there whatever the rows say, and no row may take one of them, in capital letters or small ones.\n",
         _table(
             ("say", "what it does", "least role"), [(f"`{row.pattern}`", row.help, row.role) for row in builtin.WORDS]
         ),
+        "These are there, too, unless a row of the robot's says otherwise.\n",
+        _words([words.as_row(EXECUTIVE, word) for word in words.OF_EVERY_ROBOT], least_roles({})),
+        "## By kind\n",
+        (
+            "Every robot with a capability of the kind understands these; they ask for a command of that capability. A row "
+            "of the same pattern takes the place of one.\n"
+        ),
     ]
-    for robot, rows in verbs.items():
-        kinds = _shipped_kinds(sql, robot)
-        targets = {
-            f"{name}.{command}": message for name, kind in kinds.items() for command, message in kind.messages.items()
-        }
-        needed = least_roles(kinds)
-        Vocabulary(rows, external[robot], targets)  # refuses patterns that it could not say
-        parts.append(f"## Robot `{robot}`\n")
-        words = [
-            (
-                f"`{row.pattern}`",
-                row.help,
-                f"`{row.target}`",
-                higher(row.role, needed.get(row.target, "view")),
-                _payload(row),
-            )
-            for row in rows
-        ]
-        parts.append(_table(("say", "what it does", "asks", "least role", "fixed fields"), words))
-        parts.append("### Fields\n")
-        parts.append(_table(("field", "allowed"), _fields(rows, targets)))
-        parts.append("### External commands\n")
+    for kind in kinds():
+        if kind.words:
+            rows = [words.as_row(kind.name, word) for word in kind.words]
+            parts += [f"### Kind `{kind.name}`\n", _words(rows, least_roles({kind.name: kind}))]
+            parts.append(_table(("field", "allowed"), _fields(rows, _messages_of({kind.name: kind}))))
+    for name in ROBOTS:
+        rows = check(shipped()[0], name)
+        named = {row.name: registry.find(row.kind, NOWHERE) for row in rows.capabilities}
+        Vocabulary(words.words(rows, named), rows.external_commands, _messages_of(named))  # refuses what cannot be said
+        parts += [f"## Robot `{name}`\n", "Besides what its kinds bring:\n", _words(rows.verbs, least_roles(named))]
+        fields = _fields(rows.verbs, _messages_of(named))
+        parts += [_table(("field", "allowed"), fields)] if fields else []
         commands = [
             (f"`{row.name}`", row.help, _arguments(row), f"`{' '.join(row.argv)}`", row.role, _waits(row))
-            for row in external[robot]
+            for row in rows.external_commands
         ]
-        parts.append(_table(("say", "what it does", "arguments", "runs", "least role", "the console"), commands))
+        head = ("say", "what it does", "arguments", "runs", "least role", "the console")
+        parts += ["### External commands\n", _table(head, commands)] if commands else []
     return "\n".join(parts)
 
 
-def _shipped_words(sql: str) -> tuple[dict[str, list[VerbRow]], dict[str, list[ExternalCommandRow]]]:
-    database = _database(sql)
-    verbs: dict[str, list[VerbRow]] = {}
-    external: dict[str, list[ExternalCommandRow]] = {}
-    for robot, word, pattern, target, payload, role, text in database.execute(
-        "SELECT robot, word, pattern, target, payload, role, help FROM verb ORDER BY robot, rowid"
-    ):
-        fixed = msgspec.json.decode(payload) if payload else None
-        row = VerbRow(word=word, pattern=pattern, target=target, role=role, help=text, payload=fixed)
-        verbs.setdefault(robot, []).append(row)
-        external.setdefault(robot, [])
-    for robot, name, argv, blocking, text, arguments, role in database.execute(
-        "SELECT robot, name, argv, blocking, help, arguments, role FROM external_command ORDER BY robot, name"
-    ):
-        row = {"name": name, "argv": msgspec.json.decode(argv), "blocking": bool(blocking), "help": text, "role": role}
-        row["arguments"] = msgspec.json.decode(arguments) if arguments else []
-        external[robot].append(msgspec.convert(row, ExternalCommandRow))
-    database.close()
-    return verbs, external
+def _words(rows: Iterable[VerbRow], needed: Mapping[str, Role]) -> str:
+    said = [
+        (
+            f"`{row.pattern}`",
+            row.help,
+            f"`{row.target}`",
+            higher(row.role, needed.get(row.target, "view")),
+            _payload(row),
+        )
+        for row in rows
+    ]
+    return _table(("say", "what it does", "asks", "least role", "fixed fields"), said) if said else "Nothing.\n"
 
 
-def _shipped_kinds(sql: str, robot: str) -> dict[str, Kind]:
-    database = _database(sql)
-    rows = database.execute("SELECT name, kind FROM capability WHERE robot = ?", (robot,))
-    found = {name: registry.find(kind, NOWHERE) for name, kind in rows}
-    database.close()
-    return found
-
-
-def _database(sql: str) -> sqlite3.Connection:
-    database = sqlite3.connect(":memory:")
-    database.executescript(sql)
-    return database
+def _messages_of(known: Mapping[str, Kind]) -> dict[str, type[Struct]]:
+    return {f"{name}.{command}": message for name, kind in known.items() for command, message in kind.messages.items()}
 
 
 def _fields(rows: Iterable[VerbRow], targets: Mapping[str, type[Struct]]) -> list[tuple[str, str]]:
@@ -454,7 +438,7 @@ def _payload(row: VerbRow) -> str:
 
 
 def _arguments(row: ExternalCommandRow) -> str:
-    return ", then ".join(told(one) for one in row.arguments) or "none"
+    return ", then ".join(told(one) for one in row.arguments or ()) or "none"
 
 
 def _waits(row: ExternalCommandRow) -> str:

@@ -14,6 +14,7 @@ FAILED, BAD_INPUT, ALREADY_RUNNING, INTERRUPTED = 1, 2, 3, 130
 
 COMMANDS = {
     "run": ("run", "Start a robot."),
+    "robots": ("robots", "List the robots that there are, and how to start them."),
     "agent": ("agent", "Run a share of a robot that is on another machine."),
     "console": ("console", "Open a console on a running robot, here or over the LAN."),
     "send": ("send", "Say one console line; its result is text and exit code."),
@@ -33,8 +34,7 @@ HELP = """Run a robot that is rows in a database, and talk to it.
 
 \b
   lbr run                  start the simulated robot, with a console
-  lbr run bioloid-sim      start the simulated humanoid
-  lbr run uxa90-sim        start the simulated UXA-90, with its API
+  lbr robots               which robots there are, and what to run
   lbr send /r/0.2/0        drive at a fifth of full power, for 5 s
   lbr status               what runs
 

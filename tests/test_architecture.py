@@ -29,23 +29,27 @@ AROUND = [
 
 GROUND = {"errors", "messages"}
 BUS = GROUND | {"bus"}
-CAPABILITY = BUS | {"capability", "ownership"}
+CAPABILITY = BUS | {"capability", "ownership", "plugins"}
+ROBOTS = {"errors", "plugins", "resources", "robots"}
 FLOORS = {
     "errors": {"messages"},
     "messages": {"messages"},
     "ownership": {"errors"},
     "home": {"errors", "ownership"},
     "surroundings": {"errors"},
+    "plugins": {"errors"},
+    "resources": {"errors"},
+    "robots": ROBOTS,
     "bus": BUS,
     "capability": CAPABILITY,
     "drivers": CAPABILITY | {"drivers"},
     "operations": CAPABILITY | {"operations"},
     "apps": CAPABILITY | {"apps", "home"},
     "testing": CAPABILITY | {"database", "simulation", "testing"},
-    "simulation": CAPABILITY | {"simulation"},
-    "database": GROUND | {"database", "ownership"},
+    "simulation": CAPABILITY | ROBOTS | {"simulation"},
+    "database": GROUND | ROBOTS | {"database", "ownership"},
     "console": BUS | {"console", "database", "home", "ownership"},
-    "executive": CAPABILITY | {"executive", "console", "database", "home"},
+    "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home"},
 }
 TOP = {"cli", "commands"}
 """What people start: may import everything below."""
@@ -68,7 +72,7 @@ OWNERS = {
     "linuxpy": {"drivers"},
     "picamera2": {"drivers"},
     "pyttsx3": {"apps"},
-    "packaging": {"apps"},
+    "packaging": {"apps", "plugins"},
     "starlette": {"apps"},
     "uvicorn": {"apps"},
     "websockets": {"apps"},
@@ -229,6 +233,15 @@ def test_families_of_devices_and_operations_do_not_import_one_another(path):
         if parts[:2] == place[:2] and len(parts) > 2:
             own = len(place) > 2 and (parts[2] == place[2] or place[2] in FAMILIES.get(parts[2], ()))
             assert own or ".".join(parts[:3]) in shared, f"{module} imports {name} of another family"
+
+
+def test_only_entry_points_name_a_robots_package():
+    robots = {f"lbr.robots.{path.name}" for path in (PACKAGE / "robots").iterdir() if (path / "__init__.py").exists()}
+    assert robots >= {"lbr.robots.bioloid", "lbr.robots.lbr", "lbr.robots.uxa90"}
+    for path in MODULES:
+        module = dotted(path)
+        named = {".".join(name.split(".")[:3]) for name in imports(path.read_text(), module)} & robots
+        assert not named - {".".join(module.split(".")[:3])}, f"{module} imports {', '.join(named)}"
 
 
 @pytest.mark.parametrize("path", [p for p in MODULES if floor(dotted(p)) == "console"], ids=dotted)

@@ -7,6 +7,7 @@ from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Context, Device, Received
 from lbr.capability.kind import Command, Kind, NoSettings, Rows, names
+from lbr.capability.word import Word
 from lbr.messages.rows import Row
 
 __all__ = [
@@ -23,5 +24,6 @@ __all__ = [
     "Received",
     "Row",
     "Rows",
+    "Word",
     "names",
 ]

@@ -9,6 +9,7 @@ from msgspec import Struct
 
 from lbr.capability.kind import Command, Emulation, Family, Kind, Line, Rows
 from lbr.capability.program import ProgramSettings
+from lbr.capability.word import Word
 from lbr.messages.rows import Row
 from lbr.messages.system import Role
 
@@ -31,6 +32,7 @@ def _found(kind: Kind) -> Iterator[str]:
     yield from _settings(kind)
     yield from _answers(kind)
     yield from _devices(kind)
+    yield from _said(kind)
 
 
 def _words(kind: Kind) -> Iterator[str]:
@@ -150,6 +152,21 @@ def _devices(kind: Kind) -> Iterator[str]:
             yield f"'device_settings' gives '{name}' {_shown(settings)}, and must give a msgspec Struct"
         elif fault := _unfit(settings):
             yield f"'device_settings' gives '{name}' {settings.__name__}, which is no JSON: {fault}"
+
+
+def _said(kind: Kind) -> Iterator[str]:
+    """Look whether the words are words; what their patterns and fields say, the plan of a robot checks."""
+    words: Any = kind.words
+    if not isinstance(words, tuple) or not all(isinstance(one, Word) for one in words):
+        yield f"'words' is {_shown(words)}, and must be a tuple of Word(…)"
+        return
+    for one in words:
+        if not (isinstance(one.pattern, str) and isinstance(one.help, str) and isinstance(one.fixed, dict)):
+            yield f"'words' has {_shown(one)}: its pattern and help must be texts, and 'fixed' a dict"
+        elif one.command not in kind.commands:
+            yield f"'words' has {_shown(one.pattern)}, which asks for {_shown(one.command)}, none of its commands"
+        elif one.role not in get_args(Role):
+            yield f"'words' gives {_shown(one.pattern)} {_shown(one.role)}, and must give one of {', '.join(get_args(Role))}"
 
 
 def _is_struct(value: Any, of: type[Struct]) -> bool:

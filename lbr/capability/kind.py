@@ -11,6 +11,7 @@ from typing import Any, Literal, Protocol, TypeVar
 import msgspec
 from msgspec import Struct
 
+from lbr.capability.word import Word
 from lbr.errors import LbrError
 from lbr.messages.rows import Row
 from lbr.messages.system import Role
@@ -80,6 +81,7 @@ class Kind:
     says no type of `replies` is answered by a CommandReply.
     `optional` are the inputs that it can do without: nobody is told that nothing feeds them.
     `roles` are the commands that need another role than `operate`; anybody may stop.
+    `words` are what the console of every robot with a capability of this kind understands, besides the robot's rows.
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
     `serves` marks a way by which people move and stop the robot: it ranks with what moves.
     `device` is the type of the device row that the setting `device` must name; empty if it owns none.
@@ -105,6 +107,7 @@ class Kind:
     requests: Mapping[str, type[Struct]] = field(default_factory=dict)
     optional: Collection[str] = ()
     roles: Mapping[str, Role] = field(default_factory=dict)
+    words: tuple[Word, ...] = ()
     moves: bool = False
     serves: bool = False
     device: str = ""

@@ -3,22 +3,15 @@
 import contextlib
 import re
 from functools import cache, lru_cache
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from lbr import ownership
+from lbr import ownership, plugins
 from lbr.capability.kind import Kind, KindError
 from lbr.messages.rows import Row
+from lbr.plugins import Plugin, PluginError
 
 GROUP = "lbr.capabilities"
-OURS = "lbr."
-"""Where the kinds are that come with lbr: each is checked by the tests, and need not be at every start."""
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
-
-
-@lru_cache(maxsize=1)
-def _installed() -> dict[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=GROUP)}
 
 
 def user_directory(home: Path) -> Path:
@@ -29,7 +22,7 @@ def user_directory(home: Path) -> Path:
 def names(home: Path) -> list[str]:
     """Return the names of all kinds, sorted."""
     own = {path.stem for path in user_directory(home).glob("*.py") if _NAME.fullmatch(path.stem)}
-    return sorted(own | set(_installed()))
+    return sorted(own | set(plugins.installed(GROUP)))
 
 
 def find(name: str, home: Path, *, trial: bool = True) -> Kind:
@@ -40,9 +33,9 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
     """
     if not _NAME.fullmatch(name):
         raise KindError(f"'{name}' is no kind's name: kinds are words like 'roboteq', not paths or code")
-    point = _installed().get(name)
+    point = plugins.installed(GROUP).get(name)
     if point is not None:
-        return _from_entry(name, point)
+        return _from_package(point)
     path = user_directory(home) / f"{name}.py"
     if not path.is_file():
         raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
@@ -54,16 +47,16 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
 def tables() -> frozenset[type[Row]]:
     """Return the rows that installed kinds read: what is in them is checked for robots that have no such kind, too."""
     found: set[type[Row]] = set()
-    for name, point in _installed().items():
+    for point in plugins.installed(GROUP).values():
         with contextlib.suppress(KindError):  # told to those who name it
-            found |= {read.row for read in _from_entry(name, point).reads}
+            found |= {read.row for read in _from_package(point).reads}
     return frozenset(found)
 
 
 def shadowed(name: str, home: Path) -> Path | None:
     """Return the file of the user's own that is not used because an installed kind has its name."""
     path = user_directory(home) / f"{name}.py"
-    return path if name in _installed() and path.is_file() else None
+    return path if name in plugins.installed(GROUP) and path.is_file() else None
 
 
 def fingerprint(name: str, home: Path) -> str:
@@ -72,12 +65,12 @@ def fingerprint(name: str, home: Path) -> str:
         found = (user_directory(home) / f"{name}.py").stat()
     except OSError:
         return ""
-    return "" if name in _installed() else f"{found.st_mtime_ns}-{found.st_size}"
+    return "" if name in plugins.installed(GROUP) else f"{found.st_mtime_ns}-{found.st_size}"
 
 
 def mark(name: str, home: Path) -> str:
     """Return what changes when a user's capability file, or who may change it, does; empty for an installed kind."""
-    if name in _installed():
+    if name in plugins.installed(GROUP):
         return ""
     folder = user_directory(home)
     try:
@@ -93,18 +86,19 @@ def _refuse_if_others_may_write(path: Path) -> None:
 
 
 @cache
-def _from_entry(name: str, point: EntryPoint) -> Kind:
+def _from_package(point: Plugin) -> Kind:
+    """Return an installed kind; those that come with lbr are checked by its tests, and need not be at every start."""
     try:
         kind = point.load()
-    except Exception as err:
-        raise KindError(f"the installed kind '{name}' does not load: {type(err).__name__}: {err}") from err
+    except PluginError as err:
+        raise KindError(f"the installed kind {err}") from err
     if not isinstance(kind, Kind):
-        raise KindError(f"the installed kind '{name}' ({point.value}) is no Kind(…)")
-    if kind.name != name:
+        raise KindError(f"the installed kind {point.label}: {point.value} is no Kind(…)")
+    if kind.name != point.name:
         text = "the name of the entry point and KIND.name agree"
-        raise KindError(f"the installed kind '{name}' ({point.value}) calls itself '{kind.name}': {text}")
-    if not point.value.startswith(OURS) and (found := _faults(kind)):
-        raise KindError(f"the installed kind '{name}' ({point.value}): {'; '.join(found)}")
+        raise KindError(f"the installed kind {point.label} calls itself '{kind.name}': {text}")
+    if not point.ours and (found := _faults(kind)):
+        raise KindError(f"the installed kind {point.label}: {'; '.join(found)}")
     return kind
 
 

@@ -13,6 +13,7 @@ from lbr import home, ownership
 from lbr.commands import device_checks, power_checks, service_checks, web_checks
 from lbr.commands.finding import Finding
 from lbr.errors import LbrError
+from lbr.robots import registry
 
 EXTRAS = {
     "sim": (("mujoco", "PIL"), "simulated robots need it"),
@@ -32,7 +33,7 @@ FREE_MB = 500
 def examine() -> Iterator[Finding]:
     """Yield every finding; a check that fails itself is a finding too."""
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
-        _python, _packages, _extras, _home, _disk, _database, _bus, _serial, device_checks.speech, device_checks.emulated, _governor, _clock, _running,
+        _python, _packages, _robots, _extras, _home, _disk, _database, _bus, _serial, device_checks.speech, device_checks.emulated, _governor, _clock, _running,
         service_checks.services, power_checks.power,
     )  # fmt: skip
     for check in checks:
@@ -69,6 +70,13 @@ def _packages() -> Iterator[Finding]:
         yield Finding(about="packages", level="bad", text=f"missing: {', '.join(missing)}", do="pip install lbr")
     else:
         yield Finding(about="packages", level="good", text=f"lbr {metadata.version('lbr')} and all that it needs")
+
+
+def _robots() -> Iterator[Finding]:
+    """Look whether what packages bring can be used."""
+    for found in registry.every():
+        if found.fault:
+            yield Finding(about=f"robot '{found.name}'", level="hint", text=f"{found.fault}; all others run")
 
 
 def _extras() -> Iterator[Finding]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from lbr.commands.options import json_option, print_json
+from lbr.commands.options import complete_robot, json_option, print_json
 
 
 def _file(function: click.decorators.FC) -> click.decorators.FC:
@@ -22,40 +22,41 @@ def command() -> None:
 @command.command("init")
 @_file
 @click.option(
-    "--sql", type=click.Path(path_type=Path, exists=True, dir_okay=False), help="Instead of the shipped rows."
+    "--sql", type=click.Path(path_type=Path, exists=True, dir_okay=False), help="Instead of the rows of all robots."
 )
 def init(database: Path | None, sql: Path | None) -> int:
-    """Create the database with the shipped rows; a file that is there is left alone."""
+    """Create the database with the rows of all robots that there are (lbr robots); a file that is there is left alone."""
     from lbr import home  # noqa: PLC0415 - the database is for those who read rows
-    from lbr.database import store  # noqa: PLC0415
+    from lbr.executive.planning import joining  # noqa: PLC0415
 
     path = database or home.default_database()
-    store.create(path, sql)
+    for left_out in joining.create(path, sql):
+        click.echo(f"left out: {left_out}", err=True)
     click.echo(f"created {path}")
     return 0
 
 
 @command.command("add")
-@click.argument("robot")
+@click.argument("robot", shell_complete=complete_robot)
 @_file
 @json_option
 def add(robot: str, database: Path | None, as_json: bool) -> int:
-    """Add the rows of ROBOT that ship with lbr and are not in the database yet; rows that are there stay as they are.
+    """Add the rows of ROBOT that its package brings and that are not in the database yet; others stay as they are.
 
-    A database that is older than a robot, or than some of its rows, gets them this way.
+    A database that is older than a robot gets it at its first run, too; one that is older than some rows only this way.
     """
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import opened  # noqa: PLC0415
-    from lbr.database import shipped  # noqa: PLC0415
+    from lbr.executive.planning import joining  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
-        added = shipped.add(rows, robot)
+        added = joining.add(rows, robot.replace("-", "_"))
     if as_json:
         print_json(added)
     elif added:
         click.echo(f"added to {rows.path}: " + ", ".join(f"{count} of {table}" for table, count in added.items()))
     else:
-        click.echo(f"all shipped rows of {robot} are in {rows.path}")
+        click.echo(f"all rows that {robot} brings are in {rows.path}")
     return 0
 
 
@@ -114,13 +115,13 @@ def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
 @_file
 @json_option
 def diff(database: Path | None, as_json: bool) -> int:
-    """Show what differs from the rows that ship with lbr. Exit code 0 either way."""
+    """Show what differs from the rows that lbr and the robots' packages bring. Exit code 0 either way."""
     from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.commands.rows import opened, said_by_kinds  # noqa: PLC0415
     from lbr.database.difference import differences  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
-        found = differences(rows)
+        found = differences(rows, implied=said_by_kinds(rows))
     if as_json:
         print_json(found)
         return 0

@@ -51,7 +51,7 @@ def _elsewhere(whom: Whom) -> "Graph":
 
 def _here(robot: str | None, database: Path | None) -> "Graph":
     from lbr import home  # noqa: PLC0415 - only now is the database needed
-    from lbr.commands.rows import opened, robot_in  # noqa: PLC0415
+    from lbr.commands.rows import opened, robot_in, with_words  # noqa: PLC0415
     from lbr.console import wiring  # noqa: PLC0415
 
     here = [one for one in home.running() if robot in {None, one.robot}]
@@ -59,7 +59,7 @@ def _here(robot: str | None, database: Path | None) -> "Graph":
     path = database or (Path(record.database) if record else home.default_database())
     with opened(path) as rows:
         loaded = rows.load(robot or (record.robot if record else robot_in(rows)))
-    return wiring.graph(loaded, *_running(record))
+    return wiring.graph(with_words(loaded), *_running(record))
 
 
 def _running(record: object) -> tuple[dict[str, str], dict[str, float]]:

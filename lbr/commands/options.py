@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -51,3 +52,22 @@ def print_json(value: Any) -> None:
     import msgspec  # noqa: PLC0415 - kept out of `lbr --help`
 
     click.echo(msgspec.json.encode(value).decode())
+
+
+def complete_robot(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the robots that there are, to complete a command line by."""
+    from lbr.robots import registry  # noqa: PLC0415 - kept out of `lbr --help`
+
+    return [
+        CompletionItem(found.name, help=found.robot.summary)
+        for found in registry.every()
+        if found.robot is not None and found.name.startswith(begun)
+    ]
+
+
+def complete_profile(context: click.Context, parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the launch profiles that there are, and files, to complete a command line by."""
+    from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of `lbr --help`
+
+    found = [CompletionItem(name) for name in profile.names() if name.startswith(begun)]
+    return [*found, *click.Path().shell_complete(context, parameter, begun)] if not found or begun else found

@@ -7,8 +7,12 @@ from lbr.commands.options import DEFAULT_PROFILE
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from lbr.database.reading import Problem, RawRow
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
+    from lbr.executive.planning.plan import Plan
 
 
 def opened(path: Path) -> "Database":
@@ -31,6 +35,28 @@ def robot_in(database: "Database") -> str:
     return usual if usual in names else names[0]
 
 
+def with_words(rows: "RobotRows") -> "RobotRows":
+    """Return a robot's rows with the verbs that its kinds bring; as they are if they make no robot."""
+    made, _ = _planned(rows)
+    return made.rows if made is not None else rows
+
+
+def said_by_kinds(database: "Database") -> "Callable[[str, RawRow], bool]":
+    """Return what tells whether a row of a table is a verb that says no more than the robot's kinds do."""
+    from lbr.database.checks import check  # noqa: PLC0415
+    from lbr.executive.planning import words  # noqa: PLC0415
+
+    tables, _ = database.tables()
+    same = {}
+    for name in database.robots():
+        made, _ = _planned(database.load(name))
+        if made is not None:
+            verbs = check(tables, name).verbs
+            implied = words.implied(made.rows, made.kinds)
+            same[name] = {(row.word, row.pattern) for row in verbs if implied(row)}
+    return lambda table, row: table == "verb" and (row["word"], row["pattern"]) in same.get(str(row["robot"]), ())
+
+
 def problems_of(rows: "RobotRows") -> list[str]:
     """Return what a start would find wrong with a robot's rows."""
     return judged(rows)[0]
@@ -39,11 +65,17 @@ def problems_of(rows: "RobotRows") -> list[str]:
 def judged(rows: "RobotRows") -> tuple[list[str], list[str]]:
     """Return what a start would find wrong with a robot's rows, and what is odd in rows that are good."""
     from lbr import home  # noqa: PLC0415
-    from lbr.executive.planning import planner  # noqa: PLC0415
     from lbr.executive.planning.hints import hints  # noqa: PLC0415
+
+    made, problems = _planned(rows)
+    return [str(problem) for problem in problems], list(hints(made, home.home())) if made is not None else []
+
+
+def _planned(rows: "RobotRows") -> "tuple[Plan | None, tuple[Problem, ...]]":
+    from lbr import home  # noqa: PLC0415
+    from lbr.executive.planning import planner  # noqa: PLC0415
     from lbr.executive.planning.profile import Profile  # noqa: PLC0415
     from lbr.executive.planning.site import Site  # noqa: PLC0415
 
     site = Site(home=str(home.home()), endpoints=(), secret=bytes(32))
-    made, problems = planner.make(rows, Profile(robot=rows.robot.name, simulate=True), site)
-    return [str(problem) for problem in problems], list(hints(made, home.home())) if made is not None else []
+    return planner.make(rows, Profile(robot=rows.robot.name, simulate=True), site)

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import click
 
-from lbr.commands.options import DEFAULT_PROFILE
+from lbr.commands.options import DEFAULT_PROFILE, complete_profile
 
 
 @click.command("run")
-@click.argument("profile", default=DEFAULT_PROFILE)
+@click.argument("profile", default=DEFAULT_PROFILE, shell_complete=complete_profile)
 @click.option(
     "--db",
     "database",
@@ -25,8 +25,9 @@ from lbr.commands.options import DEFAULT_PROFILE
     help="No prompt: print a JSON line when all is up, or what keeps the robot from being ready.",
 )
 def command(profile: str, database: Path | None, listen: tuple[str, ...], no_console: bool) -> int:
-    """Start a robot with launch profile PROFILE (default lbr-sim).
+    """Start a robot with launch profile PROFILE (default lbr-sim); 'lbr robots' lists what there is.
 
+    A robot of a package brings its rows into the database when it runs for the first time.
     End of input and Ctrl-C at the console stop the motors and shut the robot down in order.
     """
     from lbr import surroundings  # noqa: PLC0415 - only `run` needs the database and the supervisor

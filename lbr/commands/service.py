@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from lbr.commands.options import complete_profile
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
@@ -20,7 +22,7 @@ TELL_S = 30.0
 RULED = ("tty", "usb", "usb-serial", "i2c-dev", "lirc")
 """The subsystems that the device rules have something for; what is plugged in already is looked at again."""
 
-profile_argument = click.argument("profile", default="lbr")
+profile_argument = click.argument("profile", default="lbr", shell_complete=complete_profile)
 user_option = click.option(
     "--user", metavar="NAME", help="Run as this user, who exists; 'lbr', made anew, if left out."
 )

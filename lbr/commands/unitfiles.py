@@ -117,10 +117,10 @@ def files(profile: str, user: str, site: Site, extras: Extras = NO_EXTRAS) -> di
 def instance_of(profile: str) -> tuple[str, Path | None]:
     """Return the unit's instance for a profile, and the profile's file if it is one of your own."""
     profiles.load(profile)
-    if profile in profiles.shipped():
+    if profile in profiles.names():
         return profile, None
     path = Path(profile).absolute()
-    if not _INSTANCE.fullmatch(path.stem) or path.stem in profiles.shipped():
+    if not _INSTANCE.fullmatch(path.stem) or path.stem in profiles.names():
         raise InputError(f"{path}: a name of letters, digits, '.', '_' and '-' that no shipped profile has is allowed")
     if _is_hidden(path) or not _PLAIN_PATH.fullmatch(str(path)):
         raise InputError(f"{path}: a service cannot read it there; move it, such as to /etc/lbr/{path.name}")

@@ -56,7 +56,7 @@ def _robot(raw: RawTables, tables: Tables, robot: str, problems: list[Problem]) 
     robots = [values.get("name") for values in raw.get(ROBOT, ())]
     if robot not in robots:
         known = ", ".join(sorted(map(shown, robots))) or "none"
-        add = f"; if it ships with lbr, `lbr db add {shown(robot)}` adds its rows"
+        add = f"; if a package brings it, `lbr db add {shown(robot)}` adds its rows"
         problems.append(Problem("robot", robot, "name", f"there is no robot of this name (there is: {known}){add}"))
     problems += tables.problems(RobotRow)
     good = tables.good(RobotRow)

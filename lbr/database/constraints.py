@@ -5,8 +5,8 @@ import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import closing
 
-from lbr.database.resources import robot_db_sql
 from lbr.messages.rows import shown
+from lbr.resources import robot_db_sql
 
 _X = r"(?P<x>\w+)"
 _NAME = "small letters, digits, underscores; at most 40"
@@ -65,7 +65,7 @@ def words(error: str, statement: str = "") -> str:
 def refused(script: str) -> str:
     """Return which statement of a script SQLite refuses, with its line and why; nothing if it takes them all."""
     with closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
-        for line, statement in _statements(script):
+        for line, statement in statements(script):
             try:
                 connection.execute(statement)
             except sqlite3.Error as err:
@@ -73,7 +73,7 @@ def refused(script: str) -> str:
     return ""
 
 
-def _statements(script: str) -> Iterator[tuple[int, str]]:
+def statements(script: str) -> Iterator[tuple[int, str]]:
     """Yield each statement of a script with the line it begins in."""
     begun, text = 1, ""
     for number, line in enumerate(script.splitlines(keepends=True), 1):

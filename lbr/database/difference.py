@@ -1,13 +1,13 @@
 """What a robot's rows differ in from the shipped ones, for `lbr db diff`."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Literal
 
 from msgspec import Struct
 
 from lbr.database.columns import json_strictly
-from lbr.database.reading import RawRow, RawTables
+from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.shipped import shipped
 from lbr.database.store import Database
 from lbr.database.tables import WRITTEN_BY_LBR
@@ -27,13 +27,32 @@ class Difference(Struct, frozen=True, kw_only=True):
         return f"{self.table} '{self.row}' {self.change}" + (f": {changes}" if changes else "")
 
 
-def differences(database: Database, sql: Path | None = None) -> tuple[Difference, ...]:
-    """Compare a database's rows with those of `sql` (the shipped robot.db.sql), table by table."""
+def differences(
+    database: Database, sql: Path | None = None, *, implied: Callable[[str, RawRow], bool] = lambda _table, _row: False
+) -> tuple[Difference, ...]:
+    """Compare a database's rows with those that a new one has, or `sql` alone, table by table.
+
+    Of a robot that is not there at all, only that is told; of a row that is `implied`, which says no more than what
+    holds without it, nothing.
+    """
     (before, _), (here, schema) = shipped(sql), database.tables()
-    return tuple(found for table, key in schema.keys_of.items() for found in _in_table(table, key, before, here))
+    there = {row["name"] for row in here[ROBOT]}
+    before = {
+        table: [row for row in rows if table == ROBOT or row.get("robot") is None or row["robot"] in there]
+        for table, rows in before.items()
+    }
+    return tuple(
+        found for table, key in schema.keys_of.items() for found in _in_table(table, key, before, here, implied)
+    )
 
 
-def _in_table(table: str, key_of: tuple[str, ...], shipped: RawTables, here: RawTables) -> Iterator[Difference]:
+def _in_table(
+    table: str,
+    key_of: tuple[str, ...],
+    shipped: RawTables,
+    here: RawTables,
+    implied: Callable[[str, RawRow], bool],
+) -> Iterator[Difference]:
     before, after = (
         {tuple(row[name] for name in key_of): row for row in rows.get(table, ())} for rows in (shipped, here)
     )
@@ -42,6 +61,8 @@ def _in_table(table: str, key_of: tuple[str, ...], shipped: RawTables, here: Raw
         if key not in after:
             yield Difference(table=table, row=row, change="removed")
         elif key not in before:
+            if implied(table, after[key]):
+                continue
             yield Difference(table=table, row=row, change="added")
         elif columns := _changed(table, before[key], after[key]):
             yield Difference(table=table, row=row, change="changed", columns=columns)

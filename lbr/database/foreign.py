@@ -6,8 +6,8 @@ from contextlib import closing
 from pathlib import Path
 
 from lbr.database.connection import Connection
-from lbr.database.resources import robot_db_sql
 from lbr.messages.rows import shown
+from lbr.resources import robot_db_sql
 
 _OBJECTS = (
     "SELECT type, name, tbl_name FROM sqlite_schema WHERE name NOT LIKE 'sqlite!_%' ESCAPE '!' ORDER BY type, name"

@@ -1,40 +1,56 @@
-"""The rows that ship with lbr, and what of a robot's is not in a database yet."""
+"""The rows that come with lbr and with packages, and what of a robot's is not in a database yet."""
 
 import sqlite3
+from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 
+from lbr.database import packaged
 from lbr.database.connection import Connection
-from lbr.database.reading import RawRow, RawTables
-from lbr.database.resources import robot_db_sql
+from lbr.database.packaged import Judge
+from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.store import Database
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError
+from lbr.resources import robot_db_sql
+from lbr.robots import registry
 
 
 def shipped(sql: Path | None = None) -> tuple[RawTables, Schema]:
-    """Return the rows of all robots that `sql` (the shipped robot.db.sql) builds, and what their columns are."""
+    """Return the rows of a new database, or of one that `sql` builds alone, and what their columns are."""
     with closing(sqlite3.connect(":memory:", factory=Connection)) as connection:
         connection.executescript((sql or robot_db_sql()).read_text(encoding="utf-8"))
-        return read_tables(connection)
+        rows, schema = read_tables(connection)
+    brought = packaged.every().robots if sql is None else ()
+    return {
+        table: [*of_table, *(row for one in brought for row in one[table])] for table, of_table in rows.items()
+    }, schema
 
 
-def add(database: Database, robot: str, sql: Path | None = None) -> dict[str, int]:
-    """Add a robot's shipped rows whose keys are not there; return how many of each table. Others stay as they are."""
-    rows, schema = shipped(sql)
-    names = sorted(str(row["name"]) for row in rows["robot"])
-    if robot not in names:
-        raise InputError(f"no robot '{robot}' ships with lbr: {', '.join(names)} do")
-    here, _ = database.tables()
-    missing = {table: _missing(table, key, rows, here, robot) for table, key in schema.keys_of.items()}
-    found = {table: rows for table, rows in missing.items() if rows}
-    database.add_rows(found)
-    return {table: len(rows) for table, rows in found.items()}
+def add(database: Database, robot: str, judge: Judge = lambda _rows: ()) -> dict[str, int]:
+    """Add a robot's rows whose keys are not there; return how many of each table. Others stay as they are.
+
+    InputError says which robots there are, RowError what `judge` or the tables have against the rows of a package.
+    """
+    found = registry.find(robot)
+    if found is None:
+        raise InputError(f"no package here brings a robot '{robot}': {', '.join(registry.names())} are there")
+    if found.robot is not None and found.robot.rows is None:
+        rows, schema = shipped(robot_db_sql())
+        rows = {table: [row for row in of_table if _is_of(table, row, robot)] for table, of_table in rows.items()}
+        here, _ = database.tables()
+    else:
+        rows = packaged.rows_of(found, judge)
+        here, schema = database.tables()
+    missing = {table: _missing(key, rows.get(table, ()), here.get(table, ())) for table, key in schema.keys_of.items()}
+    new = {table: of_table for table, of_table in missing.items() if of_table}
+    database.add_rows(new)
+    return {table: len(of_table) for table, of_table in new.items()}
 
 
-def _missing(table: str, key: tuple[str, ...], rows: RawTables, here: RawTables, robot: str) -> list[RawRow]:
-    known = {_key(key, row) for row in here.get(table, ())}
-    return [row for row in rows[table] if _is_of(table, row, robot) and _key(key, row) not in known]
+def _missing(key: tuple[str, ...], rows: Sequence[RawRow], here: Sequence[RawRow]) -> list[RawRow]:
+    known = {_key(key, row) for row in here}
+    return [row for row in rows if _key(key, row) not in known]
 
 
 def _key(key: tuple[str, ...], row: RawRow) -> tuple[object, ...]:
@@ -43,5 +59,5 @@ def _key(key: tuple[str, ...], row: RawRow) -> tuple[object, ...]:
 
 
 def _is_of(table: str, row: RawRow, robot: str) -> bool:
-    """Say whether a row is of a robot; phrases are of all of them, so a robot that is added brings none."""
-    return row["name"] == robot if table == "robot" else row.get("robot") == robot
+    """Say whether a row is of a robot; what no robot owns, such as phrases, is in every new database already."""
+    return row["name"] == robot if table == ROBOT else row.get("robot") == robot

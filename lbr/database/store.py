@@ -14,7 +14,7 @@ from typing import Any, Self
 
 from msgspec.structs import replace
 
-from lbr.database import adopted, audit, constraints, edits, foreign, history, tokens
+from lbr.database import adopted, audit, constraints, edits, foreign, history, packaged, tokens
 from lbr.database.checks import check
 from lbr.database.connection import (
     BUSY_TIMEOUT_S,
@@ -29,14 +29,15 @@ from lbr.database.connection import (
 )
 from lbr.database.files import check_file, check_folder
 from lbr.database.migrate import bring_up_to_date
+from lbr.database.packaged import Brought, Judge
 from lbr.database.reading import RawTables
-from lbr.database.resources import robot_db_sql
 from lbr.database.rows import AuditRow, GoodFor, RevisionRow, RobotRows, TokenRow
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
 from lbr.messages.faces import EditCommand
 from lbr.messages.rows import Row, shown
 from lbr.messages.system import Event, TokenRole
+from lbr.resources import robot_db_sql
 
 RowKey = tuple[str, tuple[Any, ...]]
 """Table and key of a row of one robot."""
@@ -49,33 +50,48 @@ LOOK_EVERY = 10_000
 EDIT_TRIES = 5
 
 
-def create(path: Path, sql: Path | None = None) -> None:
-    """Build a new database from `sql` (the shipped robot.db.sql); raise InputError if the file is there already.
+def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ()) -> tuple[str, ...]:
+    """Build a new database from `sql` alone, or from robot.db.sql and the robots that packages bring.
 
-    RowError says in which line SQLite refuses `sql`.
+    Return why robots are left out: their packages' rows are against the tables, or against `judge`. InputError if the
+    file is there already; RowError says in which line SQLite refuses `sql`.
     """
     if path.exists():
         raise InputError(f"database {path} exists already: name another, or move it away first")
     source = (sql or robot_db_sql()).read_text(encoding="utf-8")
+    brought = packaged.every(judge) if sql is None else Brought((), ())
     building = path.with_name(f"{path.name}.new-{os.getpid()}")
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         check_folder(path)
         building.unlink(missing_ok=True)
         os.close(os.open(building, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
-        with sentences(path), closing(sqlite3.connect(building)) as connection:
+        with sentences(path), closing(sqlite3.connect(building, factory=Connection)) as connection:
             try:
                 connection.executescript(source)
             except (sqlite3.IntegrityError, sqlite3.OperationalError) as err:
                 if sql is None or not (why := constraints.refused(source)):
                     raise
                 raise RowError((f"{sql}, {why}",)) from err
+            _take(connection, brought)
         path.hardlink_to(building)  # unlike a rename, never over a file that somebody else built meanwhile
     except OSError as err:
         raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err
     finally:
         with suppress(OSError):
             building.unlink()
+    return brought.refused
+
+
+def _take(connection: Connection, brought: Brought) -> None:
+    """Write what packages bring into a new database, whose revisions begin afterwards; the first to say a phrase has it."""
+    with connection:
+        for rows in brought.robots:
+            for table, of_table in rows.items():
+                insert(connection, table, of_table, "ON CONFLICT DO NOTHING")
+        if brought.robots:
+            connection.execute("DELETE FROM revision")
+            connection.execute("DELETE FROM sqlite_sequence WHERE name = 'revision'")
 
 
 class Database:

@@ -8,6 +8,7 @@ import json
 import os
 import secrets
 import signal
+import sys
 import time
 from collections.abc import Set as AbstractSet
 from contextlib import closing
@@ -31,7 +32,7 @@ from lbr.database.rows import RobotRows
 from lbr.errors import LbrError
 from lbr.executive.lastresort import SIGNALS, LastResort
 from lbr.executive.notify import Notifier
-from lbr.executive.planning import machine, planner, wiring
+from lbr.executive.planning import joining, machine, planner, wiring
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning import profile as profiles
 from lbr.executive.planning.credentials import bus_certificate, token_key
@@ -84,8 +85,9 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
         path = database or home.default_database()
         if database is None and not path.exists():
             copies.refuse_if_lost(path)
-            store.create(path)
+            _tell(*joining.create(path))
         with store.Database.open(path) as opened:
+            _tell(joining.join(opened, profile.robot))
             opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)
             return executive.run(console=console)
@@ -95,6 +97,12 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
         raise LbrError(f"{err}: free some memory, or have the limits raised ('ulimit -v', 'ulimit -u')") from err
     finally:
         lock.release()
+
+
+def _tell(*texts: str) -> None:
+    """Say on standard error what was done, or left out, before anything runs: standard output is for programs."""
+    for text in filter(None, texts):
+        print(f"lbr: {text}", file=sys.stderr, flush=True)
 
 
 class Executive:

@@ -1,6 +1,7 @@
 """The simulated world: physics, emulated devices that speak the real bytes, and a view from above."""
 
 from lbr.capability.kind import Command, Kind
+from lbr.capability.word import Word
 from lbr.messages.simulation import WorldPose, WorldScene
 from lbr.simulation.requests import (
     FaultReply,
@@ -12,6 +13,7 @@ from lbr.simulation.requests import (
     ThingsReply,
 )
 from lbr.simulation.settings import WorldSettings
+from lbr.simulation.words import FAULT_WORDS
 
 KIND = Kind(
     name="world",
@@ -31,4 +33,15 @@ KIND = Kind(
     roles={"picture": "admin", "fault": "admin", "place": "admin", "remove": "admin"},
     emulates=True,
     replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},
+    words=(
+        Word("map", "picture", "Simulation: save a picture of the surroundings from above"),
+        Word("picture", "picture", "Simulation: save a picture of the surroundings from above"),
+        Word(
+            "/obstacle/{x_m}/{y_m}",
+            "place",
+            "Simulation: let a box of 0.3 m stand at this place, metres ahead of and left of where the world began",
+        ),
+        Word("/obstacle/off", "remove", "Simulation: let that box vanish"),
+        *FAULT_WORDS,
+    ),
 )

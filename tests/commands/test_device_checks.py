@@ -7,10 +7,10 @@ import pytest
 
 from lbr.capability import twins
 from lbr.commands import device_checks
-from lbr.database.resources import robot_db_sql
 from lbr.database.rows import DeviceRow
 from lbr.drivers import serial_line
 from lbr.drivers.infrared import decoders
+from tests.support import shipped
 
 
 def judged(address, type_="roboteq"):
@@ -83,9 +83,7 @@ def test_an_address_that_stays_is_not_warned_of(address):
 
 
 def test_no_row_of_a_serial_device_ships_with_a_number():
-    tables = re.findall(
-        r"^ *\('\w+', '\w+', '(\w+)', '(/dev/tty\w+|by-id:\S+|usb:\S*)',", robot_db_sql().read_text(), re.MULTILINE
-    )
+    tables = re.findall(r"^ *\('\w+', '\w+', '(\w+)', '(/dev/tty\w+|by-id:\S+|usb:\S*)',", shipped.sql(), re.MULTILINE)
     assert {kind for kind, _ in tables} >= {"dynamixel", "uxa90"}
     assert [address for _, address in tables if device_checks.NUMBERED.fullmatch(address)] == []
 

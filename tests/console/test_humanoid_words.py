@@ -13,8 +13,6 @@ from lbr.console.joint_table import lines
 from lbr.console.operator import Telemetry
 from lbr.console.toolbar import toolbar
 from lbr.console.verbs import VerbCall, Vocabulary
-from lbr.database.checks import check
-from lbr.database.shipped import shipped
 from lbr.errors import InputError
 from lbr.messages.joints import JointsState, JointState
 from lbr.messages.power import PowerState, UpsState
@@ -22,8 +20,9 @@ from lbr.messages.system import ConsoleResult
 from lbr.operations.joints import KIND as JOINTS
 from lbr.operations.motions import KIND as MOTIONS
 from lbr.operations.power import KIND as POWER
+from tests.support.words import as_shipped
 
-ROWS = check(shipped()[0], "bioloid")
+ROWS = as_shipped("bioloid")
 MESSAGES = {
     f"{kind.name}.{command}": message for kind in (JOINTS, MOTIONS, POWER) for command, message in kind.messages.items()
 }

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.database.checks import check as check_rows
-from lbr.database.resources import robot_db_sql
 from lbr.database.rows import RobotRow
 from lbr.database.shipped import shipped as shipped_tables
 from lbr.messages.calibration import CalibrationValue
@@ -18,6 +17,7 @@ from lbr.messages.dance import DanceStep
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, MotionRow, MotionStep
 from lbr.messages.speech import Phrase
+from lbr.resources import robot_db_sql
 
 READ = (Phrase, DanceStep, CalibrationValue, Joint, MotionRow, MotionStep, Motor, Button)
 """What the kinds that come with lbr read."""
@@ -60,6 +60,13 @@ def shipped() -> dict:
     tables["button"] = [{"robot": "lbr", "id": 4, "name": "nod", "button": "U", "motion": "nod", "builtin": 0}]
     tables["motion_step"] = [
         {"robot": "lbr", "motion": "nod", "step": 1, "duration_s": 1.0, "positions": '{"neck": 0.5, "jaw": 0}'}
+    ]
+    said = {"robot": "lbr", "target": "drive.command", "payload": None, "role": "operate", "help": "Drive"}
+    tables["verb"] = [
+        {**said, "word": "r", "pattern": "/r/{power}/{angle_deg}"},
+        {**said, "word": "r", "pattern": "/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}"},
+        {**said, "word": "s", "pattern": "/s/{text...}", "target": "speech.say"},
+        *tables["verb"],
     ]
     return {
         name: [row for row in rows if row.get("robot", row.get("name")) == "lbr"] for name, rows in tables.items()

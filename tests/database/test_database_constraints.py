@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.database.constraints import refused, words
-from lbr.database.resources import robot_db_sql
 from lbr.database.store import Database, create
 from lbr.errors import RowError
 from lbr.messages.calibration import measured
+from lbr.resources import robot_db_sql
 from tests.support.robot import lbr
 
 CHECKS = re.findall(r"CHECK \((.*)\),?(?:\s*--.*)?$", robot_db_sql().read_text(), re.MULTILINE)

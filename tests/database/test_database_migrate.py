@@ -11,9 +11,9 @@ import pytest
 from alembic.script import ScriptDirectory
 
 from lbr.database import migrate
-from lbr.database.resources import robot_db_sql
 from lbr.database.store import Database, create
 from lbr.errors import LbrError, RowError
+from lbr.resources import robot_db_sql
 from tests.support import programs
 
 SHIPPED = migrate.MIGRATIONS

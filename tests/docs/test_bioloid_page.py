@@ -12,6 +12,7 @@ from lbr.database.store import Database, create
 from lbr.messages.joints import MotionRow
 from tests.docs.pages import ROOT, said
 from tests.support import programs
+from tests.support.words import with_words
 
 PAGE = ROOT / "docs" / "robots" / "bioloid.md"
 
@@ -21,7 +22,7 @@ def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("bioloid") / "robot.db"
     create(path)
     with Database.open(path) as database:
-        return database.load("bioloid")
+        return with_words(database.load("bioloid"))
 
 
 def test_every_word_of_the_bioloid_is_on_its_page_and_no_other(rows):

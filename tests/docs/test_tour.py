@@ -9,6 +9,7 @@ from lbr.database.rows import BUILT_IN_VERBS
 from lbr.database.store import Database, create
 from lbr.errors import InputError
 from tests.docs.pages import ROOT, blocks
+from tests.support.words import with_words
 
 TOUR = ROOT / "docs" / "tour.md"
 REFUSED = {"/r/3/0"}
@@ -20,7 +21,7 @@ def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("tour") / "robot.db"
     create(path)
     with Database.open(path) as database:
-        return database.load("lbr")
+        return with_words(database.load("lbr"))
 
 
 def typed() -> list[str]:

@@ -12,6 +12,7 @@ from lbr.executive.service.reports import NAMES
 from lbr.messages.joints import MotionRow
 from lbr.messages.uxa90 import InquireCommand
 from tests.docs.pages import ROOT, said
+from tests.support.words import with_words
 
 PAGE = ROOT / "docs" / "robots" / "uxa90.md"
 OWN = {"bow"}
@@ -23,7 +24,7 @@ def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("uxa90") / "robot.db"
     create(path)
     with Database.open(path) as database:
-        return database.load("uxa90")
+        return with_words(database.load("uxa90"))
 
 
 def test_every_word_of_the_uxa90_is_on_its_page_and_no_other(rows):

@@ -232,7 +232,7 @@ def test_what_a_device_row_sets_for_its_twin_is_validated(rows, settings):
 
 
 def test_a_verb_of_the_executives_has_only_the_fields_it_takes(rows):
-    (text,) = problems(edited_verb(rows, "report", payload={"nothing": 1}))
+    (text,) = problems(edited_verb(rows, "f", target="executive.report", payload={"nothing": 1}))
     assert "executive.report has no field 'nothing'; it has name" in text
 
 

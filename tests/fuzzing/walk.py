@@ -23,7 +23,7 @@ REST_S = 6.0
 POWER = 0.4
 KILLED = ("motors", "drive", "ranges", "world")
 ROWS = (
-    "UPDATE verb SET help = help || '.' WHERE word = 'r'",
+    "UPDATE verb SET help = help || '.' WHERE word = 'f'",
     "UPDATE capability SET settings = json_set(settings, '$.max_power', 0.5) WHERE name = 'drive'",
     "UPDATE capability SET settings = json_set(settings, '$.max_power', 1.0) WHERE name = 'drive'",
     "UPDATE capability SET settings = json_set(settings, '$.max_power', 7) WHERE name = 'drive'",

@@ -22,7 +22,7 @@ ROWS = (
         "INSERT INTO verb (robot, word, pattern, target, payload) VALUES ('lbr', 'say', '/say', 'executive.estop',"
         ' \'{{"reason": "{line}"}}\')'
     ),
-    "UPDATE verb SET help = '{line}' WHERE word = 'r'",
+    "UPDATE verb SET help = '{line}' WHERE word = 'f'",
     "UPDATE robot SET description = '{line}', owner = '{line}'",
     "INSERT INTO phrase (name, language, text) VALUES ('bang', 'en', '{line}')",
 )

@@ -62,11 +62,13 @@ def _tell(under_test: Bench, number: int, dice: random.Random) -> list[tuple[str
             under_test.until(lambda: robot.status()["revision"] >= before, 2.0, "the edit seen")
             return []
         case _:
-            robot.edit("UPDATE verb SET payload = '{\"nothing\": 1}' WHERE robot = 'lbr' AND word = 'r'")
+            robot.edit("UPDATE verb SET payload = '{\"nothing\": 1}' WHERE robot = 'lbr' AND word = 'f'")
             under_test.until(lambda: robot.status()["problems"], 3.0, "the refusal told", every_s=0.02)
-            robot.edit("UPDATE verb SET payload = NULL WHERE robot = 'lbr' AND word = 'r'")
+            robot.edit(
+                "UPDATE verb SET payload = '{\"power\": 0.25, \"angle_deg\": 0}' WHERE robot = 'lbr' AND word = 'f'"
+            )
             under_test.until(lambda: not robot.status()["problems"], 3.0, "the rows good again", every_s=0.02)
-            return [("rows_refused", "verb 'lbr/r")]
+            return [("rows_refused", "verb 'lbr/f")]
 
 
 def _left(robot: Robot, since_ns: int) -> bool:

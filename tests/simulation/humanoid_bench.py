@@ -5,15 +5,14 @@ import sqlite3
 from functools import cache
 from itertools import pairwise
 from math import radians
-from pathlib import Path
 
 from lbr.messages.joints import Joint, KeyFrame, Motion
 from lbr.operations.joints.trajectory import plan, positions
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.measured import ServoDrive
+from tests.support import shipped
 
-SCHEMA = Path(__file__).parents[2] / "robot.db.sql"
 TICK_S = 0.01
 STEP_RAD = radians(300.0 / 1023.0)
 
@@ -22,7 +21,7 @@ STEP_RAD = radians(300.0 / 1023.0)
 def rows():
     """The joints and the motions by name."""
     database = sqlite3.connect(":memory:")
-    database.executescript(SCHEMA.read_text())
+    database.executescript(shipped.sql())
     fields = ("name", "device_id", "side", "sign", "zero_rad", "lower_rad", "upper_rad", "speed_rps")
     found = database.execute(f"SELECT {', '.join(fields)} FROM joint WHERE robot = 'bioloid' ORDER BY device_id")
     joints = tuple(Joint(**dict(zip(fields, row, strict=True))) for row in found)

@@ -9,19 +9,19 @@ from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.uxa90.work import Work
 from lbr.capability.context import Received
-from lbr.database.resources import robot_db_sql
 from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, JointsState, JointState, Motion, MotionsState
 from lbr.messages.leases import CommandReply
 from lbr.testing import FakeContext
+from tests.support.shipped import sql as shipped_sql
 
 
 def shipped() -> SimpleNamespace:
     """Return the rows that a UXA-90 is shipped with."""
     database = sqlite3.connect(":memory:")
     database.row_factory = sqlite3.Row
-    database.executescript(robot_db_sql().read_text())
+    database.executescript(shipped_sql())
 
     def rows(table: str) -> list[dict[str, Any]]:
         found = database.execute(f"SELECT * FROM {table} WHERE robot = 'uxa90'").fetchall()

@@ -3,6 +3,7 @@
 from msgspec import Struct
 
 from lbr.capability.kind import Command, Kind, Known
+from lbr.capability.word import Word
 from lbr.messages.camera import CamerasState, CameraState, SelectCommand, SwitchCommand
 from lbr.messages.leases import CommandReply
 
@@ -31,4 +32,5 @@ KIND = Kind(
     commands={"select": Command(SelectCommand, choices={"name": _cameras})},
     replies={"select": CommandReply, "switch": CommandReply},
     requests={"switch": SwitchCommand},
+    words=(Word("/camera/{name}", "select", "Switch a camera on and the others off, by its name, or off for none"),),
 )

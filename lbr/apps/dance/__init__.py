@@ -5,6 +5,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Command, Kind, Known, names
+from lbr.capability.word import Word
 from lbr.messages.dance import DanceCommand, DanceState, DanceStep
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
@@ -52,4 +53,12 @@ KIND = Kind(
     },
     requests={"motion": DriveCommand, "halt": StopCommand, "sound": SongCommand, "hush": HushCommand},
     rows=(DanceStep,),
+    words=(
+        Word(
+            "/d/{song}",
+            "play",
+            "Dance to a song: /d/metronome is always there; yours are NAME.wav and NAME.json in $LBR_HOME/music",
+        ),
+        Word("/d/{song}/{dance}", "play", "Dance to a song by a choreography, such as /d/metronome/to_and_fro"),
+    ),
 )

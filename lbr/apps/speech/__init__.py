@@ -5,6 +5,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Command, Kind, names
+from lbr.capability.word import Word
 from lbr.messages.leases import CommandReply
 from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
 from lbr.messages.units import Fraction, Name
@@ -41,4 +42,10 @@ KIND = Kind(
     device="speaker",
     emulated="folder",
     rows=(Phrase,),
+    words=(
+        Word("/s/{text...}", "say", "Say a text, 5000 characters at most; one that is <name plays a recording"),
+        Word("/say/{phrase}", "say", "Say a phrase by its name, such as /say/hello"),
+        Word("/save/{save}/{text...}", "say", "Save a text as a recording instead of saying it; /s/<name plays it"),
+        Word("hush", "hush", "Say no more: ends speech and song, and drops what waits"),
+    ),
 )

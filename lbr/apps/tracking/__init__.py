@@ -5,6 +5,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
+from lbr.capability.word import Word
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
 from lbr.messages.joints import Joint, JointsCommand, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
@@ -56,4 +57,14 @@ KIND = Kind(
     requests={"move": JointsCommand, "halt": StopCommand},
     replies={**dict.fromkeys(("track", "stop", "move", "halt"), CommandReply), "look": SnapshotReply},
     rows=(Joint,),
+    words=(
+        Word("track", "track", "Have the head follow the coloured thing, until a stop", {"target": "colour"}),
+        Word("/track/{target}", "track", "Have the head follow: colour or face"),
+        Word(
+            "look",
+            "look",
+            "Save what the head sees with the coloured thing marked, and say which colour the middle of the picture has",
+        ),
+        Word("/look/{target}", "look", "Save what the head sees with that marked: colour or face"),
+    ),
 )

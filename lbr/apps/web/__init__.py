@@ -9,6 +9,7 @@ from msgspec import Meta, Struct
 
 from lbr.bus.door import LanUser
 from lbr.capability.kind import Kind
+from lbr.capability.word import Word
 from lbr.messages.battery import BatteryState
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.drive import DriveState, GoalResult
@@ -127,4 +128,5 @@ KIND = Kind(
     },
     roles={"address": "view"},
     rows=(Joint, MotionRow, MotionStep, Motor, Button, LanUser),
+    words=(Word("qr", "address", "Show where phones find the robot, as a QR code"),),
 )

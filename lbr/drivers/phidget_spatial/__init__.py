@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
+from lbr.capability.word import Word
 from lbr.messages.imu import ImuSample, ZeroCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
@@ -38,4 +39,7 @@ KIND = Kind(
     replies={"zero": CommandReply},
     device="phidget_spatial",
     emulated="socket",
+    words=(
+        Word("zero", "zero", "Take the zero of the inertial unit's gyro again; keep the robot still for two seconds"),
+    ),
 )

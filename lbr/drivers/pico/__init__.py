@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
+from lbr.capability.word import Word
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import RelayCommand, UpsState
 from lbr.messages.units import Name
@@ -51,4 +52,14 @@ KIND = Kind(
     replies={"relay": CommandReply},
     device="pico",
     emulated="socket",
+    words=(
+        Word("/relay/on", "relay", "Switch the power of the motors on", {"on": True}, role="admin"),
+        Word(
+            "/relay/off",
+            "relay",
+            "Cut the power of the motors: a robot that stands falls unless it is held",
+            {"on": False},
+            role="admin",
+        ),
+    ),
 )

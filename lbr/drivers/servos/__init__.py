@@ -22,6 +22,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
+from lbr.capability.word import Word
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
@@ -75,6 +76,7 @@ def servos_kind(
     commands: Mapping[str, type[Struct]] = NO_PORTS,
     replies: Mapping[str, type[Struct]] = NO_PORTS,
     roles: Mapping[str, Role] = NO_ROLES,
+    words: tuple[Word, ...] = (),
 ) -> Kind:
     """Return the kind of a driver of servos; its device rows are of type `device`, which is its name unless said."""
     return Kind(
@@ -88,6 +90,7 @@ def servos_kind(
         commands={"recover": RecoverServos, **commands},
         replies={"recover": CommandReply, **replies},
         roles=roles,
+        words=words,
         moves=True,
         device=device or name,
         line="polled",

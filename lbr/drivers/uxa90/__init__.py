@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, field
 
+from lbr.capability.word import Word
 from lbr.drivers.servos import ServosSettings, servos_kind
 from lbr.messages.leases import CommandReply
 from lbr.messages.uxa90 import ConfigureCommand, ControllerState, InquireCommand, InquireReply, TakeControlCommand
@@ -49,4 +50,17 @@ KIND = servos_kind(
     commands={"take_control": TakeControlCommand, "inquire": InquireCommand, "configure": ConfigureCommand},
     replies={"take_control": CommandReply, "inquire": InquireReply, "configure": InquireReply},
     roles={"configure": "admin", "inquire": "view"},
+    words=(
+        Word(
+            "pc",
+            "take_control",
+            "Take the main board over, so that it passes servo packets on; done by itself before the first move",
+        ),
+        Word("/inquire/{what}", "inquire", "Ask the main board: firmware, serial, zeros, imu or last_button"),
+        Word(
+            "/inquire/{what}/{id}",
+            "inquire",
+            "Ask a servo: position14, gains, integral_gain, speed, overload, boundary or digital_io",
+        ),
+    ),
 )

@@ -19,6 +19,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
+from lbr.capability.word import Word
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.units import Name
@@ -58,4 +59,10 @@ def wheels_kind(name: str, summary: str, entry: str | type, settings: type[Wheel
         moves=True,
         device=device or name,
         line="serial",
+        words=(
+            Word("enable", "enable", "Let the motors run again after disable", {"enabled": True}),
+            Word(
+                "disable", "enable", "Hold the motors at zero until enable, whatever is commanded", {"enabled": False}
+            ),
+        ),
     )

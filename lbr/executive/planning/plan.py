@@ -12,7 +12,7 @@ from lbr.executive.planning.units import Unit, commands_of, streams_of, with_lea
 
 
 class Plan(Struct, frozen=True, kw_only=True):
-    """What should run, in start order, and the rows it came from."""
+    """What should run, in start order, and the rows it came from, with the verbs that kinds bring."""
 
     robot: str
     units: dict[str, Unit]

@@ -17,7 +17,7 @@ from lbr.capability.settings import faults
 from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, RobotRows, TokenRow
-from lbr.executive.planning import machine, placement, rights
+from lbr.executive.planning import machine, placement, rights, words
 from lbr.executive.planning.devices import check_device_settings, check_devices
 from lbr.executive.planning.machine import Machine
 from lbr.executive.planning.plan import Plan
@@ -48,6 +48,7 @@ def make(
             settings[row.name] = parsed
     problems += check_channels(rows, kinds, settings)
     problems += check_verbs(rows, kinds, settings)
+    problems += words.faults(kinds.values())
     problems += _check_tables(rows, kinds)
     chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
     problems += check_devices(rows, chosen, kinds, settings)
@@ -58,6 +59,7 @@ def make(
     chosen = _after_the_world(chosen, kinds)
     if problems:
         return None, tuple(problems)
+    rows = replace(rows, verbs=words.words(rows, kinds))
     order = _order(chosen)
     channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= {EXECUTIVE, *order}]
     by_name = {row.name: row for row in chosen}

@@ -6,8 +6,9 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
-from lbr.database import resources
 from lbr.errors import InputError
+from lbr.robots import registry
+from lbr.robots.registry import Found
 
 
 class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -32,18 +33,46 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         return next((host for host, names in self.hosts.items() if name in names), "")
 
 
-def shipped() -> dict[str, Path]:
-    """Return the profiles that come with lbr, by name."""
-    return {path.stem: path for path in sorted(resources.launch_profiles().glob("*.toml"))}
+def names() -> list[str]:
+    """Return the names of the profiles that come with robots, by robot."""
+    return [name for found in registry.every() for name in of_robot(found)]
+
+
+def of_robot(found: Found) -> list[str]:
+    """Return the names of a robot's profiles; one that brings none of its own name runs as its rows say."""
+    if found.robot is None:
+        return []
+    brought = list(registry.profiles(found.robot))
+    plain = any(registry.plain(name) == found.name for name in brought)
+    return brought if plain else [found.name.replace("_", "-"), *brought]
 
 
 def load(name: str) -> Profile:
-    """Return a shipped profile by name, or one of your own by path; raise InputError saying what there is."""
-    path = Path(name) if name.endswith(".toml") or os.sep in name else shipped().get(name)
-    if path is None:
-        raise InputError(
-            f"there is no launch profile '{name}': {', '.join(shipped())}, or the path of a .toml file", "unknown_name"
-        )
+    """Return a profile that comes with a robot by name, or one of your own by path; InputError says what there is."""
+    if name.endswith(".toml") or os.sep in name:
+        return _read(Path(name))
+    for found in registry.of_profile(name):
+        if found.robot is None:
+            raise InputError(found.fault)
+        for brought, path in registry.profiles(found.robot).items():
+            if registry.plain(brought) == registry.plain(name):
+                return _own(found, path)
+        if registry.plain(name) == found.name:
+            return Profile(robot=found.name, description=found.robot.summary)
+    raise InputError(
+        f"there is no launch profile '{name}': {', '.join(names())}, or the path of a .toml file", "unknown_name"
+    )
+
+
+def _own(found: Found, path: Path) -> Profile:
+    """Return a profile of a package, which starts that package's robot and no other."""
+    profile = _read(path)
+    if profile.robot != found.name:
+        raise InputError(f"launch profile {path} of package '{found.package}': its robot must be '{found.name}'")
+    return profile
+
+
+def _read(path: Path) -> Profile:
     try:
         return msgspec.toml.decode(path.read_bytes(), type=Profile)
     except OSError as err:

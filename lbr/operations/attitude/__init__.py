@@ -1,6 +1,7 @@
 """Attitude: from samples of an inertial unit to orientation and heading, and the compass's calibration."""
 
 from lbr.capability.kind import Kind, Rows
+from lbr.capability.word import Word
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress, ObserveCommand
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.drive import DriveCommand
@@ -27,4 +28,17 @@ KIND = Kind(
     requests={"motion": DriveCommand, "halt": StopCommand},
     rows=(Rows(CalibrationValue, where={"device": "device"}),),
     learns=(CalibrationValue,),
+    words=(
+        Word(
+            "/a/{angle_deg}",
+            "observe",
+            "Tell when the robot has turned by an angle from now on, -360 to 360 degrees, clockwise positive; moves nothing",
+        ),
+        Word("/m/{samples}", "calibrate", "Calibrate the compass while turning on the spot, such as /m/300; s ends it"),
+        Word(
+            "/m/{samples}/{source}",
+            "calibrate",
+            "The same: - turns, -c turns and only draws what the compass says now, a name means a file of samples in $LBR_HOME/calibration",
+        ),
+    ),
 )

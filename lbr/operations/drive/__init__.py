@@ -1,6 +1,7 @@
 """Drive operations: one holder, leases, rules, limits and bounded moves between drive commands and the motors."""
 
 from lbr.capability.kind import Command, Kind
+from lbr.capability.word import Word
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import (
     CheckRequest,
@@ -37,4 +38,38 @@ KIND = Kind(
     },
     requests={"checks": CheckRequest},
     moves=True,
+    words=(
+        Word(
+            "/r/{power}/{angle_deg}",
+            "command",
+            "Drive: power 0 to 1 of full, angle in degrees clockwise (0 ahead, 90 right, 180 back, 270 left)",
+        ),
+        Word(
+            "/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}",
+            "command",
+            "Drive until a sensor (forward, back, left, right, bottom) reads the range, 0 to 769 cm, or the time is over, 0 to 3600 s; 0 sets no bound",
+        ),
+        Word(
+            "/go/{distance_cm}/{power}",
+            "command",
+            "Drive straight ahead by a distance, 1 to 10000 cm, such as /go/150/0.3: slower near its end, then stop",
+            {"angle_deg": 0},
+        ),
+        Word(
+            "/back/{distance_cm}/{power}",
+            "command",
+            "Drive straight back by a distance, 1 to 10000 cm, such as /back/50/0.2",
+            {"angle_deg": 180},
+        ),
+        Word(
+            "/t/{angle_deg}",
+            "turn",
+            "Turn on the spot by an angle, -360 to 360 degrees, clockwise positive, such as /t/90 or /t/-45",
+        ),
+        Word(
+            "/h/{heading_deg}",
+            "heading",
+            "Turn on the spot to a compass heading, 0 to 360 degrees (0 north, 90 east), the shorter way",
+        ),
+    ),
 )

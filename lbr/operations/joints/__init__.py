@@ -1,6 +1,7 @@
 """Joints operation: one holder, leases, limits and smooth ways between joint commands and the servos of a humanoid."""
 
 from lbr.capability.kind import Command, Kind, names
+from lbr.capability.word import Word
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import Joint, JointMove, JointsCommand, JointsState, RecoverCommand, TorqueCommand
 from lbr.messages.leases import CommandReply, StopCommand
@@ -26,4 +27,46 @@ KIND = Kind(
     requests={"servos_recover": RecoverServos},
     moves=True,
     rows=(Joint,),
+    words=(
+        Word(
+            "/j/{joint}/{angle_deg}",
+            "move",
+            "Move a joint to an angle in degrees from its zero, at 30 degrees a second, such as /j/left_knee/60",
+        ),
+        Word(
+            "/j/{joint}/{angle_deg}/{speed_dps}",
+            "move",
+            "The same at so many degrees a second, such as /j/left_knee/60/90; never faster than its row says",
+        ),
+        Word("/torque/on", "torque", "Switch the torque of all joints on: each stays where it is", {"on": True}),
+        Word(
+            "/torque/on/{joints}",
+            "torque",
+            "Switch the torque of a joint on, or of several, such as /torque/on/left_elbow,right_elbow",
+            {"on": True},
+        ),
+        Word(
+            "/torque/off/{joints}",
+            "torque",
+            "Let go of a joint, or of several, such as /torque/off/left_elbow, so that a hand can move it",
+            {"on": False},
+        ),
+        Word("/torque/off", "torque", "Let go of all joints, once you have said that you mean it", {"on": False}),
+        Word(
+            "/torque/off/all",
+            "torque",
+            "Let go of all joints at once: the robot falls unless it sits or is held",
+            {"on": False, "confirmed": True},
+        ),
+        Word(
+            "recover",
+            "recover",
+            "Take all joints out of what they have latched, such as an overload whose cause is gone; moves nothing",
+        ),
+        Word(
+            "/recover/{joints}",
+            "recover",
+            "Take a joint, or several, out of what they have latched, such as /recover/left_knee",
+        ),
+    ),
 )

@@ -3,6 +3,7 @@
 from msgspec import Struct
 
 from lbr.capability.kind import Command, Kind, names
+from lbr.capability.word import Word
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import (
     CaptureCommand,
@@ -43,4 +44,36 @@ KIND = Kind(
     moves=True,
     rows=(Joint, MotionRow, MotionStep),
     learns=(MotionRow, MotionStep),
+    words=(
+        Word("/play/{motion}", "play", "Play a motion once, by its name"),
+        Word("/play/{motion}/{times}", "play", "Play a motion so many times, 1 to 1000; s ends it"),
+        Word(
+            "/play/{motion}/{times}/{speed}",
+            "play",
+            "The same faster or slower, 0.1 to 3 times as its rows say; what a controller keeps has one speed",
+        ),
+        Word(
+            "/mirror/{motion}",
+            "play",
+            "Play a motion with left and right exchanged; not what a controller keeps",
+            {"mirror": True},
+        ),
+        Word(
+            "/mirror/{motion}/{times}",
+            "play",
+            "Play a motion with left and right exchanged, so many times",
+            {"mirror": True},
+        ),
+        Word("/pose/{motion}", "play", "Take a pose: a motion of one key frame", {"times": 1}),
+        Word(
+            "/capture/{motion}",
+            "capture",
+            "Write the pose that the joints have now down, as the last key frame of a motion or the first of a new one",
+        ),
+        Word(
+            "/capture/{motion}/{duration_s}",
+            "capture",
+            "The same, to be reached so many seconds after the frame before",
+        ),
+    ),
 )

@@ -5,6 +5,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind, Rows
+from lbr.capability.word import Word
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand, TorqueCommand
@@ -76,4 +77,20 @@ KIND = Kind(
     roles={"arm": "admin"},
     rows=(Rows(CalibrationValue, where={"device": "device"}),),
     learns=(CalibrationValue,),
+    words=(
+        Word(
+            "arm",
+            "arm",
+            "Watch the voltage from now on, and shut the computer down in time; kept over restarts",
+            {"armed": True},
+        ),
+        Word(
+            "/arm/{warn_v}/{shutdown_v}",
+            "arm",
+            "Watch the voltage as arm does, with a warning below the first and the shutdown below the second, in volts",
+            {"armed": True},
+        ),
+        Word("disarm", "arm", "Only tell the voltage, and shut nothing down", {"armed": False}),
+        Word("cancel", "cancel", "Let the countdown to the shutdown come to nothing, until the voltage is low again"),
+    ),
 )

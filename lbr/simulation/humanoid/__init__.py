@@ -1,6 +1,7 @@
 """The simulated world of a humanoid: its body in the physics engine, and emulated twins of its devices."""
 
 from lbr.capability.kind import Command, Kind
+from lbr.capability.word import Word
 from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
@@ -14,6 +15,7 @@ from lbr.simulation.requests import (
     PictureReply,
     PictureRequest,
 )
+from lbr.simulation.words import FAULT_WORDS
 
 KIND = Kind(
     name="humanoid_world",
@@ -34,4 +36,20 @@ KIND = Kind(
     emulates=True,
     replies={"picture": PictureReply, "fault": FaultReply, "pick_up": PickUpReply, "ball": BallReply},
     rows=(Joint,),
+    words=(
+        Word("picture", "picture", "Simulation: save a picture of the robot from its front and its left"),
+        Word(
+            "pick_up",
+            "pick_up",
+            "Simulation: put the robot back on its feet, in a hand that holds it until its joints have torque",
+        ),
+        Word(
+            "/ball/{x_m}/{y_m}/{z_m}",
+            "ball",
+            "Simulation: put the ball there, metres ahead, to the left and up of where the robot began",
+        ),
+        Word("/ball", "ball", "Simulation: let the ball go its way again"),
+        Word("/ball/gone", "ball", "Simulation: take the ball out of the world", {"gone": True}),
+        *FAULT_WORDS,
+    ),
 )

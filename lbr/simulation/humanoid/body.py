@@ -1,4 +1,4 @@
-"""A humanoid's body: a MuJoCo description, shipped or the user's own, with floor, helper's hand and sensors added."""
+"""A humanoid's body: a MuJoCo description, a robot's or the user's own, with floor, helper's hand and sensors added."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.units import Vector
+from lbr.robots import registry
 from lbr.simulation.humanoid.settings import Ball, HumanoidWorldSettings
 from lbr.simulation.physics import mujoco
 
@@ -22,8 +23,6 @@ Mask = NDArray[np.bool_]
 HAND, FLOOR, IMU = "hand", "floor", "imu"
 BALL = "ball {}"
 """What the body of a ball is called."""
-
-_SHIPPED = Path(__file__).parent.parent / "models"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,14 +42,16 @@ class Body:
 
 
 def model_file(name: str, home: str) -> Path:
-    """Return the file of a body; raise InputError naming those that there are."""
-    folders = (Path(home) / "models", _SHIPPED)
-    for folder in folders:
-        if (folder / f"{name}.xml").is_file():
-            return folder / f"{name}.xml"
-    known = sorted({path.stem for folder in folders for path in folder.glob("*.xml")})
+    """Return the file of a body, the user's own or a robot's; raise InputError naming those that there are."""
+    own = Path(home) / "models"
+    if (own / f"{name}.xml").is_file():
+        return own / f"{name}.xml"
+    brought = registry.find(name)
+    if brought is not None and brought.robot is not None and brought.robot.body is not None:
+        return brought.robot.body
+    known = sorted({*(path.stem for path in own.glob("*.xml")), *registry.bodies()})
     raise InputError(
-        f"world setting `model`: there is no body '{name}': neither {folders[0] / name}.xml nor among those shipped; "
+        f"world setting `model`: there is no body '{name}': neither {own / name}.xml nor one that a robot brings; "
         f"there are: {', '.join(known) or 'none'}"
     )
 

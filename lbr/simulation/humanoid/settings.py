@@ -49,7 +49,7 @@ class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The simulated humanoid: `model` is a body, shipped or in `$LBR_HOME/models`, whose joints bear the rows' names.
+    """The simulated humanoid: `model` is a body, in `$LBR_HOME/models` or a robot's by its name, whose joints bear the rows' names.
 
     It begins upright, every joint at zero, in a helper's hand. The hand lets go once all servos have had torque for
     `hand_s` and its weight is above its feet; until then it keeps them on the floor. With `rests`, the angles of joints in

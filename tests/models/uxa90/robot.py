@@ -2,7 +2,6 @@
 
 import sqlite3
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -12,8 +11,8 @@ from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.uxa90.board import MainBoard
+from tests.support import shipped
 
-SCHEMA = Path(__file__).parents[3] / "robot.db.sql"
 TICK_S = 0.008
 
 
@@ -21,7 +20,7 @@ TICK_S = 0.008
 def rows() -> sqlite3.Connection:
     """Return the shipped database, in memory."""
     database = sqlite3.connect(":memory:")
-    database.executescript(SCHEMA.read_text())
+    database.executescript(shipped.sql())
     return database
 
 

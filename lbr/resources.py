@@ -4,7 +4,7 @@ from pathlib import Path
 
 from lbr.errors import InputError
 
-_PACKAGE = Path(__file__).resolve().parent.parent
+_PACKAGE = Path(__file__).resolve().parent
 _ROOTS = (_PACKAGE / "_shipped", _PACKAGE.parent)
 
 

@@ -1,0 +1,39 @@
+"""`lbr robots`."""
+
+import click
+
+from lbr.commands.options import json_option, print_json
+
+
+@click.command("robots")
+@json_option
+def command(as_json: bool) -> int:
+    """List the robots that lbr and installed packages bring, and with what 'lbr run' starts each.
+
+    A robot of a package that cannot be used is told with the reason; the others run. Needs no running robot.
+    """
+    from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.robots import registry  # noqa: PLC0415
+
+    found = registry.every()
+    if as_json:
+        print_json(
+            [
+                {
+                    "name": one.name,
+                    "package": one.package,
+                    "summary": one.robot.summary if one.robot is not None else "",
+                    "profiles": profile.of_robot(one),
+                    "fault": one.fault,
+                }
+                for one in found
+            ]
+        )
+        return 0
+    for one in found:
+        if one.robot is not None:
+            click.echo(f"{one.name}: {one.robot.summary} ({one.package})")
+            click.echo("".join(f"  lbr run {name}\n" for name in profile.of_robot(one)), nl=False)
+        else:
+            click.echo(f"{one.name}: cannot be used: {one.fault}", err=True)
+    return 0

@@ -1,0 +1,102 @@
+"""What can be said to a robot: the rows of its own, and for each of its capabilities the words that its kind brings."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from msgspec import structs
+
+from lbr.capability.kind import Kind
+from lbr.capability.word import Word
+from lbr.database import builtin, patterns
+from lbr.database.reading import Problem
+from lbr.database.rows import CapabilityRow, RobotRows, VerbRow
+from lbr.executive.planning.wiring import EXECUTIVE, least_roles
+from lbr.messages.system import higher
+
+OF_EVERY_ROBOT = (
+    Word("/report/{name}", "report", "Show telemetry, settings, statistics, health, events or wiring"),
+    Word("/restart/{name}", "restart", "Stop a capability and start it again, by its name", role="admin"),
+)
+"""What lbr itself does, and what a robot may say otherwise, unlike the words of `lbr.database.builtin`."""
+
+
+def words(rows: RobotRows, kinds: Mapping[str, Kind]) -> tuple[VerbRow, ...]:
+    """Return all verbs of a robot, in the order of its rows: a row of its own goes before a word of the same lines.
+
+    Of two capabilities whose kinds say the same, it means the one that is enabled, or is called as its kind is.
+    """
+    found = {_lines(row.pattern): row for row in rows.verbs}
+    taken = {*found, *((row.name,) for row in rows.external_commands)}
+    for name, word in _brought(rows, kinds):
+        if (lines := _lines(word.pattern)) not in taken:
+            taken.add(lines)
+            found[lines] = as_row(name, word)
+    return tuple(sorted(found.values(), key=lambda row: (row.word, row.pattern)))
+
+
+def as_row(capability: str, word: Word) -> VerbRow:
+    """Return the row that would say the same for a capability."""
+    return VerbRow(
+        word=_word(word.pattern),
+        pattern=word.pattern,
+        target=f"{capability}.{word.command}",
+        payload=word.fixed or None,
+        role=word.role,
+        help=word.help,
+    )
+
+
+def implied(rows: RobotRows, kinds: Mapping[str, Kind]) -> Callable[[VerbRow], bool]:
+    """Return what tells whether a row says no more than a word of a kind that the robot has."""
+    said = {(row.pattern, row.target): row for row in (as_row(name, word) for name, word in _brought(rows, kinds))}
+    least = least_roles(kinds)
+
+    def same(row: VerbRow) -> bool:
+        word = said.get((row.pattern, row.target))
+        if word is None or (row.payload or None) != word.payload:
+            return False
+        needed = higher(word.role, least.get(row.target, "view"))
+        return higher(row.role, needed) == needed
+
+    return same
+
+
+def faults(kinds: Iterable[Kind]) -> Iterator[Problem]:
+    """Yield what is wrong with the words of kinds, which are another's work as rows are."""
+    for kind in {kind.name: kind for kind in kinds}.values():
+        for word in kind.words:
+            if fault := _fault(kind, word):
+                yield Problem("kind", kind.name, "words", f"'{word.pattern}': {fault}")
+
+
+def _fault(kind: Kind, word: Word) -> str:
+    try:
+        pattern = patterns.parse(word.pattern)
+    except ValueError as err:
+        return str(err)
+    if builtin.shadowed(pattern):
+        return "it is a word that every robot has: choose another"
+    if word.command not in kind.commands:
+        return f"the kind has no command '{word.command}'"
+    there = {field.name for field in structs.fields(kind.command(word.command).message)}
+    wrong = sorted({*pattern.fields, *word.fixed} - there)
+    return f"{word.command} has no field '{wrong[0]}'; it has {', '.join(sorted(there)) or 'none'}" if wrong else ""
+
+
+def _brought(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[tuple[str, Word]]:
+    for row in sorted((row for row in rows.capabilities if row.name in kinds), key=_rank):
+        for word in kinds[row.name].words:
+            yield row.name, word
+    for word in OF_EVERY_ROBOT:
+        yield EXECUTIVE, word
+
+
+def _rank(row: CapabilityRow) -> tuple[bool, bool, str]:
+    return not row.enabled, row.name != row.kind, row.name
+
+
+def _lines(pattern: str) -> tuple[str, ...]:
+    return patterns.parse(pattern).shape
+
+
+def _word(pattern: str) -> str:
+    return pattern.strip("/").partition("/")[0]

@@ -1,0 +1,144 @@
+"""What packages bring to lbr by entry points, such as kinds and robots: who brings it, and why it cannot be used.
+
+    pyproject.toml of a package ──► installed(group) ──► Plugin(name, package) ──► load(): the declared object, or why not
+
+lbr's own keep their names; a name that several other packages claim is none of theirs, until one is uninstalled.
+"""
+
+import contextlib
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points, version
+from pathlib import Path
+from typing import Any
+
+from lbr.errors import LbrError
+
+CORE = "lbr"
+LONGEST_TEXT = 300
+_CHECKOUT = Path(__file__).resolve().parent.parent / "pyproject.toml"
+
+
+class PluginError(LbrError):
+    """Something of a package that cannot be used; the text names the package and says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plugin:
+    """One entry point: `value` is `module:object`, `package` whose it is, `requires` what that package asks for.
+
+    `refusal` says why it has not the name that it claims; empty if it has.
+    """
+
+    group: str
+    name: str
+    value: str
+    package: str
+    requires: tuple[str, ...] = ()
+    refusal: str = ""
+
+    @property
+    def ours(self) -> bool:
+        """Say whether it came with lbr."""
+        return self.package == CORE
+
+    @property
+    def label(self) -> str:
+        """Which it is, for people."""
+        return f"'{self.name}' of package '{self.package}' ({self.group})"
+
+    def load(self) -> Any:
+        """Import and return the declared object; PluginError says why that cannot be. What it prints goes to stderr."""
+        if why := self.refusal or contradiction(self.requires):
+            raise PluginError(f"{self.label}: {why}")
+        try:
+            with contextlib.redirect_stdout(sys.stderr):
+                return EntryPoint(self.name, self.value, self.group).load()
+        except (Exception, SystemExit) as err:
+            raise PluginError(f"{self.label} does not load: {told(err)}") from err
+
+
+def installed(group: str) -> Mapping[str, Plugin]:
+    """Return what there is in a group, by name; one that several packages claim is there, and does not load."""
+    return {one.name: one for one in reversed(_all(group))}
+
+
+def every(group: str) -> tuple[Plugin, ...]:
+    """Return all that packages declare in a group, lbr's own first, those without the name that they claim too."""
+    return _all(group)
+
+
+def contradiction(requires: tuple[str, ...]) -> str:
+    """Return why a package that requires this does not go with this version of lbr; empty if it does."""
+    asking = [text for text in requires if text.lower().startswith(CORE)]
+    if not asking:
+        return ""
+    from packaging.requirements import InvalidRequirement, Requirement  # noqa: PLC0415 - packages of others only
+    from packaging.utils import canonicalize_name  # noqa: PLC0415
+
+    for text in asking:
+        try:
+            wanted = Requirement(text)
+        except InvalidRequirement as err:
+            return f"it requires {text!r}, which cannot be read: {' '.join(str(err).split())}"
+        if canonicalize_name(wanted.name) != CORE or (wanted.marker is not None and not wanted.marker.evaluate()):
+            continue
+        here = version(CORE)
+        if not wanted.specifier.contains(here, prereleases=True):
+            return f"it requires lbr {wanted.specifier}, and this is lbr {here}: install versions that go together"
+    return ""
+
+
+def told(err: BaseException) -> str:
+    """Return an exception as one short line; one that cannot even be told is one all the same."""
+    try:
+        text = "".join(c if c.isprintable() else "?" for c in " ".join(str(err).split()))
+    except Exception:  # noqa: BLE001 - its `__str__` is another's
+        text = ""
+    return f"{type(err).__name__}: {text[:LONGEST_TEXT]}" if text else type(err).__name__
+
+
+@cache
+def _all(group: str) -> tuple[Plugin, ...]:
+    claims: dict[str, dict[str, Plugin]] = {}
+    for one in sorted(_declared(group), key=lambda one: (not one.ours, one.package, one.value)):
+        claims.setdefault(one.name, {}).setdefault(one.package, one)
+    found = [_settled(one, tuple(of_name)) for of_name in claims.values() for one in of_name.values()]
+    return tuple(sorted(found, key=lambda one: (not one.ours, one.package, one.name)))
+
+
+def _settled(one: Plugin, packages: tuple[str, ...]) -> Plugin:
+    """Return a plugin with why it has not its name: lbr's own keep theirs, and of several others none is preferred."""
+    if one.ours or len(packages) == 1:
+        return one
+    if packages[0] == CORE:
+        return replace(one, refusal=f"lbr has its own '{one.name}': choose another name")
+    return replace(one, refusal=f"packages {' and '.join(packages)} bring it: uninstall all but one")
+
+
+def _declared(group: str) -> Iterator[Plugin]:
+    """Yield all entry points; those of a checkout are what its project says now, not when it was installed."""
+    own = _of_checkout()
+    for name, value in (own or {}).get(group, {}).items():
+        yield Plugin(group, name, value, CORE)
+    for point in entry_points(group=group):
+        package = point.dist.name if point.dist is not None else "unknown"
+        if package != CORE:
+            found = point.dist.requires if point.dist is not None else None
+            release = f" {point.dist.version}" if point.dist is not None else ""
+            yield Plugin(group, point.name, point.value, f"{package}{release}", tuple(found or ()))
+        elif own is None:
+            yield Plugin(group, point.name, point.value, CORE)
+
+
+@cache
+def _of_checkout() -> Mapping[str, Mapping[str, str]] | None:
+    """Return the entry points that the project's file in a checkout declares; None in an installation."""
+    try:
+        project = tomllib.loads(_CHECKOUT.read_text(encoding="utf-8")).get("project", {})
+    except (OSError, tomllib.TOMLDecodeError):
+        return None
+    return project.get("entry-points", {}) if project.get("name") == CORE else None

@@ -1,0 +1,14 @@
+"""Bioloid: a humanoid of eighteen AX-12A servos."""
+
+from pathlib import Path
+
+from lbr.robots.robot import Robot
+
+_HERE = Path(__file__).parent
+ROBOT = Robot(
+    name="bioloid",
+    summary="a humanoid of eighteen Dynamixel servos",
+    rows=_HERE / "rows.sql",
+    profiles=_HERE / "profiles",
+    body=_HERE / "body.xml",
+)

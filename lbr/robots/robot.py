@@ -1,0 +1,21 @@
+"""What a package declares of its robot."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Robot:
+    """A robot of a package: where its rows, launch profiles and body are. Light to import; nothing is read yet.
+
+    `name` is the row's, and the entry point's in the group `lbr.robots`. `rows` is a file of SQL that inserts rows of this
+    robot, and phrases; a robot without one has its rows in every new database. `profiles` is a folder of launch profiles,
+    each called as the robot or with more behind a dash: `my-robot.toml`, `my-robot-sim.toml`. `body` is its MuJoCo
+    description, which the setting `model` of a simulated world names by the robot's name.
+    """
+
+    name: str
+    summary: str
+    rows: Path | None = None
+    profiles: Path | None = None
+    body: Path | None = None

@@ -1,0 +1,14 @@
+"""UXA-90: a humanoid of one metre, with a main board and an API for phones."""
+
+from pathlib import Path
+
+from lbr.robots.robot import Robot
+
+_HERE = Path(__file__).parent
+ROBOT = Robot(
+    name="uxa90",
+    summary="a humanoid of one metre, with an API for phones",
+    rows=_HERE / "rows.sql",
+    profiles=_HERE / "profiles",
+    body=_HERE / "body.xml",
+)

@@ -1,0 +1,240 @@
+-- UXA-90: a humanoid of one metre, with a main board (UIC) that keeps motions, and 25 SAM servos behind it.
+-- Its rows. `lbr db init`, its first `lbr run` or `lbr db add uxa90` takes them into robot.db, where they are what it is;
+-- nothing is read from here any more.
+
+INSERT INTO robot (name, model, description)
+VALUES ('uxa90', 'UXA-90 Light', 'A humanoid of one metre: twenty-five servos behind a main board that keeps motions');
+
+INSERT INTO device (robot, name, type, address, settings) VALUES
+    ('uxa90', 'main_board', 'uxa90', 'by-id:usb-*-port0', '{}'),
+    ('uxa90', 'head_camera', 'camera', '/dev/video0', '{}');
+
+INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
+    ('uxa90', 'servos', 'uxa90', '{"device": "main_board", "sweep_hz": 25}', '[]',
+     'The serial line: the main board with its motions, and the servos behind it'),
+    ('uxa90', 'joints', 'joints', '{"open_loop": true}', '["servos"]',
+     'The joints: who moves them, how far and how fast'),
+    ('uxa90', 'motions', 'motions', '{}', '["joints"]',
+     'The motions: the main board''s own, and those of key frames'),
+    ('uxa90', 'camera_head', 'camera', '{"device": "head_camera", "width_px": 640, "height_px": 480, "on": true}', '[]',
+     'The camera in the head'),
+    ('uxa90', 'tracking', 'tracking', '{}', '["joints", "camera_head"]',
+     'Tracking: the head follows a coloured thing'),
+    ('uxa90', 'web', 'web', '{"faces": ["uxa90"]}', '[]',
+     'The robot over HTTP, for its phone app and for scripts; on this machine only, unless the settings say otherwise'),
+    ('uxa90', 'world', 'humanoid_world',
+     '{"model": "uxa90", "rests": {"left_hip_pitch": 1.78, "right_hip_pitch": 1.78, "left_knee": -2.4, "right_knee": -2.4,
+                                   "left_ankle_pitch": 0.9, "right_ankle_pitch": 0.9},
+       "motor": {"stall_nm": 2.9, "no_load_rps": 7.0, "rated_v": 18.5, "friction_nm": 0.12, "armature_kgm2": 0.004,
+                 "stall_a": 2.0},
+       "motors": [{"joints": ["*_ankle_*", "*_knee", "*_hip_pitch", "*_hip_roll"], "stall_nm": 20.6, "no_load_rps": 7.0,
+                   "rated_v": 18.5, "friction_nm": 0.8, "armature_kgm2": 0.03, "stall_a": 10.0},
+                  {"joints": ["*_hip_yaw", "waist_yaw"], "stall_nm": 15.7, "no_load_rps": 7.0, "rated_v": 18.5,
+                   "friction_nm": 0.6, "armature_kgm2": 0.025, "stall_a": 8.0},
+                  {"joints": ["*_shoulder_pitch", "*_shoulder_roll"], "stall_nm": 9.8, "no_load_rps": 7.0,
+                   "rated_v": 18.5, "friction_nm": 0.4, "armature_kgm2": 0.015, "stall_a": 5.0}],
+       "battery": {"open_circuit_v": 18.5, "internal_ohm": 0.02, "capacity_ah": 1000.0, "idle_a": 0.8, "charged_v": 18.6},
+       "balls": {"ball": {"x_m": 1.5, "z_m": 0.65, "radius_m": 0.07, "path": "to_and_fro", "period_s": 10.0}}}', '[]',
+     'The simulated body and floor; runs only under a simulating launch profile');
+
+-- Off: nothing on the robot can be reached from other machines, as for lbr.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('uxa90', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
+     'The door to other machines: whoever has a token comes in');
+
+INSERT INTO channel (robot, source, target, history) VALUES
+    ('uxa90', 'joints.setpoint', 'servos.setpoint', 1),
+    ('uxa90', 'servos.state', 'joints.servos', 1),
+    ('uxa90', 'joints.servos_recover', 'servos.recover', 1),
+    ('uxa90', 'joints.state', 'motions.joints', 1),
+    ('uxa90', 'joints.result', 'motions.ended', 4),
+    ('uxa90', 'motions.move', 'joints.command', 1),
+    ('uxa90', 'motions.halt', 'joints.stop', 1),
+    ('uxa90', 'camera_head.frame', 'tracking.frame', 1),
+    ('uxa90', 'camera_head.state', 'tracking.camera', 1),
+    ('uxa90', 'joints.state', 'tracking.joints', 1),
+    ('uxa90', 'tracking.move', 'joints.command', 1),
+    ('uxa90', 'tracking.halt', 'joints.stop', 1),
+    ('uxa90', 'joints.state', 'web.joints', 1),
+    ('uxa90', 'motions.state', 'web.motions', 1),
+    ('uxa90', 'joints.result', 'web.moved', 16),
+    ('uxa90', 'motions.result', 'web.played', 16),
+    ('uxa90', 'servos.controller', 'web.controller', 1),
+    ('uxa90', 'web.move', 'joints.command', 1),
+    ('uxa90', 'web.halt', 'joints.stop', 1),
+    ('uxa90', 'web.torque', 'joints.torque', 1),
+    ('uxa90', 'web.play', 'motions.play', 1),
+    ('uxa90', 'web.stop_motion', 'motions.stop', 1),
+    ('uxa90', 'web.take_control', 'servos.take_control', 1),
+    ('uxa90', 'web.edit', 'executive.edit', 1),
+    ('uxa90', 'web.estop_reset', 'executive.estop_reset', 1);
+
+-- A servo counts 0 to 254 over 269 degrees. Zeros are the factory's nominal ones, signs of legs come from published
+-- kinematics, those of arms and head from what motions do; waist, hip yaw and hands are guesses. Limits are what motions
+-- of the factory use and a little more, corrected where published tables have left and right swapped; none was measured.
+-- Speeds are what the factory's motions ask for, head and neck somewhat more. Mirrored joints count alike: the same
+-- angles left and right are a symmetrical pose. At zero it stands upright, arms down.
+INSERT INTO joint (robot, name, device_id, side, sign, zero_rad, lower_rad, upper_rad, speed_rps) VALUES
+    ('uxa90', 'left_ankle_roll', 0, 'left', -1, 0.0000, -0.333, 0.407, 1.3),
+    ('uxa90', 'right_ankle_roll', 1, 'right', 1, 0.0000, -0.333, 0.407, 1.3),
+    ('uxa90', 'left_ankle_pitch', 2, 'left', -1, 0.0000, -0.888, 0.925, 1.3),
+    ('uxa90', 'right_ankle_pitch', 3, 'right', 1, 0.0000, -0.888, 0.925, 1.3),
+    ('uxa90', 'left_knee', 4, 'left', -1, -1.4602, -2.440, 0.074, 3.0),
+    ('uxa90', 'right_knee', 5, 'right', 1, 1.4602, -2.440, 0.074, 3.0),
+    ('uxa90', 'left_hip_pitch', 6, 'left', 1, 0.0000, -0.278, 1.812, 1.9),
+    ('uxa90', 'right_hip_pitch', 7, 'right', -1, 0.0000, -0.278, 1.812, 1.9),
+    ('uxa90', 'left_hip_roll', 8, 'left', -1, 0.0000, -0.352, 0.463, 1.5),
+    ('uxa90', 'right_hip_roll', 9, 'right', 1, 0.0000, -0.352, 0.463, 1.5),
+    ('uxa90', 'left_hip_yaw', 10, 'left', 1, 0.0000, -0.370, 0.370, 1.6),
+    ('uxa90', 'right_hip_yaw', 11, 'right', -1, 0.0000, -0.370, 0.370, 1.6),
+    ('uxa90', 'left_shoulder_pitch', 12, 'left', 1, -0.8687, -0.555, 3.217, 5.7),
+    ('uxa90', 'right_shoulder_pitch', 13, 'right', -1, 0.8687, -0.555, 3.198, 5.7),
+    ('uxa90', 'left_shoulder_roll', 14, 'left', 1, 0.1848, -0.481, 2.163, 3.7),
+    ('uxa90', 'right_shoulder_roll', 15, 'right', -1, -0.1848, -0.481, 2.145, 3.7),
+    ('uxa90', 'left_shoulder_yaw', 16, 'left', 1, 0.0000, -2.329, 2.348, 5.3),
+    ('uxa90', 'right_shoulder_yaw', 17, 'right', -1, 0.0000, -2.348, 2.329, 5.3),
+    ('uxa90', 'left_elbow', 18, 'left', 1, 1.4602, -2.440, 0.148, 6.3),
+    ('uxa90', 'right_elbow', 19, 'right', -1, -1.4602, -2.440, 0.148, 6.3),
+    ('uxa90', 'left_hand', 20, 'left', 1, 0.0000, -0.370, 0.370, 5.3),
+    ('uxa90', 'right_hand', 21, 'right', -1, 0.0000, -0.370, 0.370, 5.3),
+    ('uxa90', 'waist_yaw', 22, 'centre', 1, 0.0000, -0.684, 0.795, 1.6),
+    ('uxa90', 'neck_yaw', 23, 'centre', -1, 0.0000, -2.348, 2.329, 4.1),
+    ('uxa90', 'head_pitch', 24, 'centre', 1, 0.0000, -0.832, 0.925, 3.0);
+
+-- What the main board plays by itself; the names that people know it by are rows of `button`. What is kept under a number
+-- depends on what was downloaded to that robot: check it, also how long it takes. Key frames say where a motion leads.
+INSERT INTO motion (robot, name, help, slot, slot_s, limp, builtin) VALUES
+    ('uxa90', 'basic_motion', 'Take the walking stance', 1, 0.4, 0, 1),
+    ('uxa90', 'kick_right', 'Kick with the right foot', 2, 11.1, 0, 1),
+    ('uxa90', 'turn_left', 'Turn left on the spot, one step', 3, 1.5, 0, 1),
+    ('uxa90', 'walk_forward_short', 'Walk ahead, one step', 4, 1.9, 0, 1),
+    ('uxa90', 'turn_right', 'Turn right on the spot, one step', 5, 1.7, 0, 1),
+    ('uxa90', 'walk_left', 'Step to the left', 6, 2.4, 0, 1),
+    ('uxa90', 'reset', 'Stand up straight; the remote control''s red square, which some call stop: it stops nothing', 7, 7, 0, 1),
+    ('uxa90', 'walk_right', 'Step to the right', 8, 2.5, 0, 1),
+    ('uxa90', 'walk_forward_4step', 'Walk ahead, four steps', 9, 3.1, 0, 1),
+    ('uxa90', 'basic_motion_down', 'What the remote control''s arrow down plays: as basic_motion, on some robots a step back', 10, 0.4, 0, 1),
+    ('uxa90', 'walk_forward_6step', 'Walk ahead, six steps; on some robots four', 11, 5.7, 0, 1),
+    ('uxa90', 'demo_introduction', 'Introduce itself with gestures', 12, 27.6, 0, 1),
+    ('uxa90', 'dance_gangnamstyle', 'Dance', 13, 93.5, 0, 1),
+    ('uxa90', 'sit_down', 'Sit down; the servos are let go at the end', 21, 7, 1, 1);
+
+INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES
+    ('uxa90', 'basic_motion', 1, 0.4,
+     '{"left_ankle_roll": 0.037, "right_ankle_roll": 0, "left_ankle_pitch": 0.462, "right_ankle_pitch": 0.425,
+      "left_knee": -0.758, "right_knee": -0.739, "left_hip_pitch": 0.351, "right_hip_pitch": 0.333,
+      "left_hip_roll": 0, "right_hip_roll": 0, "left_hip_yaw": 0, "right_hip_yaw": 0,
+      "left_shoulder_pitch": -0.314, "right_shoulder_pitch": -0.314, "left_shoulder_roll": 0,
+      "right_shoulder_roll": 0, "left_shoulder_yaw": 0.074, "right_shoulder_yaw": 0.074, "left_elbow": -0.591,
+      "right_elbow": -0.591, "left_hand": 0, "right_hand": 0, "waist_yaw": 0, "neck_yaw": 0, "head_pitch": 0}'),
+    ('uxa90', 'reset', 1, 7,
+     '{"left_ankle_roll": 0, "right_ankle_roll": 0, "left_ankle_pitch": 0, "right_ankle_pitch": 0, "left_knee": 0,
+      "right_knee": 0, "left_hip_pitch": 0, "right_hip_pitch": 0, "left_hip_roll": 0, "right_hip_roll": 0,
+      "left_hip_yaw": 0, "right_hip_yaw": 0, "left_shoulder_pitch": 0, "right_shoulder_pitch": 0,
+      "left_shoulder_roll": 0, "right_shoulder_roll": 0, "left_shoulder_yaw": 0, "right_shoulder_yaw": 0,
+      "left_elbow": 0, "right_elbow": 0, "left_hand": 0, "right_hand": 0, "waist_yaw": 0, "neck_yaw": 0,
+      "head_pitch": 0}');
+
+-- Three tables of the servos. `api`: as phones and scripts have known them, with all that is wrong in it (knees and left
+-- shoulder are those of the other side). `factory`: what the factory's motions use. `safe`: what the joints allow.
+INSERT INTO motor (robot, layer, id, name, description, initial, lowest, highest, rest, inverted, builtin) VALUES
+    ('uxa90', 'api', 0, 'left-foot', 'foot tilt in/out', 127, 115, 140, 127, 1, 1),
+    ('uxa90', 'api', 1, 'right-foot', 'foot tilt in/out', 127, 110, 140, 127, 0, 1),
+    ('uxa90', 'api', 2, 'left-heel', 'foot up/down', 127, 77, 175, 127, 1, 1),
+    ('uxa90', 'api', 3, 'right-heel', 'foot up/down', 127, 78, 175, 127, 0, 1),
+    ('uxa90', 'api', 4, 'left-knee', 'shin front/back', 204, 77, 204, 204, 1, 1),
+    ('uxa90', 'api', 5, 'right-knee', 'shin fron/back', 50, 50, 180, 50, 0, 1),
+    ('uxa90', 'api', 6, 'left-front-upper-leg', '', 127, 0, 255, 127, 1, 1),
+    ('uxa90', 'api', 7, 'right-front-upper-leg', '', 127, 0, 255, 127, 0, 1),
+    ('uxa90', 'api', 8, 'left-back-upper-leg', '', 127, 0, 255, 127, 1, 1),
+    ('uxa90', 'api', 9, 'right-back-upper-leg', '', 127, 0, 255, 127, 0, 1),
+    ('uxa90', 'api', 10, 'left-hip', '', 127, 0, 255, 127, 1, 1),
+    ('uxa90', 'api', 11, 'right-hip', '', 127, 0, 255, 127, 0, 1),
+    ('uxa90', 'api', 12, 'left-upper-shoulder', '', 180, 10, 254, 180, 1, 1),
+    ('uxa90', 'api', 13, 'right-upper-shoulder', '', 180, 1, 254, 180, 0, 1),
+    ('uxa90', 'api', 14, 'left-lower-shoulder', '', 115, 135, 254, 135, 0, 1),
+    ('uxa90', 'api', 15, 'right-lower-shoulder', '', 138, 1, 120, 120, 1, 1),
+    ('uxa90', 'api', 16, 'left-bicep', 'twist in', 127, 1, 254, 127, 1, 1),
+    ('uxa90', 'api', 17, 'right-arm', 'twist in', 127, 1, 254, 127, 0, 1),
+    ('uxa90', 'api', 18, 'left-eblow', 'max is up', 210, 75, 210, 210, 1, 1),
+    ('uxa90', 'api', 19, 'right-elbow', 'min is up', 40, 40, 180, 40, 0, 1),
+    ('uxa90', 'api', 22, 'hip', 'rotate left/right', 127, 95, 165, 127, 0, 1),
+    ('uxa90', 'api', 23, 'neck', 'look left/right', 127, 1, 254, 127, 0, 1),
+    ('uxa90', 'api', 24, 'head', 'look up/down', 127, 100, 160, 127, 0, 1),
+    ('uxa90', 'factory', 0, 'left-ankle-roll', '', 127, 111, 140, 127, 1, 1),
+    ('uxa90', 'factory', 1, 'right-ankle-roll', '', 127, 114, 140, 127, 0, 1),
+    ('uxa90', 'factory', 2, 'left-ankle-pitch', '', 127, 87, 127, 127, 1, 1),
+    ('uxa90', 'factory', 3, 'right-ankle-pitch', '', 127, 127, 165, 127, 0, 1),
+    ('uxa90', 'factory', 4, 'left-knee', '', 48, 48, 129, 48, 1, 1),
+    ('uxa90', 'factory', 5, 'right-knee', '', 206, 126, 206, 206, 0, 1),
+    ('uxa90', 'factory', 6, 'left-hip-pitch', '', 127, 122, 166, 127, 1, 1),
+    ('uxa90', 'factory', 7, 'right-hip-pitch', '', 127, 89, 133, 127, 0, 1),
+    ('uxa90', 'factory', 8, 'left-hip-roll', '', 127, 112, 136, 127, 1, 1),
+    ('uxa90', 'factory', 9, 'right-hip-roll', '', 127, 118, 140, 127, 0, 1),
+    ('uxa90', 'factory', 10, 'left-hip-yaw', '', 127, 127, 137, 127, 1, 1),
+    ('uxa90', 'factory', 11, 'right-hip-yaw', '', 127, 117, 127, 127, 0, 1),
+    ('uxa90', 'factory', 12, 'left-shoulder-pitch', '', 80, 52, 243, 80, 1, 1),
+    ('uxa90', 'factory', 13, 'right-shoulder-pitch', '', 174, 11, 191, 174, 0, 1),
+    ('uxa90', 'factory', 14, 'left-shoulder-roll', '', 137, 121, 201, 137, 0, 1),
+    ('uxa90', 'factory', 15, 'right-shoulder-roll', '', 117, 36, 140, 117, 1, 1),
+    ('uxa90', 'factory', 16, 'left-shoulder-yaw', '', 127, 26, 156, 127, 1, 1),
+    ('uxa90', 'factory', 17, 'right-shoulder-yaw', '', 127, 91, 221, 127, 0, 1),
+    ('uxa90', 'factory', 18, 'left-elbow', '', 206, 97, 208, 206, 1, 1),
+    ('uxa90', 'factory', 19, 'right-elbow', '', 48, 40, 160, 48, 0, 1),
+    ('uxa90', 'factory', 20, 'left-hand', '', 127, 117, 136, 127, 0, 1),
+    ('uxa90', 'factory', 21, 'right-hand', '', 127, 115, 127, 127, 0, 1),
+    ('uxa90', 'factory', 22, 'waist-yaw', '', 127, 107, 151, 127, 0, 1),
+    ('uxa90', 'factory', 23, 'neck-yaw', '', 127, 69, 179, 127, 0, 1),
+    ('uxa90', 'factory', 24, 'head-pitch', '', 127, 92, 177, 127, 0, 1),
+    ('uxa90', 'safe', 0, 'left-ankle-roll', '', 127, 105, 145, 127, 1, 1),
+    ('uxa90', 'safe', 1, 'right-ankle-roll', '', 127, 109, 149, 127, 0, 1),
+    ('uxa90', 'safe', 2, 'left-ankle-pitch', '', 127, 77, 175, 127, 1, 1),
+    ('uxa90', 'safe', 3, 'right-ankle-pitch', '', 127, 79, 177, 127, 0, 1),
+    ('uxa90', 'safe', 4, 'left-knee', '', 48, 44, 180, 48, 1, 1),
+    ('uxa90', 'safe', 5, 'right-knee', '', 206, 74, 210, 206, 0, 1),
+    ('uxa90', 'safe', 6, 'left-hip-pitch', '', 127, 112, 176, 127, 1, 1),
+    ('uxa90', 'safe', 7, 'right-hip-pitch', '', 127, 79, 143, 127, 0, 1),
+    ('uxa90', 'safe', 8, 'left-hip-roll', '', 127, 102, 146, 127, 1, 1),
+    ('uxa90', 'safe', 9, 'right-hip-roll', '', 127, 108, 150, 127, 0, 1),
+    ('uxa90', 'safe', 10, 'left-hip-yaw', '', 127, 117, 147, 127, 1, 1),
+    ('uxa90', 'safe', 11, 'right-hip-yaw', '', 127, 107, 137, 127, 0, 1),
+    ('uxa90', 'safe', 12, 'left-shoulder-pitch', '', 80, 50, 254, 80, 1, 1),
+    ('uxa90', 'safe', 13, 'right-shoulder-pitch', '', 174, 1, 204, 174, 0, 1),
+    ('uxa90', 'safe', 14, 'left-shoulder-roll', '', 137, 111, 254, 137, 0, 1),
+    ('uxa90', 'safe', 15, 'right-shoulder-roll', '', 117, 1, 143, 117, 1, 1),
+    ('uxa90', 'safe', 16, 'left-shoulder-yaw', '', 127, 1, 254, 127, 1, 1),
+    ('uxa90', 'safe', 17, 'right-shoulder-yaw', '', 127, 1, 254, 127, 0, 1),
+    ('uxa90', 'safe', 18, 'left-elbow', '', 206, 74, 214, 206, 1, 1),
+    ('uxa90', 'safe', 19, 'right-elbow', '', 48, 40, 180, 48, 0, 1),
+    ('uxa90', 'safe', 20, 'left-hand', '', 127, 107, 147, 127, 0, 1),
+    ('uxa90', 'safe', 21, 'right-hand', '', 127, 107, 147, 127, 0, 1),
+    ('uxa90', 'safe', 22, 'waist-yaw', '', 127, 90, 170, 127, 0, 1),
+    ('uxa90', 'safe', 23, 'neck-yaw', '', 127, 1, 254, 127, 0, 1),
+    ('uxa90', 'safe', 24, 'head-pitch', '', 127, 82, 177, 127, 0, 1);
+
+-- The numbers and names by which phones and scripts know the motions.
+INSERT INTO button (robot, id, name, button, motion, builtin) VALUES
+    ('uxa90', 1, 'basic_motion', 'A', 'basic_motion', 1),
+    ('uxa90', 2, 'kick_right', 'B', 'kick_right', 1),
+    ('uxa90', 3, 'turn_left', 'LR', 'turn_left', 1),
+    ('uxa90', 4, 'walk_forward_short', 'U', 'walk_forward_short', 1),
+    ('uxa90', 5, 'turn_right', 'RR', 'turn_right', 1),
+    ('uxa90', 6, 'walk_left', 'L', 'walk_left', 1),
+    ('uxa90', 7, 'reset', 'S', 'reset', 1),
+    ('uxa90', 8, 'walk_right', 'R', 'walk_right', 1),
+    ('uxa90', 9, 'walk_foward_4step', 'LA', 'walk_forward_4step', 1),
+    ('uxa90', 10, 'basic_motion', 'D', 'basic_motion_down', 1),
+    ('uxa90', 11, 'walk_foward_6step', 'RA', 'walk_forward_6step', 1),
+    ('uxa90', 12, 'demo_introduction', '1', 'demo_introduction', 1),
+    ('uxa90', 13, 'dance_gangnamstyle', '2', 'dance_gangnamstyle', 1),
+    ('uxa90', 21, 'sit_down', '0', 'sit_down', 1),
+    ('uxa90', 99, 'pc_control', '', '', 1);
+
+-- Most of its words come with the kinds of its capabilities; a row of the same pattern takes the place of one.
+INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
+    ('uxa90', 'camera', '/camera/on', 'camera_head.switch', '{"on": true}', 'operate',
+     'Switch the camera in the head on'),
+    ('uxa90', 'camera', '/camera/off', 'camera_head.switch', '{"on": false}', 'operate',
+     'Switch the camera in the head off'),
+    ('uxa90', 'snapshot', 'snapshot', 'camera_head.snapshot', NULL, 'operate',
+     'Save what the camera in the head sees as a picture, named after the time');

@@ -1,0 +1,273 @@
+"""Anybody's robot is a package: installed, it runs by its name; what is wrong with it is told, and keeps out no other."""
+
+import json
+import sqlite3
+import sys
+import zipfile
+
+import pytest
+
+from tests.support import programs
+from tests.support.packages import CRAWLER, DECLARED, PROFILES, on_path, package, robot_package
+from tests.support.robot import lbr, running, until
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", on_path(tmp_path / "site"))
+    return tmp_path / "home"
+
+
+@pytest.fixture
+def site(tmp_path):
+    return tmp_path / "site"
+
+
+def looked(home, sql):
+    with sqlite3.connect(home / "robot.db") as database:
+        found = database.execute(sql).fetchall()
+    database.close()
+    return found
+
+
+def robots(home):
+    return {row["name"]: row for row in json.loads(lbr(home, "robots", "--json").stdout)}
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(30)
+def test_a_robot_that_was_installed_runs_with_nothing_else_and_can_be_driven(site, home):
+    """Its database is older than it is."""
+    assert lbr(home, "db", "init").returncode == 0
+    robot_package(site)
+    with running(home, profile="crawler-sim") as robot:
+        until(lambda: robot.capability("drive")["phase"] == "ready", limit_s=9.0)
+        assert robot.line("/r/0.1/0")["code"] == 0
+        assert robot.line("s")["text"] == "stopped"
+        assert "/r/power/angle" in robot.line("help")["text"]
+        assert robot.line("/report/health")["code"] == 0
+    assert looked(home, "SELECT text FROM phrase WHERE name = 'crawler_hello'") == [("I crawl.",)]
+    assert "the rows of robot 'crawler' (package 'my-crawler 0.1') are in" in (home / "stderr.txt").read_text()
+
+
+def test_a_new_database_has_all_robots_that_there_are_and_begins_at_no_revision(site, home):
+    robot_package(site)
+    done = lbr(home, "db", "init")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert looked(home, "SELECT name FROM robot ORDER BY name") == [("bioloid",), ("crawler",), ("lbr",), ("uxa90",)]
+    assert looked(home, "SELECT count(*) FROM revision") == [(0,)]
+    assert lbr(home, "db", "check").returncode == 0
+    assert lbr(home, "db", "diff").stdout == "the rows are as shipped\n"
+
+
+def test_it_is_listed_and_named_where_another_is_asked_for(site, home):
+    robot_package(site, profiles={"{name}-sim": PROFILES["{name}-sim"]})
+    assert robots(home)["crawler"] == {
+        "name": "crawler",
+        "package": "my-crawler 0.1",
+        "summary": "a robot on tracks",
+        "profiles": ["crawler", "crawler-sim"],
+        "fault": "",
+    }
+    assert "  lbr run crawler-sim\n" in lbr(home, "robots").stdout
+    assert "crawler-sim" in lbr(home, "run", "crowler", "--no-console").stderr
+    assert "crawler" in lbr(home, "db", "init").stdout or lbr(home, "db", "add", "c3po").stderr.count("crawler")
+
+
+def test_rows_that_are_there_stay_and_those_that_are_not_are_added_by_command(site, home):
+    robot_package(site)
+    lbr(home, "db", "init")
+    with sqlite3.connect(home / "robot.db") as database:
+        database.execute("UPDATE capability SET help = 'mine' WHERE robot = 'crawler' AND name = 'drive'")
+        database.execute("DELETE FROM channel WHERE robot = 'crawler' AND target = 'drive.ranges'")
+    database.close()
+    assert json.loads(lbr(home, "db", "add", "crawler", "--json").stdout) == {"channel": 1}
+    assert looked(home, "SELECT help FROM capability WHERE robot = 'crawler' AND name = 'drive'") == [("mine",)]
+
+
+BAD_ROWS = {
+    "a table that is not there": ("INSERT INTO wheel (name) VALUES ('x');", "rows.sql, line 1: no such table: wheel"),
+    "a column out of bounds": (
+        CRAWLER.replace("'{}', '[\"motors\"]'", "'[]', '[]'"),
+        "table capability, settings: must be a JSON object",
+    ),
+    "rows of another robot": (
+        CRAWLER + "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'spy', 'exec');",
+        "capability 'lbr/spy' is of robot 'lbr': a package brings rows of its own robot",
+    ),
+    "a replacement of what is another's": (
+        CRAWLER + "INSERT OR REPLACE INTO phrase (name, language, text) VALUES ('hello', 'en', 'Boo.');",
+        "phrase 'hello/en' is not of this robot, and may not be changed",
+    ),
+    "more than rows": (CRAWLER + "DROP TABLE robot;", "it may insert rows of its robot, and do nothing else"),
+    "an edit": (CRAWLER + "UPDATE robot SET owner = 'me';", "it may insert rows of its robot, and do nothing else"),
+    "another file": (CRAWLER + "ATTACH '/tmp/x.db' AS x;", "it may insert rows of its robot, and do nothing else"),
+    "a trigger": (
+        CRAWLER + "CREATE TRIGGER t AFTER INSERT ON event BEGIN DELETE FROM event; END;",
+        "it may insert rows of its robot, and do nothing else",
+    ),
+    "no robot": ("SELECT 1;", "there is no row of it in the table 'robot'"),
+    "a kind that is not there": (
+        CRAWLER.replace("'drive', 'drive'", "'drive', 'hovercraft'"),
+        "capability 'crawler/drive', kind: there is no kind 'hovercraft'",
+    ),
+    "a setting that is none": (
+        CRAWLER.replace('{"device": "board"}', '{"device": "board", "colour": 1}'),
+        "capability 'crawler/ranges', settings: ",
+    ),
+    "a wire to nowhere": (
+        CRAWLER.replace("'drive.motors'", "'drive.engines'"),
+        "channel 'crawler/motors.state/drive.engines', target: 'drive' has no input 'engines'",
+    ),
+    "no SQL": ("\x00\x01 nonsense", "rows.sql, line 1: "),
+}
+
+
+@pytest.mark.parametrize(("rows", "why"), BAD_ROWS.values(), ids=BAD_ROWS)
+def test_rows_that_do_not_validate_are_refused_with_package_and_row_and_all_others_are_there(site, home, rows, why):
+    robot_package(site, rows=rows)
+    done = lbr(home, "db", "init")
+    assert done.returncode == 0
+    assert "robot 'crawler' of package 'my-crawler 0.1'" in done.stderr
+    assert why in done.stderr
+    assert looked(home, "SELECT name FROM robot ORDER BY name") == [("bioloid",), ("lbr",), ("uxa90",)]
+    refused = lbr(home, "run", "crawler-sim", "--no-console")
+    assert refused.returncode == 2
+    assert why in refused.stderr
+    assert looked(home, "SELECT count(*) FROM revision") == [(0,)]
+
+
+DECLARATIONS = {
+    "does not import": ("import nothing_like_this", "does not load: ModuleNotFoundError"),
+    "ends the process": ("raise SystemExit(3)", "does not load: SystemExit: 3"),
+    "is no Python": ("def (:", "does not load: SyntaxError"),
+    "declares nothing": ("", "does not load: AttributeError"),
+    "declares something else": ("ROBOT = 3", "is no Robot(…)"),
+    "calls itself otherwise": (DECLARED.replace('"{name}"', '"other"'), "it calls itself 'other'"),
+    "brings no rows": ("from lbr.robots import Robot\nROBOT = Robot(name='{name}', summary='')", "'rows' is missing"),
+    "names a file that is not there": (DECLARED.replace("rows.sql", "none.sql"), "which is not there"),
+    "names no path": (DECLARED.replace('HERE / "rows.sql"', '"rows.sql"'), "must be a pathlib.Path"),
+}
+
+
+@pytest.mark.parametrize(("declared", "why"), DECLARATIONS.values(), ids=DECLARATIONS)
+def test_a_robot_that_cannot_be_used_is_told_with_its_package_and_all_others_run(site, home, declared, why):
+    robot_package(site, declared=f"print('noise')\n{declared}")
+    found = robots(home)
+    assert "robot 'crawler' of package 'my-crawler 0.1'" in found["crawler"]["fault"]
+    assert why in found["crawler"]["fault"]
+    assert [name for name, one in found.items() if not one["fault"]] == ["bioloid", "lbr", "uxa90"]
+    done = lbr(home, "run", "crawler-sim", "--no-console")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert why in done.stderr
+    assert lbr(home, "db", "init").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("requires", "why"),
+    [
+        (("lbr>=99",), "it requires lbr >=99, and this is lbr "),
+        (("click", "LBR<0.0.1"), "it requires lbr <0.0.1, and this is lbr "),
+        (("lbr ~~ 1",), "which cannot be read"),
+    ],
+)
+def test_a_package_for_another_version_of_lbr_is_refused(site, home, requires, why):
+    robot_package(site, requires=requires)
+    assert why in robots(home)["crawler"]["fault"]
+    assert why in lbr(home, "run", "crawler", "--no-console").stderr
+
+
+def test_a_package_for_this_version_and_one_that_asks_only_elsewhere_are_taken(site, home):
+    robot_package(site, requires=("lbr>=0.1,<99", "lbr-client>=99", 'lbr>=99; python_version < "3"'))
+    assert robots(home)["crawler"]["fault"] == ""
+
+
+def test_a_name_of_lbrs_stays_its_own_and_of_several_others_none_has_it(site, home):
+    robot_package(site, "bioloid", distribution="their-bioloid")
+    robot_package(site, "crawler", distribution="a-crawler")
+    robot_package(site, "crawler", distribution="b-crawler")
+    found = json.loads(lbr(home, "robots", "--json").stdout)
+    assert [(one["name"], one["package"]) for one in found if not one["fault"]] == [
+        ("bioloid", "lbr"),
+        ("lbr", "lbr"),
+        ("uxa90", "lbr"),
+    ]
+    told = [one["fault"] for one in found if one["fault"]]
+    both = "packages a-crawler 0.1 and b-crawler 0.1 bring it: uninstall all but one"
+    assert sorted(told) == [
+        "robot 'bioloid' of package 'their-bioloid 0.1' (lbr.robots): lbr has its own 'bioloid': choose another name",
+        f"robot 'crawler' of package 'a-crawler 0.1' (lbr.robots): {both}",
+        f"robot 'crawler' of package 'b-crawler 0.1' (lbr.robots): {both}",
+    ]
+    assert both in lbr(home, "run", "crawler", "--no-console").stderr
+    assert lbr(home, "db", "init").stderr.count("left out: ") == 3
+
+
+def test_a_profile_that_another_robot_has_is_not_taken_from_it(site, home):
+    robot_package(site, "bioloid_two")
+    fault = robots(home)["bioloid_two"]["fault"]
+    assert "robot 'bioloid' of package 'lbr' has a launch profile 'bioloid-two' already" in fault
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "why"),
+    [
+        ("somewhere", 'robot = "{name}"', "must be called crawler.toml, or crawler-….toml"),
+        ("lbr", 'robot = "lbr"', "must be called crawler.toml, or crawler-….toml"),
+    ],
+)
+def test_a_profile_is_called_as_its_robot(site, home, name, text, why):
+    robot_package(site, profiles={**PROFILES, name: text})
+    assert why in robots(home)["crawler"]["fault"]
+
+
+def test_a_profile_of_a_package_starts_its_own_robot(site, home):
+    robot_package(site, profiles={"{name}": 'robot = "lbr"\n'})
+    done = lbr(home, "run", "crawler", "--no-console")
+    assert done.returncode == 2
+    assert "of package 'my-crawler 0.1': its robot must be 'crawler'" in done.stderr
+
+
+def test_a_wheel_that_pip_installs_is_enough(site, home, tmp_path):
+    built = tmp_path / "built"
+    robot_package(built)
+    wheel = tmp_path / "my_crawler-0.1-py3-none-any.whl"
+    (info,) = built.glob("*.dist-info")
+    (info / "WHEEL").write_text("Wheel-Version: 1.0\nGenerator: by hand\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
+    files = [path for path in sorted(built.rglob("*")) if path.is_file()]
+    (info / "RECORD").write_text("".join(f"{path.relative_to(built)},,\n" for path in [*files, info / "RECORD"]))
+    with zipfile.ZipFile(wheel, "w") as archive:
+        for path in [*files, info / "RECORD"]:
+            archive.write(path, path.relative_to(built))
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--disable-pip-version-check"]
+    programs.run([*pip, "--target", site, wheel], check=True, env={"PATH": "/usr/bin:/bin", "HOME": str(tmp_path)})
+    assert robots(home)["crawler"]["profiles"] == ["crawler", "crawler-sim"]
+    assert lbr(home, "db", "init").returncode == 0
+    assert json.loads(lbr(home, "db", "check", "--robot", "crawler", "--json").stdout)[0]["problems"] == []
+
+
+def test_a_kind_whose_name_is_taken_stays_with_lbr_and_its_words_are_checked(site, home):
+    kind = "from lbr.capability import Capability, Kind, Word\nclass C(Capability):\n    pass\n"
+    package(
+        site,
+        "their-kinds",
+        entry_points={
+            "lbr.capabilities": "drive = their_kinds:DRIVE\nbad = their_kinds:BAD\nworse = their_kinds:WORSE"
+        },
+        files={
+            "their_kinds.py": kind
+            + "DRIVE = Kind(name='drive', summary='', family='app', entry=C)\n"
+            + "BAD = Kind(name='bad', summary='', family='app', entry=C, words=(Word('/s', 'fly', ''),))\n"
+            + "WORSE = Kind(name='worse', summary='', family='app', entry=C, words=('x',))\n"
+        },
+    )
+    lbr(home, "db", "init")
+    for name, why in (("bad", "which asks for 'fly', none of its commands"), ("worse", "must be a tuple of Word")):
+        with sqlite3.connect(home / "robot.db") as database:
+            database.execute("DELETE FROM capability WHERE name = 'new'")
+            database.execute("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'new', ?)", (name,))
+        database.close()
+        told = lbr(home, "db", "check", "--robot", "lbr").stderr
+        assert f"capability 'lbr/new', kind: the installed kind '{name}' of package 'their-kinds 0.1'" in told
+        assert why in told
+        assert "drive" not in told

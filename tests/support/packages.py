@@ -1,0 +1,88 @@
+"""Packages of somebody else: a distribution's metadata and modules in a folder that PYTHONPATH names, as pip leaves them."""
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+CRAWLER = """
+INSERT INTO robot (name, model) VALUES ('crawler', 'two tracks');
+INSERT INTO device (robot, name, type, address) VALUES
+    ('crawler', 'controller', 'roboteq', '/dev/ttyACM9'),
+    ('crawler', 'board', 'ultrasonic_ring', '/dev/ttyUSB9');
+INSERT INTO capability (robot, name, kind, settings, needs) VALUES
+    ('crawler', 'motors', 'roboteq', '{"device": "controller"}', '[]'),
+    ('crawler', 'ranges', 'ultrasonic_ring', '{"device": "board"}', '[]'),
+    ('crawler', 'drive', 'drive', '{}', '["motors"]'),
+    ('crawler', 'world', 'world', '{}', '[]');
+INSERT INTO channel (robot, source, target) VALUES
+    ('crawler', 'drive.setpoint', 'motors.setpoint'),
+    ('crawler', 'motors.state', 'drive.motors'),
+    ('crawler', 'ranges.readings', 'drive.ranges');
+INSERT INTO phrase (name, language, text) VALUES ('crawler_hello', 'en', 'I crawl.');
+"""
+"""A robot of rows alone."""
+DECLARED = """
+from pathlib import Path
+from lbr.robots import Robot
+
+HERE = Path(__file__).parent
+ROBOT = Robot(name="{name}", summary="a robot on tracks", rows=HERE / "rows.sql", profiles=HERE / "profiles")
+"""
+PROFILES = {
+    "{name}": 'robot = "{name}"\n',
+    "{name}-sim": 'robot = "{name}"\nsimulate = true\n',
+}
+
+
+def package(
+    site: Path,
+    distribution: str,
+    *,
+    version: str = "0.1",
+    requires: Iterable[str] = ("lbr",),
+    entry_points: Mapping[str, str],
+    files: Mapping[str, str],
+) -> None:
+    """Put a distribution into a folder: `entry_points` are lines by group, `files` texts by path."""
+    info = site / f"{distribution.replace('-', '_')}-{version}.dist-info"
+    info.mkdir(parents=True)
+    needs = "".join(f"Requires-Dist: {text}\n" for text in requires)
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n{needs}")
+    (info / "entry_points.txt").write_text("".join(f"[{group}]\n{lines}\n" for group, lines in entry_points.items()))
+    for name, text in files.items():
+        (site / name).parent.mkdir(parents=True, exist_ok=True)
+        (site / name).write_text(text)
+
+
+def robot_package(
+    site: Path,
+    name: str = "crawler",
+    *,
+    distribution: str = "",
+    version: str = "0.1",
+    requires: Iterable[str] = ("lbr",),
+    declared: str = DECLARED,
+    rows: str | None = None,
+    profiles: Mapping[str, str] = PROFILES,
+) -> None:
+    """Put a package into a folder that brings one robot, whose rows are those of the crawler unless said."""
+    distribution = distribution or f"my-{name}"
+    module = distribution.replace("-", "_")
+    text = CRAWLER.replace("crawler", name) if rows is None else rows
+    files = {f"{module}/__init__.py": declared.format(name=name), f"{module}/rows.sql": text}
+    files |= {
+        f"{module}/profiles/{one.format(name=name)}.toml": body.format(name=name) for one, body in profiles.items()
+    }
+    package(
+        site,
+        distribution,
+        version=version,
+        requires=requires,
+        entry_points={"lbr.robots": f"{name} = {module}:ROBOT"},
+        files=files,
+    )
+
+
+def on_path(site: Path) -> str:
+    """Return a PYTHONPATH with a folder before all others."""
+    return os.pathsep.join(filter(None, (str(site), os.environ.get("PYTHONPATH"))))
