@@ -401,6 +401,28 @@ def test_many_ask_at_once_and_all_are_answered(served):
     assert watch.given_s < 8, watch
 
 
+def test_many_who_stop_at_once_are_answered_together_and_none_is_refused(served, monkeypatch):
+    """What stops takes so many commands at once and refuses more; a stop that is refused is none."""
+    asked, heard = [], threading.Event()
+
+    class Late:
+        def answers(self):
+            return {"drive": CommandReply(accepted=True)} if heard.is_set() else None
+
+    monkeypatch.setattr(served.stage, "ask", lambda request, *_: (asked.append(request), Late())[1])
+    statuses: list[int] = []
+    threads = [threading.Thread(target=lambda: statuses.append(served.ask("POST", "/stop").status)) for _ in range(30)]
+    for thread in threads:
+        thread.start()
+    until(lambda: len(served.web._bridge._under_way) == 30)
+    assert asked.count("halt") == 1
+    heard.set()
+    for thread in threads:
+        thread.join()
+    assert statuses == [200] * 30
+    assert asked.count("halt") == 2  # the first, and one for all who came after it had begun
+
+
 OPEN = WebSettings(host="0.0.0.0", port=50000, clear_text=True)
 
 

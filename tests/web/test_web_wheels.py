@@ -91,7 +91,8 @@ def test_state_has_what_the_rows_wire_and_nothing_else(wheels):
 )
 def test_a_stop_stops_the_wheels_whatever_others_hold_open(wheels, held):
     with wheels.driven(), burdened(wheels.port, held, MANY):
-        assert wheels.ask("POST", "/stop") == (200, {"message": "stopped"})
+        answer = wheels.ask("POST", "/stop")
+        assert answer == (200, {"message": "stopped"}), f"STOPPED {answer}"
         until(lambda: not wheels.turns(), limit_s=1.0, what="wheels that stand")
         drive = wheels.state["drive"]
         assert (drive["moving"], drive["holder"]) == (False, None)

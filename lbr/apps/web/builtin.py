@@ -60,6 +60,8 @@ class BuiltinRoutes:
         self._place = place
         self._faces = faces
         self._document = b""
+        self._begun = self._ended = 0
+        self._refused: Refused | None = None
 
     def routes(self) -> list[Route]:
         """Return them."""
@@ -72,7 +74,7 @@ class BuiltinRoutes:
             ),
             Route(
                 method="POST", path="/stop", handle=self._stop, summary="Stop: wheels stand, joints hold where they are",
-                regardless=True, refuses={409: "The robot does not stop so."}, **moves,
+                regardless=True, refuses={409: "The robot does not stop so."}, within_s=2 * STOP_S + 1.0, **moves,
             ),
             Route(
                 method="POST", path="/estop", handle=self._estop, summary="Latch the emergency stop",
@@ -122,21 +124,39 @@ class BuiltinRoutes:
         return encoded(self._states.encoded(self._robot.snapshot))
 
     async def _stop(self, request: Request) -> Response:
-        """Stop whatever is wired, and say so; what moves by itself stands once it says so, whoever moved it."""
+        """Stop whatever is wired, and say so.
+
+        Many may stop at once: those who came while others are being answered are answered together by the next round,
+        so that what stops is never asked more often than it hears.
+        """
         why = f"stopped by {request.client}"
         self._faces.stopped(why)
+        wanted = self._begun + 1
+        await until(lambda: self._ended >= wanted or self._ended == self._begun)
+        if self._ended < wanted:
+            self._begun += 1
+            try:
+                self._refused = await self._stop_all(why)
+            finally:
+                self._ended = self._begun
+        if self._refused is not None:
+            raise self._refused
+        return json(Message(message="stopped"))
+
+    async def _stop_all(self, why: str) -> Refused | None:
+        """Ask all that is wired; return why something does not stop. What moves by itself stands once it says so."""
         stop = StopCommand(reason=why[:200], whole=True)
         asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
         if not asked:
-            raise Refused(503, "nothing that could be stopped is wired to this server by channel rows", code="wiring")
-        for one in asked.values():
+            return Refused(503, "nothing that could be stopped is wired to this server by channel rows", code="wiring")
+        for request, one in asked.items():
             await until(lambda one=one: one.answers() is not None)  # type: ignore[misc]
             refusals = [_refusal(name, answer) for name, answer in (one.answers() or {}).items()]
-            if one is asked.get(STOPS[0]) and not any(refusals):
+            if any(refusals):
+                return next(filter(None, refusals))
+            if request == STOPS[0]:
                 break  # all that moves stands; who moved it may be starting anew
-            for refused in filter(None, refusals):
-                raise refused
-        return json(Message(message="stopped"))
+        return None
 
     def _wired(self) -> list[str]:
         return [request for request in STOPS if self._robot.ctx.targets(request)]
