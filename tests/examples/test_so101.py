@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from tests.support import programs
+from tests.support import robot as robots
+from tests.support.robot import until
 
 PACKAGE = Path(__file__).resolve().parents[2] / "examples" / "so101"
 MOST_LINES = 1200
@@ -40,3 +42,29 @@ def test_its_own_tests_pass(part, installed, tmp_path):
 def test_driver_and_twin_are_few_lines():
     lines = sum(len(path.read_text().splitlines()) for path in (PACKAGE / "lbr_so101").glob("*.py"))
     assert lines < MOST_LINES
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(40)
+def test_the_rows_of_its_page_are_an_arm_whose_servos_are_driven_and_fail_in_simulation(
+    installed, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("PYTHONPATH", installed["PYTHONPATH"])
+    page = (PACKAGE / "README.md").read_text()
+    rows = page.partition("```sql\n")[2].partition("```")[0].split(";\n")
+    edits = (*filter(str.strip, rows), robots.only("lbr", "world", "arm"))
+    robot = robots.start(robots.prepare(tmp_path / "home", edits=edits))
+    try:
+
+        def servos():
+            return {servo["id"]: servo for servo in (robot.ask("arm/state") or {}).get("servos", [])}
+
+        until(lambda: robot.capability("arm")["phase"] == "ready", what="the arm's driver")
+        until(lambda: [one["voltage_v"] for one in servos().values()] == [12.0] * 6, what="six servos")
+        assert all(one["torque"] == 0.0 for one in servos().values())
+        reply = robot.ask("world/fault", {"device": "arm_bus", "name": "overload", "value": "3"})
+        assert reply["accepted"], reply
+        until(lambda: servos()[3]["latched"] == ["overload"], what="the overload of servo 3")
+        assert not servos()[2]["latched"]
+    finally:
+        robot.close()
