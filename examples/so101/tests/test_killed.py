@@ -21,7 +21,7 @@ class Line:
     device = Device("arm", "feetech", sys.argv[1], {})
 
 arm = Arm(Line, '{"device": "arm", "reply_margin_s": 0.03, "hold_s": 0.5, "release_s": 0.5}')
-arm.send(position_rad=1.2, speed_rps=1.0)
+arm.send(position_rad=1.2, speed_rps=0.3)
 arm.until(lambda: False, "the end")
 """
 
