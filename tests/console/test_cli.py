@@ -63,7 +63,8 @@ def test_help_and_version_work_without_a_home(lbr):
 
 
 @pytest.mark.parametrize(
-    "command", ["run", "console", "send", "status", "stop", "doctor", "service", "topic", "graph", "view", "db"]
+    "command",
+    ["run", "console", "send", "status", "stop", "doctor", "service", "topic", "graph", "view", "db", "robots"],
 )
 def test_every_command_has_help(lbr, command):
     done = lbr(command, "--help")
