@@ -23,7 +23,7 @@ from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import Code
 from lbr.messages.leases import CommandReply
-from lbr.messages.rows import Row, RowSet, by_table, with_rows
+from lbr.messages.rows import Row, RowSet, by_table, changes, with_rows
 from lbr.messages.system import EstopRequest, Event
 
 COMPLAINTS_PER_S = 2
@@ -262,7 +262,7 @@ class ProcessContext:
             if type(row) not in self._kind.learns:
                 raise ValueError(f"'{self.name}' learns no rows of '{row.TABLE}': its kind says so by `learns`")
         told = _told(rows)
-        self._reporter.learnt(told)
+        self._reporter.learnt(changes(self._row_sets, told))
         self._take_over(told)
 
     def adopt(self, rows: Iterable[Row]) -> None:

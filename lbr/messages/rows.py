@@ -74,8 +74,24 @@ def by_table(rows: Iterable[Row]) -> dict[str, Raw]:
     return {table: Raw(msgspec.json.encode(of_table)) for table, of_table in found.items()}
 
 
+def changes(known: Mapping[str, RowSet], told: Mapping[str, Raw]) -> dict[str, Raw]:
+    """Return of rows that are known what differs, with their keys, and others whole: what people edit meanwhile stays."""
+    return {table: _changes(known[table], rows) if table in known else rows for table, rows in told.items()}
+
+
+def _changes(before: RowSet, rows: Raw) -> Raw:
+    known = _by_key(before)
+    found = []
+    for row in msgspec.json.decode(rows, type=list[dict[str, Any]]):
+        old = known.get(tuple(row[column] for column in before.key), {})
+        found.append(
+            {name: row[name] for name in row if name in before.key or name not in old or old[name] != row[name]}
+        )
+    return Raw(msgspec.json.encode(found))
+
+
 def with_rows(known: Mapping[str, RowSet], new: Mapping[str, Raw]) -> dict[str, RowSet]:
-    """Return sets of rows with new ones in the place of those with the same key; tables that are not known stay so."""
+    """Return sets of rows with new ones, or what changes in those of the same key; tables that are not known stay so."""
     told = {table: msgspec.json.decode(rows, type=list[dict[str, Any]]) for table, rows in new.items()}
     return {
         table: before if table not in told and before.part_of not in told else _with(before, table, told)
@@ -84,14 +100,17 @@ def with_rows(known: Mapping[str, RowSet], new: Mapping[str, Raw]) -> dict[str, 
 
 
 def _with(before: RowSet, table: str, told: Mapping[str, list[dict[str, Any]]]) -> RowSet:
-    new = {tuple(row[column] for column in before.key): row for row in told.get(table, ())}
+    old = _by_key(before)
+    keyed = ((tuple(row[column] for column in before.key), row) for row in told.get(table, ()))
+    new = {key: {**old.get(key, {}), **row} for key, row in keyed}
     wholes = {row[before.key[0]] for row in new.values()} if before.part_of in told else set()
-    rows = {
-        tuple(row[column] for column in before.key): row
-        for row in msgspec.json.decode(before.rows, type=list[dict[str, Any]])
-        if row[before.key[0]] not in wholes
-    } | new
+    rows = {key: row for key, row in old.items() if row[before.key[0]] not in wholes} | new
     return msgspec.structs.replace(before, rows=Raw(msgspec.json.encode([rows[key] for key in sorted(rows)])))
+
+
+def _by_key(rows: RowSet) -> dict[tuple[Any, ...], dict[str, Any]]:
+    decoded = msgspec.json.decode(rows.rows, type=list[dict[str, Any]])
+    return {tuple(row[column] for column in rows.key): row for row in decoded}
 
 
 def shown(value: object) -> str:

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from lbr.capability.config import Report
 from lbr.capability.reporter import Reporter
 from lbr.messages.joints import Joint, MotionRow, MotionStep
-from lbr.messages.rows import by_table, row_set, with_rows
+from lbr.messages.rows import by_table, changes, row_set, with_rows
 from lbr.messages.speech import Phrase
 
 NECK = Joint(name="neck", device_id=1, lower_rad=-1.0, upper_rad=1.0, speed_rps=1.0)
@@ -36,6 +36,18 @@ def test_a_part_comes_beside_others_and_with_its_whole_in_their_place():
     known = sets(BOW, step(1), step(2), step(1, "nod"))
     assert with_rows(known, by_table([step(3)])) == sets(BOW, step(1), step(2), step(3), step(1, "nod"))
     assert with_rows(known, by_table([BOW, step(1)])) == sets(BOW, step(1), step(1, "nod"))
+
+
+def test_of_a_row_that_is_known_only_what_changes_is_told_so_that_what_a_person_edits_meanwhile_stays():
+    learnt, edited = replace(NECK, speed_rps=2.0), replace(NECK, upper_rad=0.5)
+    told = changes(sets(NECK), by_table([learnt]))
+    assert msgspec.json.decode(told["joint"]) == [{"name": "neck", "speed_rps": 2.0}]
+    assert with_rows(sets(edited), told) == sets(replace(edited, speed_rps=2.0))
+
+
+def test_rows_that_are_not_known_yet_are_told_whole():
+    told = by_table([step(1), Phrase(name="hi", language="en", text="Hi.")])
+    assert changes(sets(NECK), told) == told
 
 
 def test_tables_that_are_not_read_are_left_out():

@@ -2,7 +2,7 @@
 
 import contextlib
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Protocol
 
 import msgspec
@@ -105,12 +105,12 @@ class LiveRows:
 
     def _may_learn(self, name: str, told: Mapping[str, Raw]) -> tuple[Row, ...]:
         """Return the rows of those told that the capability's kind may write; the others are told of."""
-        kind, config = self.plan.kinds[name], self.plan.units[name].config
+        kind, config, known = self.plan.kinds[name], self.plan.units[name].config, self._known(name)
         found: list[Row] = []
         try:
             for read in kind.reads:
                 if read.row in kind.learns and read.row.TABLE in told:
-                    rows = msgspec.json.decode(told[read.row.TABLE], type=list[read.row])  # type: ignore[name-defined]
+                    rows = _whole(read.row, told[read.row.TABLE], known)
                     found += read_by(read, kind.parse(bytes(config.settings)), rows)
         except msgspec.MsgspecError as err:
             self._happened("refused", name, f"what it has learnt cannot be written down: {err}", "warning")
@@ -141,6 +141,14 @@ class LiveRows:
         self.plan = plan
         self._kept(name)
         self._watch.look_again()
+
+
+def _whole(row: type[Row], told: Raw, known: Mapping[RowKey, Any]) -> Iterator[Row]:
+    """Yield what was learnt as whole rows: of a row that is known only what changes is told; one that is gone stays so."""
+    for one in msgspec.json.decode(told, type=list[dict[str, Any]]):
+        before = known.get((row.TABLE, tuple(one.get(column) for column in row.KEY)), {})
+        if before or one.keys() >= set(row.__struct_fields__):
+            yield msgspec.convert({**before, **one}, row)
 
 
 def _first(problems: tuple[str, ...]) -> str:
