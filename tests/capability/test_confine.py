@@ -35,7 +35,10 @@ def holders(robot: Robot, *beginnings: str) -> set[int]:
     """Every process of the robot that has something open whose path begins so."""
 
     def holds(process: psutil.Process) -> bool:
-        return any(str(fd.readlink()).startswith(beginnings) for fd in Path(f"/proc/{process.pid}/fd").iterdir())
+        try:
+            return any(str(fd.readlink()).startswith(beginnings) for fd in Path(f"/proc/{process.pid}/fd").iterdir())
+        except FileNotFoundError:  # it has ended, or has closed that one
+            return process.is_running() and holds(process)
 
     return {process.pid for process in processes_of(robot.home) if holds(process)}
 
