@@ -19,6 +19,8 @@ from lbr.messages.system import ConsoleResult
 FAILED, BAD_INPUT = 1, 2
 DROPPED_TOLD = 4
 POLL_S = 0.05
+ENDING_S = 0.5
+"""For the answer to the line that ends the robot, which comes while the console ends; a shutdown has 2.5 s."""
 
 
 class Read(str):
@@ -149,6 +151,9 @@ class Lines:
             if self._is_stop():
                 came_stop, stop = self._next.popleft()
                 self._say(came_stop, str(stop))
+        futures.wait([result], ENDING_S)
+        if result.done():
+            return result.result()
         raise BusError("the console ends; nobody waited for the answer")
 
     def _hold(self, held: Holder) -> Ending | None:

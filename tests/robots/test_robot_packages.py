@@ -42,7 +42,7 @@ def test_a_robot_that_was_installed_runs_with_nothing_else_and_can_be_driven(sit
     robot_package(site)
     with running(home, profile="crawler-sim") as robot:
         until(lambda: robot.capability("drive")["phase"] == "ready", limit_s=9.0)
-        assert robot.line("/r/0.1/0")["code"] == 0
+        until(lambda: robot.line("/r/0.1/0")["code"] == 0, what="its motors are armed, and it drives")
         assert robot.line("s")["text"] == "stopped"
         assert "/r/power/angle" in robot.line("help")["text"]
         assert robot.line("/report/health")["code"] == 0

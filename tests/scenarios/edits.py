@@ -83,7 +83,8 @@ def _locked(under_test: Bench) -> list[str]:
 
 def invalid_keeps_the_old(under_test: Bench) -> None:
     """Rows that do not validate are reported, and everything goes on as it was."""
-    under_test.all_ready()  # the app has been mended just now, and starts
+    under_test.until(lambda: under_test.unit("app")["pid"] is not None, 4.0, "the app runs")  # it was mended just now
+    under_test.all_ready()
     pid = under_test.pid("app")
     under_test.robot.edit(NO_SUCH_KIND.format(n=0))
     under_test.until(lambda: bool(under_test.robot.status()["problems"]), 4.0, "the problem told", every_s=0.1)
