@@ -22,6 +22,7 @@ from lbr.errors import BusError  # noqa: E402
 Session = zenoh.Session
 
 LINK_LEASE_MS = 400
+"""The library looks at links now and then only: a frozen process was seen to be lost after 0.3 to 0.8 s."""
 HELD_MS = 3_600_000
 """The lease of links between sessions of one process: neither end can be gone without the other, and where both were
 held up together and then gave each other up, the router does not learn again who answers what."""
