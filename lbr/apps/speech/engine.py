@@ -62,9 +62,9 @@ class Engine:
             raise LbrError(f"the speech engine has no voice for '{request.language}'")
         if self._errors:
             raise LbrError(f"the speech engine failed: {self._errors[0][:200]}")
-        wav.read(path)
         if request.volume > 0.0 and wav.peak(path) < wav.SILENT_PEAK:
             raise LbrError("the speech engine has no sound for this text")
+        wav.read(path)
 
     def _note(self, name: object, exception: object) -> None:
         del name
