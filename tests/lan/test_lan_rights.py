@@ -25,7 +25,8 @@ def settle(door: Door) -> None:
 def at_rest(door: Door):
     yield
     door.rest()
-    assert not door.robot.status()["estop"]["engaged"]
+    found = door.robot.status()["estop"]
+    assert not found["engaged"], found
 
 
 def test_a_motion_from_afar_begins_when_its_lease_is_quoted_and_lapses(door: Door):
