@@ -20,7 +20,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0007');
+INSERT INTO alembic_version (version_num) VALUES ('0008');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -185,6 +185,8 @@ CREATE TABLE joint (
         CHECK (upper_rad BETWEEN -10 AND 10),
     speed_rps REAL    NOT NULL            -- the fastest it may move, radians a second
         CHECK (speed_rps > 0 AND speed_rps <= 100),
+    bus       TEXT    NOT NULL DEFAULT ''  -- the device row of the line that its servo is on; empty: the robot has one
+        CHECK (bus = '' OR (bus GLOB '[a-z]*' AND bus NOT GLOB '*[^a-z0-9_]*' AND length(bus) <= 40)),
     PRIMARY KEY (robot, name),
     CHECK (lower_rad < upper_rad)
 ) STRICT;
@@ -773,21 +775,21 @@ BEGIN
             NULL,
             json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
             'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
-            'speed_rps', NEW.speed_rps));
+            'speed_rps', NEW.speed_rps, 'bus', NEW.bus));
 END;
 
 CREATE TRIGGER joint_update AFTER UPDATE ON joint
-WHEN (OLD.robot, OLD.name, OLD.device_id, OLD.side, OLD.sign, OLD.zero_rad, OLD.lower_rad, OLD.upper_rad, OLD.speed_rps)
-     IS NOT (NEW.robot, NEW.name, NEW.device_id, NEW.side, NEW.sign, NEW.zero_rad, NEW.lower_rad, NEW.upper_rad, NEW.speed_rps)
+WHEN (OLD.robot, OLD.name, OLD.device_id, OLD.side, OLD.sign, OLD.zero_rad, OLD.lower_rad, OLD.upper_rad, OLD.speed_rps, OLD.bus)
+     IS NOT (NEW.robot, NEW.name, NEW.device_id, NEW.side, NEW.sign, NEW.zero_rad, NEW.lower_rad, NEW.upper_rad, NEW.speed_rps, NEW.bus)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('joint', json_array(NEW.robot, NEW.name), 'update',
             json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
             'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
-            'speed_rps', OLD.speed_rps),
+            'speed_rps', OLD.speed_rps, 'bus', OLD.bus),
             json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
             'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
-            'speed_rps', NEW.speed_rps));
+            'speed_rps', NEW.speed_rps, 'bus', NEW.bus));
 END;
 
 CREATE TRIGGER joint_delete AFTER DELETE ON joint
@@ -796,7 +798,7 @@ BEGIN
     VALUES ('joint', json_array(OLD.robot, OLD.name), 'delete',
             json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
             'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
-            'speed_rps', OLD.speed_rps),
+            'speed_rps', OLD.speed_rps, 'bus', OLD.bus),
             NULL);
 END;
 

@@ -33,7 +33,10 @@ class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """The rows of a table that a kind reads: all of its robot's, or those `where` a column is what a setting says."""
+    """The rows of a table that a kind reads: all of its robot's, or those `where` a column is what a setting says.
+
+    An empty column goes with every setting, and an empty setting with every column.
+    """
 
     row: type[Row]
     where: Mapping[str, str] = field(default_factory=dict)

@@ -23,6 +23,7 @@ JointRps = Annotated[
 DurationS = Annotated[
     float, Meta(gt=0.0, le=60.0, description="seconds", extra={"zero": "0 is no time to get anywhere"})
 ]
+BusOfJoints = Annotated[NameOrNone, Meta(description="of a robot with several: the bus whose joints it has")]
 Strength = Annotated[float, Meta(gt=0.0, le=1.0, description="fraction of a servo's most")]
 Interpolation = Literal["smooth", "linear"]
 MAX_FRAMES = 1000
@@ -33,22 +34,31 @@ def _limits(row: "Joint", _: Others) -> Iterator[Fault]:
         yield "upper_rad", f"{row.upper_rad:g} is not above lower_rad, {row.lower_rad:g}"
 
 
-def _servo_of(joint: "Joint") -> int:
-    return joint.device_id
+def _servo_of(joint: "Joint") -> tuple[str, int]:
+    return joint.bus, joint.device_id
 
 
 def _servo(row: "Joint", others: Others) -> Iterator[Fault]:
-    first = others.index(Joint, _servo_of)[row.device_id]
+    known = others.index(Joint, _servo_of)
+    first = known.get(("", row.device_id)) or known[_servo_of(row)]  # one that names no bus is on every one
     if first.name != row.name:
         yield "device_id", f"servo {row.device_id} moves joint '{first.name}' already"
 
 
+def _bus(row: "Joint", others: Others) -> Iterator[Fault]:
+    if row.bus and row.bus not in others.names("device"):
+        yield "bus", f"there is no device '{row.bus}'; name the device row of the servos' line, or leave it empty"
+
+
 class Joint(Row, frozen=True, kw_only=True):
-    """A joint: the servo is at `zero_rad + sign * joint angle`; how far and how fast it may go."""
+    """A joint: the servo is at `zero_rad + sign * joint angle`; how far and how fast it may go.
+
+    `bus` is the device row of the line that its servo is on; empty where the robot has one such line.
+    """
 
     TABLE = "joint"
     KEY = ("name",)
-    CHECKS = (_limits, _servo)
+    CHECKS = (_limits, _servo, _bus)
 
     name: Name
     device_id: ServoId
@@ -58,6 +68,7 @@ class Joint(Row, frozen=True, kw_only=True):
     lower_rad: JointRad
     upper_rad: JointRad
     speed_rps: JointRps
+    bus: NameOrNone = ""
 
 
 Slot = Annotated[int, Meta(ge=1, le=255)]

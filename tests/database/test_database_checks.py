@@ -34,7 +34,7 @@ def shipped() -> dict:
     tables["calibration"] = [
         {"robot": "lbr", "device": "range_board", "name": "offset_cm", "value": 1.5, "measured_at": "2026-01-01"}
     ]
-    neck = {"name": "neck", "device_id": 1, "side": "centre", "sign": 1, "zero_rad": 0.0, "speed_rps": 1.0}
+    neck = {"name": "neck", "device_id": 1, "side": "centre", "sign": 1, "zero_rad": 0.0, "speed_rps": 1.0, "bus": ""}
     tables["joint"] = [
         {"robot": "lbr", **neck, "lower_rad": -1.0, "upper_rad": 1.0},
         {"robot": "lbr", **neck, "name": "jaw", "device_id": 2, "lower_rad": 0.0, "upper_rad": 0.5},
@@ -169,6 +169,7 @@ BAD_VALUES = [
     ("calibration", 0, "measured_at", None, "is NULL"),
     ("joint", 0, "device_id", 254, "'254' is not a whole number from 0 to 253"),
     ("joint", 1, "device_id", 1, "servo 1 moves joint 'neck' already"),
+    ("joint", 0, "bus", "gone", "there is no device 'gone'"),
     ("joint", 0, "side", "top", "'top' is none of left, right, centre"),
     ("joint", 0, "sign", 0, "'0' is none of 1, -1"),
     ("joint", 0, "zero_rad", 11.0, "11 is outside -10 to 10"),
@@ -380,3 +381,13 @@ def test_a_row_that_would_change_a_word_of_every_robot_is_refused_by_name(word, 
 def test_a_path_that_begins_like_a_word_of_every_robot_is_nobodys_and_may_be_a_row():
     assert any(row["pattern"] == "/s/{text...}" for row in SHIPPED["verb"])
     assert not check(SHIPPED, "lbr").problems
+
+
+def test_servos_on_two_buses_have_numbers_of_their_own():
+    tables = shipped()
+    for joint, bus in zip(tables["joint"], ("range_board", "motor_controller"), strict=True):
+        joint.update(bus=bus, device_id=1)
+    assert not [problem for problem in check(tables, "lbr").problems if problem.table == "joint"]
+    tables["joint"][0]["bus"] = ""
+    (problem,) = [problem for problem in check(tables, "lbr").problems if problem.table == "joint"]
+    assert (problem.row, problem.text) == ("lbr/jaw", "servo 1 moves joint 'neck' already")

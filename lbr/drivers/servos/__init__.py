@@ -21,7 +21,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, Rows
 from lbr.capability.word import Word
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
@@ -94,5 +94,5 @@ def servos_kind(
         moves=True,
         device=device or name,
         line="polled",
-        rows=(Joint,),
+        rows=(Rows(Joint, where={"bus": "device"}),),
     )

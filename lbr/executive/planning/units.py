@@ -158,7 +158,11 @@ def with_learnt(unit: Unit, rows: Mapping[str, msgspec.Raw]) -> Unit:
 def read_by(read: Read, settings: Any, rows: Iterable[Row]) -> tuple[Row, ...]:
     """Return those of a table's rows that a kind gets with such settings."""
     wanted = {column: getattr(settings, setting) for column, setting in read.where.items()}
-    return tuple(row for row in rows if all(getattr(row, column) == value for column, value in wanted.items()))
+    return tuple(row for row in rows if all(_fits(getattr(row, column), value) for column, value in wanted.items()))
+
+
+def _fits(column: Any, setting: Any) -> bool:
+    return column == setting or "" in (column, setting)
 
 
 def commands_of(unit: Unit, kind: Kind) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """Joints operation: one holder, leases, limits and smooth ways between joint commands and the servos of a humanoid."""
 
-from lbr.capability.kind import Command, Kind, names
+from lbr.capability.kind import Command, Kind, Rows, names
 from lbr.capability.word import Word
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import Joint, JointMove, JointsCommand, JointsState, RecoverCommand, TorqueCommand
@@ -26,7 +26,7 @@ KIND = Kind(
     replies=dict.fromkeys(("command", "move", "torque", "recover", "stop", "servos_recover"), CommandReply),
     requests={"servos_recover": RecoverServos},
     moves=True,
-    rows=(Joint,),
+    rows=(Rows(Joint, where={"bus": "bus"}),),
     words=(
         Word(
             "/j/{joint}/{angle_deg}",

@@ -4,6 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.messages.joints import BusOfJoints
 from lbr.messages.units import TtlS
 
 
@@ -17,6 +18,7 @@ class JointsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     rate_hz: Annotated[float, Meta(ge=10.0, le=200.0, description="setpoints per second")] = 100.0
     ttl_s: TtlS = 0.3
+    bus: BusOfJoints = ""
     tolerance_rad: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.05
     settle_s: Annotated[
         float, Meta(gt=0.0, le=10.0, description="how long joints may take to arrive after the end of a motion")

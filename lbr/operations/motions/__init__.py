@@ -2,10 +2,11 @@
 
 from msgspec import Struct
 
-from lbr.capability.kind import Command, Kind, names
+from lbr.capability.kind import Command, Kind, Rows, names
 from lbr.capability.word import Word
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import (
+    BusOfJoints,
     CaptureCommand,
     Joint,
     JointsCommand,
@@ -23,6 +24,7 @@ class MotionsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """What a row of kind `motions` may set."""
 
     ttl_s: TtlS = 0.3
+    bus: BusOfJoints = ""
 
 
 KIND = Kind(
@@ -42,7 +44,7 @@ KIND = Kind(
     requests={"move": JointsCommand, "halt": StopCommand},
     roles={"capture": "admin"},
     moves=True,
-    rows=(Joint, MotionRow, MotionStep),
+    rows=(Rows(Joint, where={"bus": "bus"}), MotionRow, MotionStep),
     learns=(MotionRow, MotionStep),
     words=(
         Word("/play/{motion}", "play", "Play a motion once, by its name"),

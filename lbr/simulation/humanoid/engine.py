@@ -13,7 +13,7 @@ from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
 from lbr.simulation.humanoid.balls import Balls
 from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, load, model_file
-from lbr.simulation.humanoid.servos import Floats, Servos
+from lbr.simulation.humanoid.servos import Floats, Servo, Servos
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
@@ -38,6 +38,8 @@ class HumanoidEngine:
         self.settings = settings
         self.body: Body = load(model_file(settings.model, home), joints, settings)
         self.battery = BatteryState(settings.battery)
+        self.buses = frozenset(joint.bus for joint in joints)
+        """Those that the joints' rows name."""
         self._names = [joint.name for joint in joints]
         self._model, self._data = self.body.model, mujoco.MjData(self.body.model)
         self._servos = Servos(joints, settings.motors_of(self._names))
@@ -86,8 +88,8 @@ class HumanoidEngine:
         mujoco.mj_forward(self._model, data)
         self._imu.follow(data)
 
-    def step(self, drives: Mapping[int, ServoDrive], dt_s: float) -> None:
-        """Run the world for `dt_s` with the servos driven like this, by their ids."""
+    def step(self, drives: Mapping[Servo, ServoDrive], dt_s: float) -> None:
+        """Run the world for `dt_s` with the servos driven like this."""
         if self._servos.follow(drives):
             self._model.dof_damping[self.body.speeds] = self._servos.damping_nms
         self._owed_s += dt_s
@@ -95,8 +97,8 @@ class HumanoidEngine:
             self._owed_s -= TIMESTEP_S
             self._step_once()
 
-    def felt(self) -> dict[int, ServoFelt]:
-        """Return what the servos measure now, by their ids."""
+    def felt(self) -> dict[Servo, ServoFelt]:
+        """Return what the servos measure now."""
         return self._servos.felt(*self._joints())
 
     def imu(self) -> ImuReading:

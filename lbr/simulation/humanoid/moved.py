@@ -6,7 +6,8 @@ from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.body import TIMESTEP_S
 from lbr.simulation.humanoid.engine import HumanoidEngine
-from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.humanoid.servos import servo
+from lbr.simulation.measured import ImuReading, Sensed, ServoFelt
 from lbr.simulation.twins import PowerSwitch, ServoBus, Twin
 
 
@@ -22,18 +23,24 @@ class HumanoidPhysics:
         self._engine = engine
         self._cameras = cameras
         self._switches = [twin for twin in twins if isinstance(twin, PowerSwitch)]
-        self._buses = [twin for twin in twins if isinstance(twin, ServoBus)]
+        found = {twin.name: twin for twin in twins if isinstance(twin, ServoBus)}
+        self._buses = [(name if name in engine.buses else "", bus) for name, bus in found.items()]
 
     def advance(self, now: float, dt_s: float) -> None:
         """Run for a while with the servos driven as their registers say, and tell them where that brought them."""
         if self.pick_up:
             self.pick_up = False
             self._engine.pick_up()
-        self._engine.step({number: drive for bus in self._buses for number, drive in bus.drives(now).items()}, dt_s)
-        felt = self._engine.felt()
+        self._engine.step(
+            {servo(name, number): drive for name, bus in self._buses for number, drive in bus.drives(now).items()}, dt_s
+        )
+        felt: dict[str, dict[int, ServoFelt]] = {name: {} for name, _ in self._buses}
+        for one, measured in self._engine.felt().items():
+            name, number = one if isinstance(one, tuple) else ("", one)
+            felt.setdefault(name, {})[number] = measured
         supply_v = self._engine.battery.voltage_v if all(switch.motors_on for switch in self._switches) else 0.0
-        for bus in self._buses:
-            bus.feel_servos(felt, supply_v, now)
+        for name, bus in self._buses:
+            bus.feel_servos(felt[name], supply_v, now)
 
     def imu(self) -> ImuReading:
         """Return what the inertial unit measures at the newest step."""

@@ -10,11 +10,18 @@ from lbr.simulation.humanoid.settings import Motor
 from lbr.simulation.measured import ServoDrive, ServoFelt
 
 Floats = NDArray[np.float64]
+Servo = int | tuple[str, int]
+"""A servo of a body: its number, and before that the bus, if its joint's row names one."""
 
 _LIMP_NMS = 0.01
 """Damping of a motor without supply; one that is driven or shorted brakes by what it generates."""
 
 _ANY_SPEED_RPS = 1e6
+
+
+def servo(bus: str, number: int) -> Servo:
+    """Return what a servo is called."""
+    return (bus, number) if bus else number
 
 
 class Servos:
@@ -25,14 +32,14 @@ class Servos:
 
     def __init__(self, joints: Sequence[Joint], motors: Sequence[Motor]) -> None:
         count = len(joints)
-        self._ids = [joint.device_id for joint in joints]
+        self._ids = [servo(joint.bus, joint.device_id) for joint in joints]
         self._sign = np.array([float(joint.sign) for joint in joints])
         self._zero = np.array([joint.zero_rad for joint in joints])
         self._stall_nm, self._stall_a, self._rated_v = (
             np.array([getattr(motor, name) for motor in motors]) for name in ("stall_nm", "stall_a", "rated_v")
         )
         self._driven_nms = self._stall_nm / np.array([motor.no_load_rps for motor in motors])
-        self._drives: Mapping[int, ServoDrive] = {}
+        self._drives: Mapping[Servo, ServoDrive] = {}
         self._goal, self._torque, self._target = np.zeros(count), np.zeros(count), np.zeros(count)
         self._speed, self._punch = np.full(count, _ANY_SPEED_RPS), np.zeros(count)
         self._margins, self._slopes = np.zeros((2, count)), np.ones((2, count))
@@ -40,7 +47,7 @@ class Servos:
         self.damping_nms = np.full(count, _LIMP_NMS)
         self.load = np.zeros(count)
 
-    def follow(self, drives: Mapping[int, ServoDrive]) -> bool:
+    def follow(self, drives: Mapping[Servo, ServoDrive]) -> bool:
         """Take over what the registers say; say whether that is anything new."""
         if drives == self._drives:
             return False
@@ -73,8 +80,8 @@ class Servos:
         self.load = np.where(self.limp, 0.0, (torque - self.damping_nms * speed) / self._stall_nm)
         return torque
 
-    def felt(self, position: Floats, speed: Floats) -> dict[int, ServoFelt]:
-        """Return what the servos measure, by id, in their own radians."""
+    def felt(self, position: Floats, speed: Floats) -> dict[Servo, ServoFelt]:
+        """Return what the servos measure, in their own radians."""
         positions = (self._zero + self._sign * position).tolist()
         speeds, loads = (self._sign * speed).tolist(), (self._sign * self.load).tolist()
         each = zip(self._ids, positions, speeds, loads, strict=True)
