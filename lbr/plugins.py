@@ -1,4 +1,4 @@
-"""What packages bring to lbr by entry points, such as kinds and robots: who brings it, and why it cannot be used.
+"""What packages bring to lbr by entry points: kinds, robots, twins and faces; who brings it, and why it cannot be used.
 
     pyproject.toml of a package ──► installed(group) ──► Plugin(name, package) ──► load(): the declared object, or why not
 
@@ -6,24 +6,23 @@ lbr's own keep their names; a name that several other packages claim is none of 
 """
 
 import contextlib
+import importlib
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points, version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from lbr.errors import LbrError
 
 CORE = "lbr"
 LONGEST_TEXT = 300
 _CHECKOUT = Path(__file__).resolve().parent.parent / "pyproject.toml"
-
-
-class PluginError(LbrError):
-    """Something of a package that cannot be used; the text names the package and says why."""
+_REMEMBERED: list[Callable[[], None]] = []
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +52,29 @@ class Plugin:
     def load(self) -> Any:
         """Import and return the declared object; PluginError says why that cannot be. What it prints goes to stderr."""
         if why := self.refusal or contradiction(self.requires):
-            raise PluginError(f"{self.label}: {why}")
+            raise PluginError(self, why)
         try:
             with contextlib.redirect_stdout(sys.stderr):
                 return EntryPoint(self.name, self.value, self.group).load()
         except (Exception, SystemExit) as err:
-            raise PluginError(f"{self.label} does not load: {told(err)}") from err
+            raise PluginError(self, f"it does not load: {told(err)}") from err
+
+    def checked(self, found: object, wanted: type[T], name: str = "name") -> T:
+        """Return what was declared if it is what its group has, and its field `name` says the entry point's name."""
+        if not isinstance(found, wanted):
+            raise PluginError(self, f"{self.value} is no {wanted.__name__}(…), but of type {type(found).__name__}")
+        if (said := getattr(found, name)) != self.name:
+            text = f"the name of the entry point and {wanted.__name__}.{name} agree"
+            raise PluginError(self, f"it calls itself {said!r}: {text}")
+        return found
+
+
+class PluginError(LbrError):
+    """Something of a package that cannot be used; the text names the package, and `why` is the rest of it."""
+
+    def __init__(self, plugin: Plugin, why: str) -> None:
+        super().__init__(f"{plugin.label}: {why}")
+        self.why = why
 
 
 def installed(group: str) -> Mapping[str, Plugin]:
@@ -99,6 +115,21 @@ def told(err: BaseException) -> str:
     except Exception:  # noqa: BLE001 - its `__str__` is another's
         text = ""
     return f"{type(err).__name__}: {text[:LONGEST_TEXT]}" if text else type(err).__name__
+
+
+def remembered(judge: Callable[[Plugin], T]) -> Callable[[Plugin], T]:
+    """Have a judgement of a plugin made once, until all is forgotten."""
+    found = cache(judge)
+    _REMEMBERED.append(found.cache_clear)
+    return found
+
+
+def forget() -> None:
+    """Look again at what is installed when that is asked next."""
+    importlib.invalidate_caches()
+    _all.cache_clear()
+    for clear in _REMEMBERED:
+        clear()
 
 
 @cache

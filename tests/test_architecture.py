@@ -72,7 +72,7 @@ OWNERS = {
     "linuxpy": {"drivers"},
     "picamera2": {"drivers"},
     "pyttsx3": {"apps"},
-    "packaging": {"apps", "plugins"},
+    "packaging": {"plugins"},
     "starlette": {"apps"},
     "uvicorn": {"apps"},
     "websockets": {"apps"},

@@ -85,20 +85,15 @@ def _refuse_if_others_may_write(path: Path) -> None:
         raise KindError(f"{path} could be changed by others: {fault}")
 
 
-@cache
+@plugins.remembered
 def _from_package(point: Plugin) -> Kind:
     """Return an installed kind; those that come with lbr are checked by its tests, and need not be at every start."""
     try:
-        kind = point.load()
+        kind = point.checked(point.load(), Kind)
     except PluginError as err:
         raise KindError(f"the installed kind {err}") from err
-    if not isinstance(kind, Kind):
-        raise KindError(f"the installed kind {point.label}: {point.value} is no Kind(…)")
-    if kind.name != point.name:
-        text = "the name of the entry point and KIND.name agree"
-        raise KindError(f"the installed kind {point.label} calls itself '{kind.name}': {text}")
     if not point.ours and (found := _faults(kind)):
-        raise KindError(f"the installed kind {point.label}: {'; '.join(found)}")
+        raise KindError(f"the installed kind {PluginError(point, '; '.join(found))}")
     return kind
 
 

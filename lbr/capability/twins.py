@@ -1,6 +1,6 @@
-"""Which types of devices can be emulated: those of lbr itself, and those that installed packages bring by entry point.
+"""Which types of devices can be emulated: what lbr and installed packages bring by entry point.
 
-A package declares one in a module of its own, and names it in the group `lbr.twins`:
+A package declares one in a module of its own, and names it in the group `lbr.twins`, as lbr does:
 
     TWIN = DeviceTwin(device="feetech", row=FeetechRow, entry=FeetechTwin)       # feetech = "my_arm.twin:TWIN"
 
@@ -8,20 +8,15 @@ Here nothing is imported before a device row of that type asks for it.
 """
 
 import importlib
-import pkgutil
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, lru_cache
-from importlib.metadata import EntryPoint, entry_points
-from importlib.util import find_spec
 
 from msgspec import Struct
 
+from lbr import plugins
 from lbr.capability.kind import KindError
+from lbr.plugins import Plugin, PluginError
 
 GROUP = "lbr.twins"
-OURS = "lbr.simulation.devices"
-"""The folder of lbr's own: a module for each type of device, named as that."""
 
 
 class TwinError(KindError):
@@ -47,8 +42,8 @@ class DeviceTwin:
         module, _, name = self.entry.partition(":")
         try:
             found = getattr(importlib.import_module(module), name)
-        except Exception as err:
-            raise TwinError(f"the twin of '{self.device}' ({self.entry}) does not load: {_said(err)}") from err
+        except (Exception, SystemExit) as err:
+            raise TwinError(f"the twin of '{self.device}' ({self.entry}) does not load: {plugins.told(err)}") from err
         if not isinstance(found, type):
             raise TwinError(f"the twin of '{self.device}' ({self.entry}) is no class; name one as module:Class")
         return found
@@ -56,64 +51,27 @@ class DeviceTwin:
 
 def names() -> tuple[str, ...]:
     """Return every type of device that can be emulated, sorted; one that several packages claim is among them."""
-    return tuple(sorted({*_ours(), *_brought()}))
+    return tuple(sorted(plugins.installed(GROUP)))
 
 
 def find(device_type: str) -> DeviceTwin | None:
     """Return how a type of device is emulated, or None; raise TwinError if what brings it is broken, or not alone."""
-    if device_type in _ours():
-        return _declared(device_type, f"{OURS}.{device_type}", "TWIN", "lbr")
-    points = _brought().get(device_type, ())
-    if len(points) > 1:
-        said = " and ".join(sorted(map(_package, points)))
-        raise TwinError(f"twins of '{device_type}' come with {said}: uninstall one")
-    return _declared(device_type, points[0].module, points[0].attr, _package(points[0])) if points else None
+    point = plugins.installed(GROUP).get(device_type)
+    return _declared(point) if point is not None else None
 
 
-def refused() -> tuple[str, ...]:
-    """Return a sentence for each package whose twin is not used because its name is taken."""
-    return tuple(
-        f"the twin of '{name}' from {_package(point)} is not used: lbr has its own; give the device type another name"
-        for name, points in sorted(_brought().items())
-        if name in _ours()
-        for point in points
-    )
+def refused(device_type: str = "") -> tuple[str, ...]:
+    """Return a sentence for each package whose twin, of that type or of any, is not used because its name is taken."""
+    found = (one for one in plugins.every(GROUP) if one.refusal and device_type in {"", one.name})
+    return tuple(f"the twin {one.label}: {one.refusal}" for one in found)
 
 
-@lru_cache(maxsize=1)
-def _ours() -> frozenset[str]:
-    spec = find_spec(OURS)
-    places = spec.submodule_search_locations if spec is not None else None
-    return frozenset(module.name for module in pkgutil.iter_modules(places or []))
-
-
-@lru_cache(maxsize=1)
-def _brought() -> Mapping[str, tuple[EntryPoint, ...]]:
-    found: dict[str, dict[str, EntryPoint]] = {}
-    for point in entry_points(group=GROUP):
-        found.setdefault(point.name, {})[point.value] = point
-    return {name: tuple(points.values()) for name, points in found.items()}
-
-
-@cache
-def _declared(device_type: str, module: str, name: str, package: str) -> DeviceTwin:
-    where = f"the twin of '{device_type}' from {package} ({module}:{name})"
+@plugins.remembered
+def _declared(point: Plugin) -> DeviceTwin:
     try:
-        twin = getattr(importlib.import_module(module), name)
-    except Exception as err:
-        raise TwinError(f"{where} does not load: {_said(err)}; mend or uninstall that package") from err
-    if not isinstance(twin, DeviceTwin):
-        raise TwinError(f"{where} is no DeviceTwin(…)")
-    if twin.device != device_type:
-        raise TwinError(f"{where} is of device '{twin.device}': entry point and DeviceTwin.device must agree")
+        twin = point.checked(point.load(), DeviceTwin, "device")
+    except PluginError as err:
+        raise TwinError(f"the twin {err}") from err
     if "faults" not in getattr(twin.row, "__struct_fields__", ()):
-        raise TwinError(f"{where}: its row must be a msgspec Struct with a field `faults`")
+        raise TwinError(f"the twin {PluginError(point, 'its row must be a msgspec Struct with a field `faults`')}")
     return twin
-
-
-def _package(point: EntryPoint) -> str:
-    return f"package '{point.dist.name}'" if point.dist is not None else f"'{point.value}'"
-
-
-def _said(err: Exception) -> str:
-    return f"{type(err).__name__}: {' '.join(str(err).split())[:200]}"

@@ -93,7 +93,7 @@ def emulated() -> Iterator[Finding]:
             twins.find(device_type)
         except TwinError as err:
             wrong.append(str(err))
-    for text in wrong:
+    for text in dict.fromkeys(wrong):
         yield Finding(about="twins of devices", level="hint", text=text, do="pip list, then pip uninstall PACKAGE")
 
 

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +63,7 @@ def bodies() -> dict[str, Path]:
     return {found.name: found.robot.body for found in every() if found.robot is not None and found.robot.body}
 
 
-@cache
+@plugins.remembered
 def _found(point: Plugin) -> Found:
     try:
         return Found(name=point.name, package=point.package, robot=_whole(point, point.load()))
@@ -72,12 +71,11 @@ def _found(point: Plugin) -> Found:
         return Found(name=point.name, package=point.package, fault=f"robot {err}")
 
 
-def _whole(point: Plugin, robot: object) -> Robot:
+def _whole(point: Plugin, declared: object) -> Robot:
     """Return a declared robot if nothing is wrong with it."""
-    if not isinstance(robot, Robot):
-        raise PluginError(f"{point.label}: {point.value} is no Robot(…)")
+    robot = point.checked(declared, Robot)
     if faults := tuple(_faults(point, robot)) or tuple(_taken(point, robot)):
-        raise PluginError(f"{point.label}: {'; '.join(faults)}")
+        raise PluginError(point, "; ".join(faults))
     return robot
 
 
@@ -85,8 +83,6 @@ def _faults(point: Plugin, robot: Any) -> Iterator[str]:
     if not isinstance(robot.name, str) or not _NAME.fullmatch(robot.name):
         yield f"'name' is {robot.name!r}: small letters, digits, underscores; at most 40"
         return
-    if robot.name != point.name:
-        yield f"it calls itself '{robot.name}': the name of the entry point and of the robot agree"
     if not isinstance(robot.summary, str):
         yield f"'summary' is {robot.summary!r}, and must be a text"
     for field in ("rows", "body", "profiles"):

@@ -30,7 +30,8 @@ class Plugged:
     def __init__(self, ctx: Context, around: Surroundings) -> None:  # type: ignore[type-arg]  # any world's
         self._ctx = ctx
         self._by_name: dict[str, Twin] = {}
-        self._refused: list[str] = list(twins.refused())
+        types = sorted({device.type for device in ctx.devices})
+        self._refused: list[str] = [said for one in types for said in twins.refused(one)]
         for device in ctx.devices:
             if device.type in twins.names() and device.address.startswith(_LOCAL):
                 self._plug(device, around)

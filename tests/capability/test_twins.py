@@ -1,14 +1,16 @@
 """Twins of devices: lbr's own without a list, and those of installed packages, of which none takes another down."""
 
-import sys
-from collections.abc import Iterator
+from pathlib import Path
 from textwrap import dedent
 
 import pytest
 
+from lbr import plugins
 from lbr.capability import twins
 from lbr.capability.twins import TwinError
+from lbr.simulation import devices
 from lbr.simulation.faults import Faults
+from tests.support.packages import imported_from, package
 
 GOOD = """
     from msgspec import Struct
@@ -27,33 +29,31 @@ GOOD = """
 
 
 @pytest.fixture
-def installed(tmp_path, monkeypatch):
+def installed(tmp_path):
     """Installs packages as pip leaves them: modules, and metadata with entry points."""
-    monkeypatch.syspath_prepend(tmp_path)
-    for cache in (twins._ours, twins._brought, twins._declared):
-        cache.cache_clear()
 
-    def install(name: str, source: str, device: str = "feetech") -> None:
-        (tmp_path / f"{name}.py").write_text(dedent(source))
-        info = tmp_path / f"{name}-1.0.dist-info"
-        info.mkdir()
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name.replace('_', '-')}\nVersion: 1.0\n")
-        (info / "entry_points.txt").write_text(f"[lbr.twins]\n{device} = {name}:TWIN\n")
-        twins._brought.cache_clear()
+    def install(name: str, source: str, device: str = "feetech", requires: tuple[str, ...] = ()) -> None:
+        package(
+            tmp_path,
+            name.replace("_", "-"),
+            version="1.0",
+            requires=requires,
+            entry_points={"lbr.twins": f"{device} = {name}:TWIN"},
+            files={f"{name}.py": dedent(source)},
+        )
+        plugins.forget()
 
-    yield install
-    for cache in (twins._ours, twins._brought, twins._declared):
-        cache.cache_clear()
-    for name in [name for name in sys.modules if name.startswith("a_package")]:
-        del sys.modules[name]
+    with imported_from(tmp_path):
+        yield install
 
 
-def own() -> Iterator[str]:
-    return (name for name in twins.names() if not twins._brought().get(name))
+def own() -> set[str]:
+    return {one.name for one in plugins.every(twins.GROUP) if one.ours}
 
 
 def test_every_twin_of_lbr_s_own_is_named_as_its_module_and_loads():
-    assert {"roboteq", "dynamixel", "uxa90", "camera", "ultrasonic_ring"} <= set(own())
+    folder = Path(devices.__file__).parent
+    assert own() == {path.stem for path in folder.glob("*.py")} - {"__init__"}
     for name in own():
         twin = twins.find(name)
         assert twin.device == name
@@ -73,15 +73,19 @@ def test_a_package_brings_a_twin_with_no_edit_in_lbr(installed, entry):
 @pytest.mark.parametrize(
     ("source", "said"),
     [
-        ("import no_such_thing", "does not load: ModuleNotFoundError"),
-        ("TWIN = 3", "is no DeviceTwin"),
-        (GOOD.format(device="other", entry="Twin"), "is of device 'other'"),
+        ("import no_such_thing", "it does not load: ModuleNotFoundError"),
+        ("raise SystemExit(2)", "it does not load: SystemExit: 2"),
+        ("TWIN = 3", "a_package:TWIN is no DeviceTwin(…), but of type int"),
+        (
+            GOOD.format(device="other", entry="Twin"),
+            "it calls itself 'other': the name of the entry point and DeviceTwin.device",
+        ),
         (GOOD.replace("faults: Faults = Faults()", "size: int = 1").format(device="feetech", entry="Twin"), "`faults`"),
     ],
 )
 def test_a_broken_package_is_named_with_what_is_wrong_and_the_others_are_found(installed, source, said):
     installed("a_package", source)
-    with pytest.raises(TwinError, match="package 'a-package'") as caught:
+    with pytest.raises(TwinError, match=r"the twin 'feetech' of package 'a-package 1\.0'") as caught:
         twins.find("feetech")
     assert said in str(caught.value)
     assert twins.find("roboteq") is not None
@@ -96,12 +100,24 @@ def test_a_class_that_is_not_there_is_said_when_the_world_makes_it(installed):
 def test_of_two_packages_for_one_device_neither_is_guessed(installed):
     installed("a_package", GOOD.format(device="feetech", entry="Twin"))
     installed("a_package_too", GOOD.format(device="feetech", entry="Twin"))
-    with pytest.raises(TwinError, match="package 'a-package' and package 'a-package-too': uninstall one"):
+    with pytest.raises(
+        TwinError, match=r"packages a-package 1\.0 and a-package-too 1\.0 bring it: uninstall all but one"
+    ):
         twins.find("feetech")
+    assert len(twins.refused("feetech")) == 2
+    assert twins.refused("roboteq") == ()
 
 
 def test_a_package_cannot_take_the_place_of_lbr_s_own(installed):
     installed("a_package", "raise RuntimeError('never imported')", device="roboteq")
     assert twins.find("roboteq").entry.startswith("lbr.")
     (said,) = twins.refused()
-    assert "the twin of 'roboteq' from package 'a-package' is not used" in said
+    assert said == (
+        "the twin 'roboteq' of package 'a-package 1.0' (lbr.twins): lbr has its own 'roboteq': choose another name"
+    )
+
+
+def test_a_package_for_another_version_of_lbr_is_not_imported(installed):
+    installed("a_package", "raise RuntimeError('never imported')", requires=("lbr>=99",))
+    with pytest.raises(TwinError, match="it requires lbr >=99, and this is lbr "):
+        twins.find("feetech")

@@ -1,7 +1,6 @@
 """What the doctor says of device rows."""
 
 import re
-from importlib.metadata import EntryPoint
 
 import pytest
 
@@ -11,6 +10,7 @@ from lbr.database.rows import DeviceRow
 from lbr.drivers import serial_line
 from lbr.drivers.infrared import decoders
 from tests.support import shipped
+from tests.support.packages import imported_from, package
 
 
 def judged(address, type_="roboteq"):
@@ -50,14 +50,19 @@ def test_a_machine_without_a_sound_card_says_so(tmp_path, monkeypatch):
     assert judged("alsa:default", "speaker").level == "good"
 
 
-def test_a_package_whose_twin_cannot_be_used_is_named(monkeypatch):
+def test_a_package_whose_twin_cannot_be_used_is_named(tmp_path):
     assert list(device_checks.emulated()) == []
-    brought = {name: (EntryPoint(name, "no_arm:TWIN", twins.GROUP),) for name in ("arm", "roboteq")}
-    monkeypatch.setattr(twins, "_brought", lambda: brought)
-    taken, broken = device_checks.emulated()
-    assert "the twin of 'roboteq' from 'no_arm:TWIN' is not used" in taken.text
-    assert "the twin of 'arm' from 'no_arm:TWIN'" in broken.text
-    assert {taken.level, broken.level} == {"hint"}
+    package(tmp_path, "no-arm", entry_points={twins.GROUP: "arm = no_arm:TWIN\nroboteq = no_arm:TWIN"}, files={})
+    package(tmp_path, "one", entry_points={twins.GROUP: "claw = one:TWIN"}, files={})
+    package(tmp_path, "two", entry_points={twins.GROUP: "claw = two:TWIN"}, files={})
+    with imported_from(tmp_path):
+        found = list(device_checks.emulated())
+    said = "\n".join(one.text for one in found)
+    assert len(found) == 4
+    assert "the twin 'roboteq' of package 'no-arm 0.1' (lbr.twins): lbr has its own" in said
+    assert "the twin 'arm' of package 'no-arm 0.1' (lbr.twins): it does not load: ModuleNotFoundError" in said
+    assert said.count("packages one 0.1 and two 0.1 bring it") == 2
+    assert {one.level for one in found} == {"hint"}
 
 
 def test_no_speech_engine_is_a_hint(monkeypatch):

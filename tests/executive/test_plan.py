@@ -1,7 +1,5 @@
 """Rows to a plan: what is wrong is said at once, and an edit touches only what it touches."""
 
-from importlib.metadata import EntryPoint
-
 import pytest
 from msgspec.structs import replace
 
@@ -13,6 +11,7 @@ from lbr.executive.planning import planner
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.site import Site
+from tests.support.packages import imported_from, package
 
 SITE = Site(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 SIMULATED = Profile(robot="lbr", simulate=True)
@@ -73,17 +72,16 @@ def test_in_simulation_a_device_without_a_twin_keeps_its_own_address_and_the_oth
     assert places["speaker"] == "/nowhere/run/lbr-devices/speaker"
 
 
-def test_a_twin_that_does_not_load_refuses_the_simulated_robot_that_has_it_and_no_other(rows, monkeypatch):
-    monkeypatch.setattr(
-        twins, "_brought", lambda: {"servo_bus": (EntryPoint("servo_bus", "no_arm:TWIN", twins.GROUP),)}
-    )
+def test_a_twin_that_does_not_load_refuses_the_simulated_robot_that_has_it_and_no_other(rows, tmp_path):
+    package(tmp_path, "no-arm", entry_points={twins.GROUP: "servo_bus = no_arm:TWIN"}, files={})
     new = with_device(rows, DeviceRow(name="arm", type="servo_bus", address="/dev/arm"))
-    (said,) = problems(new)
+    with imported_from(tmp_path):
+        (said,) = problems(new)
+        planned(new, REAL)
+        planned(rows)
     assert "lbr/arm" in said
-    assert "the twin of 'servo_bus' from 'no_arm:TWIN'" in said
+    assert "the twin 'servo_bus' of package 'no-arm 0.1'" in said
     assert "ModuleNotFoundError" in said
-    planned(new, REAL)
-    planned(rows)
 
 
 def test_a_setpoint_travels_sealed_on_its_targets_key(rows):

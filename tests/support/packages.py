@@ -1,8 +1,12 @@
 """Packages of somebody else: a distribution's metadata and modules in a folder that PYTHONPATH names, as pip leaves them."""
 
 import os
-from collections.abc import Iterable, Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+
+from lbr import plugins
 
 CRAWLER = """
 INSERT INTO robot (name, model) VALUES ('crawler', 'two tracks');
@@ -86,3 +90,19 @@ def robot_package(
 def on_path(site: Path) -> str:
     """Return a PYTHONPATH with a folder before all others."""
     return os.pathsep.join(filter(None, (str(site), os.environ.get("PYTHONPATH"))))
+
+
+@contextmanager
+def imported_from(site: Path) -> Iterator[None]:
+    """Have this process find what is installed in a folder, and forget all of it afterwards."""
+    before = set(sys.modules)
+    sys.path.insert(0, str(site))
+    plugins.forget()
+    try:
+        yield
+    finally:
+        sys.path.remove(str(site))
+        plugins.forget()
+        for name in set(sys.modules) - before:
+            if str(getattr(sys.modules[name], "__file__", None) or "").startswith(str(site)):
+                del sys.modules[name]

@@ -1,15 +1,16 @@
 """Faces that packages bring: shown beside ours, or refused in words, while the rest is served."""
 
 import re
-import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from lbr import plugins
 from lbr.apps.web import faces
 from tests.docs.pages import ROOT
+from tests.support.packages import imported_from, package
 from tests.support.robot import until
 from tests.web.uxa90_bench import SHIPPED
 from tests.web.web_stage import Served, serving
@@ -53,24 +54,23 @@ class Packages:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def install(self, package: str, face: str, code: str, *, needs: str = "", entry: str = "Hello") -> None:
-        module = package.replace("-", "_")
-        (self._folder / f"{module}.py").write_text(code)
-        info = self._folder / f"{module}-1.5.dist-info"
-        info.mkdir()
-        demand = f"Requires-Dist: {needs}\n" if needs else ""
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.5\n{demand}")
-        (info / "entry_points.txt").write_text(f"[lbr.faces]\n{face} = {module}:{entry}\n")
+    def install(self, name: str, face: str, code: str, *, needs: str = "", entry: str = "Hello") -> None:
+        module = name.replace("-", "_")
+        package(
+            self._folder,
+            name,
+            version="1.5",
+            requires=(needs,) if needs else (),
+            entry_points={faces.GROUP: f"{face} = {module}:{entry}"},
+            files={f"{module}.py": code},
+        )
+        plugins.forget()
 
 
 @pytest.fixture
-def packages(tmp_path, monkeypatch) -> Iterator[Packages]:
-    monkeypatch.syspath_prepend(str(tmp_path))
-    faces.installed.cache_clear()
-    yield Packages(tmp_path)
-    for path in tmp_path.glob("*.py"):
-        sys.modules.pop(path.stem, None)
-    faces.installed.cache_clear()
+def packages(tmp_path) -> Iterator[Packages]:
+    with imported_from(tmp_path):
+        yield Packages(tmp_path)
 
 
 def test_a_package_brings_a_face(packages):
@@ -91,7 +91,7 @@ def trouble(served: Served) -> str:
         ("face_refused", "error")
     ]
     (said,) = served.stage.warned
-    assert "face 'hello' of " in said
+    assert "face 'hello'" in said
     assert "capability 'uxa90/web'" in said
     until(lambda: served.stage.published["state"].reason == said)
     return said
@@ -100,17 +100,17 @@ def trouble(served: Served) -> str:
 @pytest.mark.parametrize(
     ("code", "options", "said"),
     [
-        ("import nothing_of_this_name", {}, "does not import (ModuleNotFoundError: No module named 'nothing_of"),
-        ("def Hello(", {}, "does not import (SyntaxError"),
-        ("raise SystemExit(3)", {}, "does not import (SystemExit: 3)"),
-        ("def Hello(robot): return 1 / 0", {}, "does not import (ZeroDivisionError"),
-        ("def Hello(robot): return 7", {}, "makes no Face, but a int"),
-        (FACE, {"entry": "Goodbye"}, "does not import (AttributeError"),
+        ("import nothing_of_this_name", {}, "it does not load: ModuleNotFoundError: No module named 'nothing_of"),
+        ("def Hello(", {}, "it does not load: SyntaxError"),
+        ("raise SystemExit(3)", {}, "it does not load: SystemExit: 3"),
+        ("def Hello(robot): return 1 / 0", {}, "it cannot be made: ZeroDivisionError"),
+        ("def Hello(robot): return 7", {}, "is no Face(…), but of type int"),
+        (FACE, {"entry": "Goodbye"}, "it does not load: AttributeError"),
         (FACE.replace('name = "hello"', 'name = "hi"'), {}, "calls itself 'hi'"),
         (FACE.replace('"/hello"', '"/State/"'), {}, "GET /State/ is taken by the server"),
         (FACE.replace("replies={200: Message}", "replies={200: object()}"), {}, "its routes cannot be described"),
         (FACE.replace("def routes(self):", "def routes(self): return 5\n    def other(self):"), {}, "cannot be described"),
-        (FACE, {"needs": "lbr>=99"}, "needs lbr>=99, and this is 0.1.0"),
+        (FACE, {"needs": "lbr>=99"}, "it requires lbr >=99, and this is lbr 0.1.0"),
     ],
 )  # fmt: skip
 def test_a_face_that_does_not_fit_is_refused_in_words_and_the_rest_is_served(packages, code, options, said):
@@ -132,7 +132,7 @@ def test_a_name_that_two_packages_bring_is_neithers(packages):
     packages.install("other-robot", "hello", FACE)
     with serving(faces=("hello",)) as served:
         said = trouble(served)
-    assert "'friendly-robot 1.5' and package 'other-robot 1.5' all bring a face of that name" in said
+    assert "packages friendly-robot 1.5 and other-robot 1.5 bring it: uninstall all but one" in said
 
 
 def test_a_name_of_lbrs_own_stays_its(packages):
@@ -140,7 +140,7 @@ def test_a_name_of_lbrs_own_stays_its(packages):
     with serving(rows=SHIPPED, faces=("uxa90",)) as served:
         assert served.ask("GET", "/motor?id=23").status == 200
         assert "'other-robot 1.5'" in served.stage.warned[0]
-        assert "the name is taken by package 'lbr 0.1.0'" in served.stage.warned[0]
+        assert "lbr has its own 'uxa90': choose another name" in served.stage.warned[0]
 
 
 def test_a_path_that_another_face_has_is_taken(packages):
@@ -163,7 +163,7 @@ def test_a_face_that_breaks_ends_and_no_other(packages):
 
 
 def test_what_lbr_ships_is_installed_as_anybodys():
-    assert {point.value for point in faces.installed()["uxa90"]} == {"lbr.apps.web.uxa90:face"}
+    assert plugins.installed(faces.GROUP)["uxa90"].value == "lbr.apps.web.uxa90:face"
 
 
 def test_the_face_that_the_page_shows_is_one(packages):

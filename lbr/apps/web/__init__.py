@@ -1,12 +1,12 @@
 """The robot over HTTP: one server for all faces; which of them it shows, and to whom, are settings."""
 
 import re
-from importlib.metadata import entry_points
 from ipaddress import ip_network
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr import plugins
 from lbr.bus.door import LanUser
 from lbr.capability.kind import Kind
 from lbr.capability.word import Word
@@ -82,7 +82,7 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
     def doubts(self) -> tuple[str, ...]:
         """Return which faces no installed package brings; the server shows the others."""
-        there = sorted(point.name for point in entry_points(group="lbr.faces"))
+        there = sorted(plugins.installed("lbr.faces"))
         text = f"there are {', '.join(there) or 'none'}"
         return tuple(f"faces: no package brings '{name}'; {text}" for name in self.faces if name not in there)
 

@@ -1,22 +1,20 @@
 """Which faces are shown: those that the row names, out of installed packages. What cannot be shown is refused in words."""
 
-from collections.abc import Callable, Coroutine, Iterable, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from dataclasses import replace
-from functools import lru_cache
-from importlib.metadata import EntryPoint, entry_points, version
 from typing import Any
 
-from packaging.requirements import InvalidRequirement, Requirement
 from starlette.responses import Response
 
+from lbr import plugins
 from lbr.apps.web import openapi
 from lbr.apps.web.face import Face, Refused, Request, Route
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.routing import Path
 from lbr.errors import InputError
+from lbr.plugins import Plugin, PluginError
 
 GROUP = "lbr.faces"
-CORE = "lbr"
 
 
 class Shown:
@@ -56,7 +54,7 @@ class Shown:
         try:
             return work()
         except Exception as err:  # noqa: BLE001 - one face must not end the others
-            self.broken = f"{self._told}: it broke, and is shown no more ({type(err).__name__}: {err})"
+            self.broken = f"{self._told}: it broke, and is shown no more: {plugins.told(err)}"
             return otherwise
 
     def _guarded(
@@ -78,34 +76,36 @@ class Faces:
         self._refused: list[str] = []
         self._row = row
         self._taken: dict[tuple[str, str], str] = {}
-        self._loaded: list[tuple[str, str, Face]] = []
+        self._loaded: list[tuple[str, Face]] = []
         for name in dict.fromkeys(names):
-            package = "no package"
-            try:
-                (point, *others), package = _chosen(name)
-                for other in others:
-                    self._refuse(name, _package(other), f"the name is taken by {package}")
-                self._loaded.append((name, package, _made(point, robot)))
-            except InputError as err:
-                self._refuse(name, package, str(err))
+            points, none = _chosen(name)
+            if none:
+                self._refuse(f"face '{name}'", none)
+            for point in points:
+                label = f"face {point.label}"
+                try:
+                    self._loaded.append((label, _made(point, robot)))
+                except PluginError as err:
+                    self._refuse(label, err.why)
 
     def add(self, face: Face) -> None:
         """Have a face shown that no package brings."""
-        self._loaded.append((face.name, "this process", face))
+        self._loaded.append((f"face '{face.name}' of this process", face))
 
     def open(self, builtin: Iterable[Route]) -> list[Route]:
         """Return the routes of all faces that fit beside the server's own and one another's."""
         builtin = tuple(builtin)
         self.shown, self._taken = [], dict.fromkeys(map(_claim, builtin), "the server")
-        for name, package, face in self._loaded:
+        loaded, self._loaded = self._loaded, []
+        for label, face in loaded:
             try:
                 routes = self._fitting(face, builtin)
             except InputError as err:
-                self._refuse(name, package, str(err))
+                self._refuse(label, str(err))
                 continue
-            self._taken |= dict.fromkeys(map(_claim, routes), f"face '{name}'")
-            self.shown.append(Shown(face, routes, self._named(name, package)))
-        self._loaded = [one for one in self._loaded if one[0] in {shown.name for shown in self.shown}]
+            self._taken |= dict.fromkeys(map(_claim, routes), f"face '{face.name}'")
+            self.shown.append(Shown(face, routes, self._told(label)))
+            self._loaded.append((label, face))
         return [route for shown in self.shown for route in shown.routes]
 
     @property
@@ -150,77 +150,38 @@ class Faces:
                 Path(route.path)
             openapi.document([*builtin, *routes], title="", description="", version="")
         except Exception as err:
-            raise InputError(f"its routes cannot be described ({type(err).__name__}: {err})") from err
+            raise InputError(f"its routes cannot be described: {plugins.told(err)}") from err
         for route in routes:
             if (owner := self._taken.get(_claim(route))) is not None:
                 raise InputError(f"{route.method} {route.path} is taken by {owner}")
         return routes
 
-    def _refuse(self, name: str, package: str, why: str) -> None:
-        self._refused.append(f"{self._named(name, package)}: {why}")
+    def _refuse(self, label: str, why: str) -> None:
+        self._refused.append(f"{self._told(label)}: {why}")
 
-    def _named(self, name: str, package: str) -> str:
-        return f"face '{name}' of {package}, in the setting 'faces' of capability '{self._row}'"
-
-
-@lru_cache(maxsize=1)
-def installed() -> Mapping[str, tuple[EntryPoint, ...]]:
-    """Return the entry points of faces by name; of one name there should be one."""
-    found: dict[str, tuple[EntryPoint, ...]] = {}
-    for point in entry_points(group=GROUP):
-        found[point.name] = (*found.get(point.name, ()), point)
-    return found
+    def _told(self, label: str) -> str:
+        return f"{label}, in the setting 'faces' of capability '{self._row}'"
 
 
-def _chosen(name: str) -> tuple[list[EntryPoint], str]:
-    """Return the entry points of a face, the chosen first, and its package.
-
-    lbr's own keep their names; of several others none is preferred.
-    """
-    points = installed().get(name, ())
-    if not points:
-        there = ", ".join(sorted(installed())) or "none: install lbr again, in a checkout by `pip install -e .`"
-        raise InputError(f"no installed package brings it; there are {there}")
-    chosen = sorted(points, key=lambda point: not _is_ours(point))
-    if len(points) > 1 and not _is_ours(chosen[0]):
-        packages = " and ".join(sorted(map(_package, points)))
-        raise InputError(f"{packages} all bring a face of that name: uninstall all but one")
-    return chosen, _package(chosen[0])
+def _chosen(name: str) -> tuple[list[Plugin], str]:
+    """Return what packages bring a face of that name, and why there is none of them; empty if there is."""
+    found = [one for one in plugins.every(GROUP) if one.name == name]
+    if found:
+        return found, ""
+    there = (
+        ", ".join(sorted(plugins.installed(GROUP))) or "none: install lbr again, in a checkout by `pip install -e .`"
+    )
+    return [], f"no installed package brings it; there are {there}"
 
 
-def _is_ours(point: EntryPoint) -> bool:
-    return point.dist is not None and point.dist.name == CORE
-
-
-def _package(point: EntryPoint) -> str:
-    return f"package '{point.dist.name} {point.dist.version}'" if point.dist is not None else "an unknown package"
-
-
-def _made(point: EntryPoint, robot: Robot) -> Face:
-    """Import a face and make it; InputError says why that does not work."""
-    for wanted in _wanted(point.dist.requires or () if point.dist is not None else ()):
-        if not wanted.specifier.contains(version(CORE), prereleases=True):
-            raise InputError(f"it needs {CORE}{wanted.specifier}, and this is {version(CORE)}: install what fits")
+def _made(point: Plugin, robot: Robot) -> Face:
+    """Import a face and make it; PluginError says why that does not work."""
+    make = point.load()
     try:
-        face = point.load()(robot)
+        face = make(robot)
     except (Exception, SystemExit) as err:
-        raise InputError(f"it does not import ({type(err).__name__}: {err})") from err
-    if not isinstance(face, Face):
-        raise InputError(f"{point.value} makes no Face, but a {type(face).__name__}")
-    if face.name != point.name:
-        raise InputError(f"it calls itself '{face.name}': the name of the entry point and Face.name agree")
-    return face
-
-
-def _wanted(requires: Iterable[str]) -> Iterable[Requirement]:
-    """Return what a package demands of lbr."""
-    for text in requires:
-        try:
-            wanted = Requirement(text)
-        except InvalidRequirement:
-            continue  # whoever installed it was told
-        if wanted.name.lower() == CORE and (wanted.marker is None or wanted.marker.evaluate({"extra": ""})):
-            yield wanted
+        raise PluginError(point, f"it cannot be made: {plugins.told(err)}") from err
+    return point.checked(face, Face)
 
 
 def _claim(route: Route) -> tuple[str, str]:
