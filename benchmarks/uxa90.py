@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from benchmarks import Measured
 from lbr.messages.simulation import HumanoidPose
-from lbr.simulation.uxa90 import firmware
+from lbr.simulation.devices.uxa90 import firmware
 from tests.models.uxa90.robot import Robot
 from tests.support.figures import Promise, Results
 

@@ -206,7 +206,7 @@ def test_imports_go_down_only_and_each_library_has_one_owner(path):
         ("lbr.bus.wire", "import lbr.capability.kind"),
         ("lbr.drivers.roboteq.capability", "from lbr.operations.drive import KIND"),
         ("lbr.drivers.roboteq.capability", "from lbr.executive.planning import plan"),
-        ("lbr.simulation.roboteq", "from lbr.drivers.roboteq import protocol"),
+        ("lbr.simulation.devices.roboteq.device", "from lbr.drivers.roboteq import protocol"),
         ("lbr.executive.executive", "from lbr.commands import run"),
         ("lbr.console.terminal", "def f():\n    from lbr.executive import executive"),
         ("lbr.capability.runtime", "import zenoh"),
@@ -270,12 +270,14 @@ def test_declaring_kinds_loads_nothing_heavy():
 
 
 def test_what_device_rows_may_set_is_known_without_loading_what_emulates_them():
-    devices = [dotted(path) for path in (PACKAGE / "simulation" / "devices").glob("*.py")]
+    devices = [dotted(path) for path in (PACKAGE / "simulation" / "devices").glob("**/__init__.py")]
     script = "import sys, importlib\nfor name in sys.argv[1:]: importlib.import_module(name)\nprint(*sys.modules)"
     done = programs.run([sys.executable, "-c", script, *devices], capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
     assert not set(HEAVY) & {name.split(".")[0] for name in loaded}
-    assert not [name for name in loaded if name.startswith(("lbr.simulation.twins", "lbr.simulation.cameras"))]
+    assert len(devices) > 5
+    emulating = ("lbr.simulation.twins", "lbr.simulation.cameras")
+    assert not [name for name in loaded if name.startswith(emulating) or name.endswith((".twin", ".device"))]
 
 
 def test_a_driver_or_operation_loads_nothing_heavy_in_its_process():

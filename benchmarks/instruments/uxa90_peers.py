@@ -11,8 +11,8 @@ from itertools import count
 from pathlib import Path
 
 from lbr.capability.context import Device
+from lbr.simulation.devices.uxa90.twin import Uxa90Twin
 from lbr.simulation.twins.base import Surroundings
-from lbr.simulation.twins.uxa90 import Uxa90Twin
 from tests.fuzzing.uxa90_answers import KINDS, Fuzzer
 
 FUZZ_SHARE = 0.02

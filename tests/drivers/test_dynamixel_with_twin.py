@@ -17,9 +17,11 @@ from lbr.drivers.servos.protocol1.line import ServoLine
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 from lbr.simulation.devices.dynamixel import DynamixelFaults
-from lbr.simulation.dynamixel import AxServo, DynamixelBus, Usb2Ax
+from lbr.simulation.devices.dynamixel.bus import DynamixelBus
+from lbr.simulation.devices.dynamixel.dongle import Usb2Ax
+from lbr.simulation.devices.dynamixel.servo import AxServo
+from lbr.simulation.devices.dynamixel.twin import DynamixelTwin
 from lbr.simulation.twins import Surroundings
-from lbr.simulation.twins.dynamixel import DynamixelTwin
 from tests.drivers.peers import DriverContext, until
 
 IDS = range(1, 19)

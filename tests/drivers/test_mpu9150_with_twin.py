@@ -7,9 +7,9 @@ import pytest
 
 from lbr.drivers.mpu9150 import KIND
 from lbr.errors import DeviceError
+from lbr.simulation.devices.mpu9150.device import Mpu9150
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
-from lbr.simulation.mpu9150 import Mpu9150
 from tests.drivers.i2c_peer import MPU, Server
 from tests.drivers.peers import DriverContext
 from tests.support.machine import Stopwatch

@@ -18,10 +18,10 @@ from lbr.drivers.phidget_spatial.library import Spatial, find
 from lbr.drivers.phidget_spatial.readings import DeviceClock, Reading, sample, scaled
 from lbr.errors import DeviceError
 from lbr.messages.imu import ZeroCommand
+from lbr.simulation.devices.phidget_spatial.device import RECORD, PhidgetSpatial
+from lbr.simulation.devices.phidget_spatial.twin import PhidgetSpatialTwin
 from lbr.simulation.measured import ImuReading
-from lbr.simulation.phidget_spatial import RECORD, PhidgetSpatial
 from lbr.simulation.twins.base import Surroundings
-from lbr.simulation.twins.phidget_spatial import PhidgetSpatialTwin
 from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext
 from tests.support import needs

@@ -11,8 +11,8 @@ from lbr.drivers.riox.capability import MOST_ALIKE
 from lbr.drivers.riox.controller import AhrsUnit
 from lbr.errors import DeviceError
 from lbr.simulation.devices.riox import RioxFaults, RioxRow
+from lbr.simulation.devices.riox.device import RioxDevice
 from lbr.simulation.measured import ImuReading
-from lbr.simulation.riox import RioxDevice
 
 FELT = ImuReading(
     gyro_rps=(0.5, -0.25, 2.0), accel_mps2=(1.0, -2.0, 9.5), mag_ut=(20.0, -5.0, -43.0), temperature_c=31.0

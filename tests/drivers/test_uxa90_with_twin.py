@@ -12,7 +12,7 @@ from lbr.drivers.uxa90.requests import configuration, inquiry
 from lbr.drivers.wire import Wire
 from lbr.messages.uxa90 import COUNT_RAD, ConfigureCommand, InquireCommand
 from lbr.simulation.devices.uxa90 import Uxa90Faults, Uxa90Row
-from lbr.simulation.uxa90.board import MainBoard
+from lbr.simulation.devices.uxa90.board import MainBoard
 
 IDS = range(25)
 

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any, Self
 
 from lbr.bus import wire
+from lbr.simulation.devices.roboteq.device import RoboteqDevice
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
+from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
 from lbr.simulation.port import PtyPort
-from lbr.simulation.roboteq import RoboteqDevice
-from lbr.simulation.ultrasonic import UltrasonicBoard
 from tests.fuzzing.mutation import flipped
 from tests.support.bench import let_go, temporary_home
 from tests.support.figures import Results

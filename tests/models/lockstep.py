@@ -20,10 +20,10 @@ from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, Event, MotorsSeen, RangesSeen, Tick
 from lbr.operations.leasing.lease import Reply, Setpoint
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
+from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
 from lbr.simulation.engine import Engine
 from lbr.simulation.model import TIMESTEP_S
 from lbr.simulation.settings import WorldSettings
-from lbr.simulation.ultrasonic import UltrasonicBoard
 
 HOP_S = 0.010
 """A message from one process to another; 7 ms at most were seen beside four busy loops."""

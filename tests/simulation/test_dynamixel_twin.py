@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
-from lbr.simulation.bus_timing import Rhythm
+from lbr.simulation.bus_timing import BusTiming, Rhythm
 from lbr.simulation.devices.dynamixel import DynamixelFaults
-from lbr.simulation.dynamixel import AxServo, BusTiming, DynamixelBus, Usb2Ax
-from lbr.simulation.dynamixel.packets import Code, Fault, status
-from lbr.simulation.dynamixel.servo import OVERLOAD_S
+from lbr.simulation.devices.dynamixel.bus import DynamixelBus
+from lbr.simulation.devices.dynamixel.dongle import Usb2Ax
+from lbr.simulation.devices.dynamixel.packets import Code, Fault, status
+from lbr.simulation.devices.dynamixel.servo import OVERLOAD_S, AxServo
 from lbr.simulation.faults import changed
 from lbr.simulation.measured import ServoFelt
 from lbr.simulation.twins import ServoBus, Surroundings, make

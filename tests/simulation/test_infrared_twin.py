@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from lbr.capability.context import Device
 from lbr.errors import InputError
 from lbr.simulation.devices.infrared import InfraredFaults
-from lbr.simulation.infrared import InfraredReceiver
+from lbr.simulation.devices.infrared.device import InfraredReceiver
+from lbr.simulation.devices.infrared.twin import InfraredTwin
 from lbr.simulation.measured import Sensed
-from lbr.simulation.twins.infrared import InfraredTwin
 from tests.simulation.world_bench import AROUND
 
 CODES = {"left": 1, "right": 2, "power": 3}

@@ -11,10 +11,10 @@ import pytest
 from lbr.capability.context import Device
 from lbr.errors import DeviceError, InputError
 from lbr.simulation.devices.mpu9150 import Mpu9150Faults
+from lbr.simulation.devices.mpu9150.device import Mpu9150
+from lbr.simulation.devices.mpu9150.twin import Mpu9150Twin
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
-from lbr.simulation.mpu9150 import Mpu9150
-from lbr.simulation.twins.mpu9150 import Mpu9150Twin
 from tests.simulation.world_bench import AROUND
 from tests.support.robot import until
 

@@ -8,15 +8,16 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
+from lbr.simulation.devices.dynamixel.bus import DynamixelBus
+from lbr.simulation.devices.dynamixel.servo import AxServo
 from lbr.simulation.devices.pico import PicoFaults
-from lbr.simulation.dynamixel import AxServo, DynamixelBus
+from lbr.simulation.devices.pico.device import ADDRESS, Pico
+from lbr.simulation.devices.pico.twin import PicoTwin
 from lbr.simulation.faults import changed
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import Sensed
-from lbr.simulation.pico import ADDRESS, Pico
 from lbr.simulation.twins import PowerSwitch
 from lbr.simulation.twins.base import Surroundings
-from lbr.simulation.twins.pico import PicoTwin
 
 COMMANDS = 0x6B
 

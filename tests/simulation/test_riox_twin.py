@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from lbr.capability.context import Device
 from lbr.simulation.ahrs import angles_deg, facing, from_angles
 from lbr.simulation.devices.riox import RioxFaults, RioxRow
+from lbr.simulation.devices.riox.device import RioxDevice
+from lbr.simulation.devices.riox.twin import RioxTwin
 from lbr.simulation.measured import ImuReading
-from lbr.simulation.riox import RioxDevice
-from lbr.simulation.twins.riox import RioxTwin
 from tests.simulation.world_bench import AROUND
 
 FELT = ImuReading(

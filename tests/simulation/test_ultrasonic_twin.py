@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
-from lbr.simulation.ultrasonic import UltrasonicBoard
+from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
 
 FACED = {"forward": 1.234, "left": 0.5, "right": 2.0, "back": None}
 LINE = re.compile(

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from lbr.errors import InputError
+from lbr.simulation.devices.uxa90.firmware import shipped
 from lbr.simulation.humanoid.settings import Motor, Motors
 from lbr.simulation.measured import ServoDrive
-from lbr.simulation.uxa90.firmware import shipped
 from tests.models.uxa90.robot import Robot, humanoid, joints, rows
 
 FEET = ("left_foot", "right_foot")

@@ -10,14 +10,13 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.errors import InputError
-from lbr.simulation.devices.uxa90 import Uxa90Row
+from lbr.simulation.devices.uxa90 import Uxa90Row, packets
+from lbr.simulation.devices.uxa90.board import MainBoard
+from lbr.simulation.devices.uxa90.firmware import Frame, Programme, shipped
+from lbr.simulation.devices.uxa90.packets import GAP_S, Packet, Reader, framed
 from lbr.simulation.faults import changed
 from lbr.simulation.measured import ImuReading, Sensed, ServoFelt
 from lbr.simulation.twins import ServoBus, Surroundings, make
-from lbr.simulation.uxa90 import packets
-from lbr.simulation.uxa90.board import MainBoard
-from lbr.simulation.uxa90.firmware import Frame, Programme, shipped
-from lbr.simulation.uxa90.packets import GAP_S, Packet, Reader, framed
 from tests.support.machine import Stopwatch
 
 PREAMBLE = "FFFFAA55AA5537BA "

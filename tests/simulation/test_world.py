@@ -208,7 +208,7 @@ def test_a_twin_that_breaks_is_refused_in_words_and_the_others_are_there(tmp_pat
     def broken(*_):
         raise ZeroDivisionError("no axle")
 
-    monkeypatch.setattr("lbr.simulation.twins.riox.RioxTwin.__init__", broken)
+    monkeypatch.setattr("lbr.simulation.devices.riox.twin.RioxTwin.__init__", broken)
     bench.ctx.devices = (*bench.ctx.devices, Device("ahrs", "riox", str(tmp_path / "ahrs"), {}))
     bench.world.open()
     here = [Path(device.address).exists() for device in bench.ctx.devices if device.name != "ahrs"]

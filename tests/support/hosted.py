@@ -10,8 +10,8 @@ from typing import Self
 
 import serial
 
+from lbr.simulation.devices.roboteq.device import RoboteqDevice
 from lbr.simulation.port import PtyPort
-from lbr.simulation.roboteq import RoboteqDevice
 
 GREETING = b"NMEA $GPGGA,,,,,0,,,,,,,,*66\r\n"
 

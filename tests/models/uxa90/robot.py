@@ -8,9 +8,9 @@ import msgspec
 
 from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
+from lbr.simulation.devices.uxa90.board import MainBoard
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
-from lbr.simulation.uxa90.board import MainBoard
 from tests.support import shipped
 
 TICK_S = 0.008

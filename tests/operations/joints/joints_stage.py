@@ -21,8 +21,8 @@ from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper
 from lbr.messages.joints import Joint
 from lbr.messages.rows import row_set
+from lbr.simulation.devices.dynamixel.twin import DynamixelTwin
 from lbr.simulation.twins.base import Surroundings
-from lbr.simulation.twins.dynamixel import DynamixelTwin
 from tests.operations.joints.joints_bench import BODY, ROWS
 from tests.support import programs
 from tests.support.robot import until

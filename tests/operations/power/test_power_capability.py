@@ -12,8 +12,8 @@ from lbr.drivers.pico import KIND as PICO
 from lbr.drivers.pico.supply import Supply
 from lbr.messages.joints import PlayCommand, TorqueCommand
 from lbr.operations.power.logind import meaning
+from lbr.simulation.devices.pico.twin import PicoTwin
 from lbr.simulation.twins.base import Surroundings
-from lbr.simulation.twins.pico import PicoTwin
 from tests.operations.power.power_bench import GOOD, LOW, TICK_S, Running
 from tests.operations.power.private_bus import Logind, needs_dbus
 

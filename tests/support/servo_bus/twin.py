@@ -21,11 +21,13 @@ from typing import Any
 
 import msgspec
 
-from lbr.simulation.bus_timing import rhythm
+from lbr.simulation.bus_timing import BusTiming, rhythm
 from lbr.simulation.devices.dynamixel import DynamixelFaults
-from lbr.simulation.dynamixel import AxServo, BusTiming, DynamixelBus, Usb2Ax
-from lbr.simulation.dynamixel import registers as reg
-from lbr.simulation.dynamixel.packets import BROADCAST, Instruction
+from lbr.simulation.devices.dynamixel import registers as reg
+from lbr.simulation.devices.dynamixel.bus import DynamixelBus
+from lbr.simulation.devices.dynamixel.dongle import Usb2Ax
+from lbr.simulation.devices.dynamixel.packets import BROADCAST, Instruction
+from lbr.simulation.devices.dynamixel.servo import AxServo
 from lbr.simulation.port import PtyPort
 
 BITS = 0x3FF

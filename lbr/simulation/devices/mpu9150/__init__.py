@@ -1,0 +1,36 @@
+"""The emulated inertial unit MPU-9150: what its device rows may set, what can go wrong with it, and which twin it has."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.capability.twins import DeviceTwin
+from lbr.simulation.faults import I2cFaults, Probability
+
+Byte = Annotated[int, Meta(ge=0, le=255)]
+
+
+class Mpu9150Faults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of an MPU-9150: those of its bus, and more.
+
+    `frozen`: the same sample for ever, though ready. `jump`: a sample's turn rate is off by 4 rad/s. `noise`: times the
+    usual noise, added. `no_compass`, `overflow`: the compass does not answer, or says that its field is too strong.
+    After a `brown_out` it is asleep with nothing set.
+    """
+
+    frozen: bool = False
+    jump: Probability = 0.0
+    noise: Annotated[float, Meta(ge=0.0, le=1000.0)] = 0.0
+    no_compass: bool = False
+    overflow: bool = False
+
+
+class Mpu9150Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where an `mpu9150` device row's chip answers (0x69 with AD0 high), and its compass's fuses (ASA of x, y, z)."""
+
+    faults: Mpu9150Faults = Mpu9150Faults()
+    i2c_address: Literal[0x68, 0x69] = 0x68
+    sensitivity: tuple[Byte, Byte, Byte] = (176, 178, 166)
+
+
+TWIN = DeviceTwin(device="mpu9150", row=Mpu9150Row, entry="lbr.simulation.devices.mpu9150.twin:Mpu9150Twin")

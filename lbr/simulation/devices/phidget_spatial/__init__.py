@@ -1,0 +1,35 @@
+"""The emulated inertial unit PhidgetSpatial: what its device rows may set, what can go wrong with it, and which twin it has."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.capability.twins import DeviceTwin
+from lbr.simulation.faults import Faults
+
+
+class PhidgetSpatialFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a PhidgetSpatial on its USB cable.
+
+    `silent`: attached, but no sample comes. `frozen`: the same sample for ever. `jump`: the turn rate about x is off by
+    400 degrees a second. `no_compass`: no field is measured.
+    """
+
+    silent: bool = False
+    frozen: bool = False
+    jump: bool = False
+    no_compass: bool = False
+
+
+class PhidgetSpatialRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How many samples a `phidget_spatial` device row's unit sends at once."""
+
+    faults: PhidgetSpatialFaults = PhidgetSpatialFaults()
+    burst: Annotated[int, Meta(ge=1, le=8)] = 2
+
+
+TWIN = DeviceTwin(
+    device="phidget_spatial",
+    row=PhidgetSpatialRow,
+    entry="lbr.simulation.devices.phidget_spatial.twin:PhidgetSpatialTwin",
+)

@@ -1,0 +1,40 @@
+"""The emulated inertial unit RIOX-1216AHRS: what its device rows may set, what can go wrong with it, and which twin it has."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.capability.twins import DeviceTwin
+from lbr.simulation.faults import LineFaults, Probability
+
+Scale = Annotated[float, Meta(gt=0.0, le=1e6)]
+
+
+class RioxFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a RIOX: those of a line, and more.
+
+    `half`: an answer ends early, without its line end. `pieces`: answers come in pieces with pauses. `frozen`: the same
+    numbers for ever. `jump`: an answer's turn rate is off by 4 rad/s.
+    """
+
+    half: Probability = 0.0
+    pieces: bool = False
+    frozen: bool = False
+    jump: Probability = 0.0
+
+
+class RioxRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How a `riox` device row's unit counts; `echo`: it repeats what it hears, until told otherwise."""
+
+    faults: RioxFaults = RioxFaults()
+    echo: bool = True
+    gyro_lsb_per_dps: Scale = 32.75
+    accel_lsb_per_g: Scale = 16384.0
+    mag_ut_per_lsb: Scale = 0.3
+    temperature_lsb_per_c: Scale = 340.0
+    temperature_offset_c: float = 35.0
+    quaternion_divisor: Scale = 16384.0
+    euler_lsb_per_deg: Scale = 10.0
+
+
+TWIN = DeviceTwin(device="riox", row=RioxRow, entry="lbr.simulation.devices.riox.twin:RioxTwin")

@@ -1,0 +1,32 @@
+"""The emulated motor controller Roboteq SDC21xx: what its device rows may set, what can go wrong with it, and which twin it has."""
+
+from typing import Literal
+
+from msgspec import Struct
+
+from lbr.capability.twins import DeviceTwin
+from lbr.simulation.faults import LineFaults
+
+Sense = Literal[-1, 1]
+
+
+class RoboteqFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of the motor controller: those of a line, and more.
+
+    `undervoltage`, `overheat`: the fault bit, with the power stage off.
+    """
+
+    undervoltage: bool = False
+    overheat: bool = False
+
+
+class RoboteqRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How a `roboteq` device row says it is wired: a direction of -1 turns the wheel back for a positive command."""
+
+    faults: RoboteqFaults = RoboteqFaults()
+    left_channel: Literal[1, 2] = 1
+    left_direction: Sense = -1
+    right_direction: Sense = 1
+
+
+TWIN = DeviceTwin(device="roboteq", row=RoboteqRow, entry="lbr.simulation.devices.roboteq.twin:RoboteqTwin")

@@ -1,0 +1,37 @@
+"""The emulated ring of ultrasonic sensors on its port."""
+
+from lbr.capability.context import Device
+from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults, UltrasonicRow
+from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
+from lbr.simulation.measured import Sensed
+from lbr.simulation.port import PtyPort
+from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+
+
+class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
+    """Reports how far away things are."""
+
+    def __init__(self, device: Device, around: Surroundings) -> None:
+        settings = row(device, UltrasonicRow)
+        super().__init__(device.name, PtyPort(device.address), settings.faults)
+        self._board = UltrasonicBoard(
+            settings.board, faults=settings.faults, seed=around.seed_for(device), powered_at=around.now
+        )
+
+    def service(self, now: float) -> None:
+        """Do all that is due: the cable, bytes in, bytes out."""
+        self._board.faults = self._faults
+        if plug(self.port, present=not self._board.faults.unplug):
+            self._board.power_cycle(now)
+        heard = self.port.read()
+        said = self._board.feed(heard, now) if heard else self._board.poll(now)
+        if said:
+            self.port.write(said)
+
+    def next_due(self) -> float | None:
+        """Return when it next has something to do by itself."""
+        return self._board.next_due()
+
+    def sense(self, sensed: Sensed) -> None:
+        """Face what the world puts before the sensors."""
+        self._board.distances_m = sensed.ranges_m
