@@ -20,7 +20,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0008');
+INSERT INTO alembic_version (version_num) VALUES ('0009');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -135,6 +135,38 @@ CREATE TABLE phrase (
     text     TEXT NOT NULL  -- what is said
         CHECK (length(text) BETWEEN 1 AND 1000),
     PRIMARY KEY (name, language)
+) STRICT;
+
+-- Sensors of distance: where each one sits on the base, where it looks, how wide and how far. Axes are REP 103's: x ahead, y
+-- left, from the middle between the wheels; angles are anticlockwise. The name is the one that messages tell it by.
+CREATE TABLE range_sensor (
+    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name      TEXT    NOT NULL  -- by which readings, scans, rules and the console know it
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    kind      TEXT    NOT NULL  -- by what it measures
+        CHECK (kind IN ('ultrasonic', 'infrared', 'time_of_flight', 'lidar')),
+    x_m       REAL    NOT NULL DEFAULT 0  -- how far ahead of the middle between the wheels it sits
+        CHECK (x_m BETWEEN -5 AND 5),
+    y_m       REAL    NOT NULL DEFAULT 0  -- how far to the left of it
+        CHECK (y_m BETWEEN -5 AND 5),
+    z_m       REAL    NOT NULL DEFAULT 0.2  -- how far above the floor
+        CHECK (z_m BETWEEN 0 AND 5),
+    yaw_rad   REAL    NOT NULL DEFAULT 0  -- where it looks: 0 ahead, 1.5708 left, -1.5708 right
+        CHECK (yaw_rad BETWEEN -7 AND 7),
+    pitch_rad REAL    NOT NULL DEFAULT 0  -- how far down it looks; beyond 0.5 it sees nothing that stands in the way
+        CHECK (pitch_rad BETWEEN -2 AND 2),
+    fov_rad   REAL    NOT NULL DEFAULT 0.4  -- how wide it sees, from one side to the other; 6.2832: all around
+        CHECK (fov_rad > 0 AND fov_rad <= 6.2832),
+    min_m     REAL    NOT NULL DEFAULT 0.02  -- what is nearer it cannot measure
+        CHECK (min_m BETWEEN 0 AND 100),
+    max_m     REAL    NOT NULL DEFAULT 4  -- a number above this is a fault
+        CHECK (max_m > 0 AND max_m <= 100),
+    rays      INTEGER NOT NULL DEFAULT 1  -- 1: it tells one distance; more: a scan of so many
+        CHECK (rays BETWEEN 1 AND 4096),
+    stop_m    REAL    DEFAULT 0.25  -- the base stops so far before what it sees; NULL: only rules of the drive that name it count
+        CHECK (stop_m > 0 AND stop_m <= 10),
+    PRIMARY KEY (robot, name),
+    CHECK (min_m < max_m)
 ) STRICT;
 
 -- What the robots dance: one move after the other, to the beats of a song.
@@ -350,6 +382,15 @@ INSERT INTO device (robot, name, type, address, settings) VALUES
     ('lbr', 'imu', 'mpu9150', 'i2c:1:0x68', '{}'),
     ('lbr', 'speaker', 'speaker', 'alsa:default', '{}'),
     ('lbr', 'dock_receiver', 'infrared', '/dev/lirc0', '{}');
+
+-- The ring: it looks from the outline of the base. The drive's own rules name these sensors; a row that is to stop the base
+-- by itself has a stop_m. An MB1220 is said to measure up to 7.65 m; from 8 m on its number is a fault.
+INSERT INTO range_sensor (robot, name, kind, x_m, y_m, z_m, yaw_rad, pitch_rad, fov_rad, min_m, max_m, rays, stop_m) VALUES
+    ('lbr', 'forward', 'ultrasonic', 0.215, 0, 0.3, 0, 0, 0.4, 0.17, 8, 1, NULL),
+    ('lbr', 'back', 'ultrasonic', -0.215, 0, 0.3, 3.141592653589793, 0, 0.4, 0.17, 8, 1, NULL),
+    ('lbr', 'left', 'ultrasonic', 0, 0.15, 0.3, 1.5707963267948966, 0, 0.4, 0.17, 8, 1, NULL),
+    ('lbr', 'right', 'ultrasonic', 0, -0.15, 0.3, -1.5707963267948966, 0, 0.4, 0.17, 8, 1, NULL),
+    ('lbr', 'bottom', 'ultrasonic', 0, 0, 0.3, 0, 1.5707963267948966, 0.4, 0.17, 8, 1, NULL);
 
 INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('lbr', 'motors', 'roboteq',
@@ -927,6 +968,42 @@ BEGIN
     VALUES ('button', json_array(OLD.robot, OLD.id), 'delete',
             json_object('robot', OLD.robot, 'id', OLD.id, 'name', OLD.name, 'button', OLD.button,
             'motion', OLD.motion, 'builtin', OLD.builtin),
+            NULL);
+END;
+
+CREATE TRIGGER range_sensor_insert AFTER INSERT ON range_sensor
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('range_sensor', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'x_m', NEW.x_m, 'y_m', NEW.y_m,
+            'z_m', NEW.z_m, 'yaw_rad', NEW.yaw_rad, 'pitch_rad', NEW.pitch_rad, 'fov_rad', NEW.fov_rad,
+            'min_m', NEW.min_m, 'max_m', NEW.max_m, 'rays', NEW.rays, 'stop_m', NEW.stop_m));
+END;
+
+CREATE TRIGGER range_sensor_update AFTER UPDATE ON range_sensor
+WHEN (OLD.robot, OLD.name, OLD.kind, OLD.x_m, OLD.y_m, OLD.z_m, OLD.yaw_rad, OLD.pitch_rad, OLD.fov_rad,
+     OLD.min_m, OLD.max_m, OLD.rays, OLD.stop_m)
+     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.x_m, NEW.y_m, NEW.z_m, NEW.yaw_rad, NEW.pitch_rad, NEW.fov_rad,
+     NEW.min_m, NEW.max_m, NEW.rays, NEW.stop_m)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('range_sensor', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'x_m', OLD.x_m, 'y_m', OLD.y_m,
+            'z_m', OLD.z_m, 'yaw_rad', OLD.yaw_rad, 'pitch_rad', OLD.pitch_rad, 'fov_rad', OLD.fov_rad,
+            'min_m', OLD.min_m, 'max_m', OLD.max_m, 'rays', OLD.rays, 'stop_m', OLD.stop_m),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'x_m', NEW.x_m, 'y_m', NEW.y_m,
+            'z_m', NEW.z_m, 'yaw_rad', NEW.yaw_rad, 'pitch_rad', NEW.pitch_rad, 'fov_rad', NEW.fov_rad,
+            'min_m', NEW.min_m, 'max_m', NEW.max_m, 'rays', NEW.rays, 'stop_m', NEW.stop_m));
+END;
+
+CREATE TRIGGER range_sensor_delete AFTER DELETE ON range_sensor
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('range_sensor', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'x_m', OLD.x_m, 'y_m', OLD.y_m,
+            'z_m', OLD.z_m, 'yaw_rad', OLD.yaw_rad, 'pitch_rad', OLD.pitch_rad, 'fov_rad', OLD.fov_rad,
+            'min_m', OLD.min_m, 'max_m', OLD.max_m, 'rays', OLD.rays, 'stop_m', OLD.stop_m),
             NULL);
 END;
 

@@ -1,17 +1,30 @@
-"""Messages of sensors."""
+"""Messages and rows of sensors that measure distances: single readings by name, and scans."""
 
-from typing import Literal
+from collections.abc import Iterable, Iterator, Mapping
+from math import inf, isfinite, nan, pi
+from typing import Annotated, Literal
 
-from msgspec import Struct
+from msgspec import Meta, Struct
+
+from lbr.messages.rows import Fault, Others, Row
+from lbr.messages.units import Name
 
 RangeStatus = Literal["ok", "over_range", "invalid", "missing"]
+RangeKind = Literal["ultrasonic", "infrared", "time_of_flight", "lidar"]
+RING = ("forward", "back", "left", "right", "bottom")
+"""Sensors that have a field of their own in `Ranges`, as the ring of the robot lbr has always told them."""
+MOST_RAYS = 4096
+LEVEL_RAD = 0.5
+"""A sensor that looks further up or down than this does not see what stands in the way."""
 
 
 class Ranges(Struct, frozen=True, kw_only=True):
     """Distances around the robot in metres; null is not measured, and `status` says why.
 
-    `over_range`: nothing within the sensor's reach. `invalid`: the sensor answered with a value that it uses for
-    errors. `missing`: no such sensor, or it did not answer. `cycle_s` is the board's own measuring cycle.
+    The sensors are rows of `range_sensor`. Five names have a field of their own, all others are in `others_m`. A message
+    with others tells of those sensors alone that have a value or a status. `over_range`: nothing within the sensor's
+    reach. `invalid`: the sensor answered with a value that it uses for errors. `missing`: no such sensor, or it did not
+    answer. `cycle_s` is the board's own measuring cycle.
     """
 
     forward_m: float | None
@@ -21,3 +34,156 @@ class Ranges(Struct, frozen=True, kw_only=True):
     bottom_m: float | None
     status: dict[str, RangeStatus]
     cycle_s: float | None = None
+    others_m: dict[str, float | None] = {}
+
+    def metres(self, sensor: str) -> float | None:
+        """Return what a sensor read; null if nothing."""
+        if sensor in RING:
+            found: float | None = getattr(self, f"{sensor}_m")
+            return found
+        return self.others_m.get(sensor)
+
+    def tells_of(self, sensor: str) -> bool:
+        """Say whether the message is about a sensor: what it does not mention is as it was."""
+        if sensor in RING and not self.others_m:
+            return True
+        return sensor in self.status or sensor in self.others_m or self.metres(sensor) is not None
+
+
+def ranges(
+    metres: Mapping[str, float | None], status: Mapping[str, RangeStatus], cycle_s: float | None = None
+) -> Ranges:
+    """Return the message for sensors of any name."""
+    return Ranges(
+        forward_m=metres.get("forward"),
+        back_m=metres.get("back"),
+        left_m=metres.get("left"),
+        right_m=metres.get("right"),
+        bottom_m=metres.get("bottom"),
+        status=dict(status),
+        cycle_s=cycle_s,
+        others_m={name: value for name, value in metres.items() if name not in RING},
+    )
+
+
+Reading = float | Literal["Infinity", "-Infinity"] | None
+"""A distance in metres, or why there is none, as REP 117 has it: nothing within reach, too near to be measured, unknown."""
+
+
+class Scan(Struct, frozen=True, kw_only=True):
+    """Many distances at once, all around a sensor: a LaserScan.
+
+    Reading number i is along `angle_min_rad + i * angle_increment_rad`, anticlockwise from where the row of `sensor`
+    looks. As in REP 117, "Infinity" is nothing up to `range_max_m`, "-Infinity" something nearer than `range_min_m`, and
+    null (there NaN) not known. `scan_s` is how long a scan takes.
+    """
+
+    sensor: Name
+    angle_min_rad: float
+    angle_increment_rad: float
+    range_min_m: float
+    range_max_m: float
+    ranges_m: Annotated[tuple[Reading, ...], Meta(max_length=MOST_RAYS)]
+    scan_s: float | None = None
+
+    @property
+    def angle_max_rad(self) -> float:
+        """The angle of the last reading."""
+        return self.angle_min_rad + (len(self.ranges_m) - 1) * self.angle_increment_rad
+
+    def metres(self) -> tuple[float, ...]:
+        """Return the readings as numbers: infinite, minus infinite and NaN as REP 117 has them.
+
+        What is not within the sensor's own limits is not known.
+        """
+        return tuple(self._metres(reading) for reading in self.ranges_m)
+
+    def _metres(self, reading: Reading) -> float:
+        if reading is None:
+            return nan
+        if isinstance(reading, str):
+            return inf if reading == "Infinity" else -inf
+        return reading if self.range_min_m <= reading <= self.range_max_m else nan
+
+
+def readings(metres: Iterable[float]) -> tuple[Reading, ...]:
+    """Return numbers, some infinite or NaN, as a scan tells them."""
+    return tuple(_reading(value) for value in metres)
+
+
+def _reading(value: float) -> Reading:
+    if isfinite(value):
+        return value
+    return "Infinity" if value == inf else "-Infinity" if value == -inf else None
+
+
+def _limits(row: "RangeSensor", _: Others) -> Iterator[Fault]:
+    if not row.min_m < row.max_m:
+        yield "max_m", f"is not greater than min_m {row.min_m:g}"
+
+
+def _level(row: "RangeSensor", _: Others) -> Iterator[Fault]:
+    if row.rays > 1 and abs(row.pitch_rad) > LEVEL_RAD:
+        yield "pitch_rad", f"is beyond {LEVEL_RAD:g}: a scan is taken to be level"
+
+
+Metres = Annotated[float, Meta(ge=-5.0, le=5.0)]
+
+
+class RangeSensor(Row, frozen=True, kw_only=True):
+    """A sensor of distance: where it sits and looks on the base (REP 103), how wide and how far.
+
+    With one of its `rays` it tells a distance, with more a scan. The base stops `stop_m` before what it sees; null: only
+    rules of the drive that name it count.
+    """
+
+    TABLE = "range_sensor"
+    KEY = ("name",)
+    CHECKS = (_limits, _level)
+
+    name: Name
+    kind: RangeKind
+    x_m: Metres = 0.0
+    y_m: Metres = 0.0
+    z_m: Annotated[float, Meta(ge=0.0, le=5.0)] = 0.2
+    yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0)] = 0.0
+    pitch_rad: Annotated[float, Meta(ge=-2.0, le=2.0)] = 0.0
+    fov_rad: Annotated[float, Meta(gt=0.0, le=6.2832)] = 0.4
+    min_m: Annotated[float, Meta(ge=0.0, le=100.0)] = 0.02
+    max_m: Annotated[float, Meta(gt=0.0, le=100.0)] = 4.0
+    rays: Annotated[int, Meta(ge=1, le=MOST_RAYS)] = 1
+    stop_m: Annotated[float, Meta(gt=0.0, le=10.0)] | None = 0.25
+
+    @property
+    def level(self) -> bool:
+        """Whether it sees what stands in the way, rather than the floor or the ceiling."""
+        return abs(self.pitch_rad) <= LEVEL_RAD
+
+
+def ring(length_m: float, width_m: float, height_m: float = 0.3) -> tuple[RangeSensor, ...]:
+    """Return the ring of the robot lbr on a base of this size: ahead, behind, to both sides and down."""
+    ahead_m, aside_m = length_m / 2, width_m / 2
+    places = (
+        ("forward", ahead_m, 0.0, 0.0),
+        ("back", -ahead_m, 0.0, pi),
+        ("left", 0.0, aside_m, pi / 2),
+        ("right", 0.0, -aside_m, -pi / 2),
+    )
+    level = [
+        RangeSensor(
+            name=name,
+            kind="ultrasonic",
+            x_m=x_m,
+            y_m=y_m,
+            z_m=height_m,
+            yaw_rad=yaw,
+            min_m=0.17,
+            max_m=8.0,
+            stop_m=None,
+        )
+        for name, x_m, y_m, yaw in places
+    ]
+    down = RangeSensor(
+        name="bottom", kind="ultrasonic", z_m=height_m, pitch_rad=pi / 2, min_m=0.17, max_m=8.0, stop_m=None
+    )
+    return (*level, down)

@@ -2,6 +2,7 @@
 
 from lbr.capability.kind import Command, Kind
 from lbr.capability.word import Word
+from lbr.messages.sensing import RangeSensor
 from lbr.messages.simulation import WorldPose, WorldScene
 from lbr.simulation.requests import (
     FaultReply,
@@ -32,6 +33,7 @@ KIND = Kind(
     },
     roles={"picture": "admin", "fault": "admin", "place": "admin", "remove": "admin"},
     emulates=True,
+    rows=(RangeSensor,),
     replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},
     words=(
         Word("map", "picture", "Simulation: save a picture of the surroundings from above"),

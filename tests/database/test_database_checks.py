@@ -16,10 +16,11 @@ from lbr.messages.calibration import CalibrationValue
 from lbr.messages.dance import DanceStep
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, MotionRow, MotionStep
+from lbr.messages.sensing import RangeSensor
 from lbr.messages.speech import Phrase
 from lbr.resources import robot_db_sql
 
-READ = (Phrase, DanceStep, CalibrationValue, Joint, MotionRow, MotionStep, Motor, Button)
+READ = (Phrase, DanceStep, CalibrationValue, Joint, MotionRow, MotionStep, Motor, Button, RangeSensor)
 """What the kinds that come with lbr read."""
 check = partial(check_rows, also=READ)
 _, COLUMNS = shipped_tables()
@@ -45,6 +46,8 @@ def shipped() -> dict:
         for name, lead_in in (("nod", "rest"), ("rest", ""))
     ]
     counts = {"initial": 127, "lowest": 1, "highest": 254, "rest": 127}
+    scan = {**tables["range_sensor"][0], "name": "scanner", "kind": "lidar", "rays": 90}
+    tables["range_sensor"].insert(1, scan)
     tables["motor"] = [
         {
             "robot": "lbr",
@@ -197,6 +200,18 @@ BAD_VALUES = [
     ("motor", 0, "name", "n" * 41, "is longer than 40 characters"),
     ("button", 0, "motion", "gone", "there is no motion 'gone'"),
     ("button", 0, "builtin", 2, "is neither 0 nor 1"),
+    ("range_sensor", 0, "kind", "radar", "'radar' is none of ultrasonic, infrared, time_of_flight, lidar"),
+    ("range_sensor", 0, "x_m", float("nan"), "is not a finite number"),
+    ("range_sensor", 0, "y_m", 6.0, "6 is outside -5 to 5"),
+    ("range_sensor", 0, "z_m", -1.0, "-1 is outside 0 to 5"),
+    ("range_sensor", 0, "yaw_rad", 90.0, "90 is outside -7 to 7"),
+    ("range_sensor", 0, "pitch_rad", -3.0, "-3 is outside -2 to 2"),
+    ("range_sensor", 0, "fov_rad", 7.0, "is not above 0 and at most 6.28"),
+    ("range_sensor", 0, "min_m", -0.1, "-0.1 is outside 0 to 100"),
+    ("range_sensor", 0, "max_m", 0.1, "is not greater than min_m 0.17"),
+    ("range_sensor", 0, "rays", 0, "'0' is not a whole number from 1 to 4096"),
+    ("range_sensor", 1, "pitch_rad", 1.0, "is beyond 0.5: a scan is taken to be level"),
+    ("range_sensor", 0, "stop_m", float("inf"), "inf"),
     ("motion_step", 0, "motion", "gone", "there is no motion 'gone'"),
     ("motion_step", 0, "step", 0, "'0' is not a whole number from 1 to 10000"),
     ("motion_step", 0, "duration_s", 0.0, "0 is no time to get anywhere"),

@@ -17,14 +17,17 @@ from lbr.resources import robot_db_sql
 from tests.support import programs
 
 SHIPPED = migrate.MIGRATIONS
+NOW = migrate.HEAD
+AFTER, LATER = (f"{int(NOW) + more:04d}" for more in (1, 2))
+"""The schema of this version, and what would be the next ones."""
 NEXT = '''
 """Robots have colours."""
 
 import sqlalchemy as sa
 from alembic import op
 
-revision = "0009"
-down_revision = "0008"
+revision = "{revision}"
+down_revision = "{before}"
 
 
 def upgrade() -> None:
@@ -45,9 +48,9 @@ def newer(tmp_path, monkeypatch):
     def make(last: str = "pass") -> None:
         folder = tmp_path / "100% migrations"
         shutil.copytree(SHIPPED, folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
-        (folder / "versions" / "v0009_colour.py").write_text(NEXT.replace("{last}", last))
+        (folder / "versions" / f"v{AFTER}_colour.py").write_text(NEXT.format(revision=AFTER, before=NOW, last=last))
         monkeypatch.setattr(migrate, "MIGRATIONS", folder)
-        monkeypatch.setattr(migrate, "HEAD", "0009")
+        monkeypatch.setattr(migrate, "HEAD", AFTER)
 
     return make
 
@@ -82,13 +85,13 @@ def test_an_older_database_is_backed_up_and_upgraded(path, newer):
     verbs = look(path, "SELECT * FROM verb ORDER BY pattern")
     devices = look(path, "SELECT count(*) FROM device")
     with Database.open(path) as database:
-        assert database.backup == path.with_name("robot.db.backup-0008")
-    assert stamp(path) == [("0009",)]
+        assert database.backup == path.with_name(f"robot.db.backup-{NOW}")
+    assert stamp(path) == [(AFTER,)]
     assert "colour" in columns(path, "motion")
     assert "place" in columns(path, "device")
     assert look(path, "SELECT * FROM verb ORDER BY pattern") == verbs
     assert look(path, "SELECT count(*) FROM device") == devices
-    assert stamp(database.backup) == [("0008",)]
+    assert stamp(database.backup) == [(NOW,)]
     assert "address" in columns(database.backup, "device")
     assert database.backup.stat().st_mode & 0o777 == 0o600
     with Database.open(path) as database:
@@ -102,23 +105,23 @@ def test_a_backup_is_a_whole_database(path, newer, monkeypatch):
     newer()
     Database.open(path).close()
     monkeypatch.undo()
-    with Database.open(path.with_name("robot.db.backup-0008")) as backup:
+    with Database.open(path.with_name(f"robot.db.backup-{NOW}")) as backup:
         assert backup.load("lbr") == before
 
 
 def test_backups_are_never_overwritten(path, newer):
-    path.with_name("robot.db.backup-0008").write_text("an older one")
+    path.with_name(f"robot.db.backup-{NOW}").write_text("an older one")
     newer()
     with Database.open(path) as database:
-        assert database.backup == path.with_name("robot.db.backup-0008-2")
-    assert path.with_name("robot.db.backup-0008").read_text() == "an older one"
+        assert database.backup == path.with_name(f"robot.db.backup-{NOW}-2")
+    assert path.with_name(f"robot.db.backup-{NOW}").read_text() == "an older one"
 
 
 def test_a_migration_that_fails_changes_nothing(path, newer):
     newer('op.execute("UPDATE no_such_table SET x = 1")')
     with pytest.raises(LbrError, match="no such table: no_such_table"):
         Database.open(path)
-    assert stamp(path) == [("0008",)]
+    assert stamp(path) == [(NOW,)]
     assert columns(path, "motion") == [
         "robot",
         "name",
@@ -137,7 +140,7 @@ def test_a_migration_that_leaves_dangling_rows_changes_nothing(path, newer):
     newer('op.execute("DELETE FROM robot")')
     with pytest.raises(RowError, match="refer to none"):
         Database.open(path)
-    assert stamp(path) == [("0008",)]
+    assert stamp(path) == [(NOW,)]
     assert look(path, "SELECT name FROM robot") == [("bioloid",), ("lbr",), ("uxa90",)]
 
 
@@ -146,12 +149,12 @@ def test_a_process_killed_in_the_middle_leaves_the_old_schema(path, newer):
     program = (
         "import pathlib, sys\n"
         "from lbr.database import migrate, store\n"
-        "migrate.MIGRATIONS, migrate.HEAD = pathlib.Path(sys.argv[2]), '0009'\n"
+        f"migrate.MIGRATIONS, migrate.HEAD = pathlib.Path(sys.argv[2]), '{AFTER}'\n"
         "store.Database.open(pathlib.Path(sys.argv[1]))\n"
     )
     done = programs.run([sys.executable, "-c", program, path, migrate.MIGRATIONS], check=False)
     assert done.returncode == -signal.SIGKILL
-    assert stamp(path) == [("0008",)]
+    assert stamp(path) == [(NOW,)]
     assert columns(path, "motion") == [
         "robot",
         "name",
@@ -165,8 +168,8 @@ def test_a_process_killed_in_the_middle_leaves_the_old_schema(path, newer):
     ]
     newer()
     with Database.open(path) as database:
-        assert database.backup == path.with_name("robot.db.backup-0008-2")
-    assert stamp(path) == [("0009",)]
+        assert database.backup == path.with_name(f"robot.db.backup-{NOW}-2")
+    assert stamp(path) == [(AFTER,)]
 
 
 def test_two_programs_may_upgrade_at_once(path, newer):
@@ -183,14 +186,14 @@ def test_two_programs_may_upgrade_at_once(path, newer):
     with closing(sqlite3.connect(path, isolation_level=None)) as holding:
         holding.execute("BEGIN IMMEDIATE")
         other.start()
-        holding.execute("UPDATE alembic_version SET version_num = '0009'")
+        holding.execute(f"UPDATE alembic_version SET version_num = '{AFTER}'")
         holding.execute("COMMIT")
     other.join()
     assert failed == []
-    assert stamp(path) == [("0009",)]
+    assert stamp(path) == [(AFTER,)]
 
 
-@pytest.mark.parametrize("unknown", ["0009", "", "abc"])
+@pytest.mark.parametrize("unknown", [LATER, "", "abc"])
 def test_a_newer_or_unknown_schema_is_refused_and_left_alone(path, unknown):
     with closing(sqlite3.connect(path, isolation_level=None)) as connection:
         connection.execute("UPDATE alembic_version SET version_num = ?", (unknown,))

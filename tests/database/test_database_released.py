@@ -9,6 +9,7 @@ import pytest
 
 from lbr.database.shipped import shipped
 from lbr.database.store import Database, create
+from lbr.messages.sensing import RING, RangeSensor, ring
 
 RELEASED = sorted((Path(__file__).parent / "released").glob("*.sql"))
 STRUCTURE = "SELECT type, name, tbl_name FROM sqlite_schema WHERE name NOT LIKE 'sqlite%' ORDER BY 1, 2"
@@ -68,7 +69,36 @@ def test_an_upgrade_changes_no_row(tmp_path, sql):
     with closing(sqlite3.connect(tmp_path / "old.db")) as connection:
         assert rows(connection, there) == before
         added = {table: names for table, names in columns(connection).items() if table not in there}
-        assert not any(rows(connection, added).values())
+        found = rows(connection, added)
+        assert {(robot, name) for robot, name, *_ in found.pop("range_sensor")} == {("lbr", name) for name in RING}
+        assert not any(found.values())
+
+
+@pytest.mark.parametrize("sql", RELEASED, ids=lambda path: path.stem)
+def test_an_upgrade_makes_rows_of_the_five_sensors_that_were_in_the_code(tmp_path, sql):
+    create(tmp_path / "old.db", sql)
+    create(tmp_path / "new.db")
+    with Database.open(tmp_path / "old.db") as old, Database.open(tmp_path / "new.db") as new:
+        assert old.load("lbr").of(RangeSensor) == new.load("lbr").of(RangeSensor)
+
+
+def test_robots_of_others_get_the_five_where_their_base_has_them(tmp_path):
+    create(tmp_path / "old.db", RELEASED[0].with_name("0007.sql"))
+    with closing(sqlite3.connect(tmp_path / "old.db")) as connection:
+        connection.executescript("""
+            INSERT INTO robot (name) VALUES ('wide'), ('walker'), ('plain');
+            INSERT INTO capability (robot, name, kind, settings) VALUES
+                ('wide', 'base', 'drive', '{"body_length_m": 0.6, "body_width_m": 0.5}'),
+                ('plain', 'sonar', 'ultrasonic_ring', '{"device": "board"}'),
+                ('walker', 'joints', 'joints', '{}');
+        """)
+    with Database.open(tmp_path / "old.db") as database:
+        wide, plain = (
+            sorted(database.load(name).of(RangeSensor), key=lambda row: row.name) for name in ("wide", "plain")
+        )
+        assert database.load("walker").of(RangeSensor) == ()
+    assert wide == sorted(ring(0.6, 0.5), key=lambda row: row.name)
+    assert plain == sorted(ring(0.43, 0.30), key=lambda row: row.name)
 
 
 def test_tokens_of_the_first_schema_never_expire(tmp_path):
@@ -83,7 +113,7 @@ def test_tokens_of_the_first_schema_never_expire(tmp_path):
 
 
 def test_rows_of_words_that_every_robot_has_go_with_the_upgrade(tmp_path):
-    create(tmp_path / "old.db", RELEASED[-1])
+    create(tmp_path / "old.db", RELEASED[0].with_name("0006.sql"))
     with closing(sqlite3.connect(tmp_path / "old.db")) as connection:
         connection.execute("UPDATE verb SET target = 'drive.command', role = 'admin' WHERE word = 'stop'")
         connection.execute(

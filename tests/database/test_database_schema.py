@@ -95,6 +95,7 @@ def test_the_sqlite3_program_builds_the_same(tmp_path):
         assert database.load("lbr").problems == ()
 
 
+SENSOR = {"name": "bow", "kind": "ultrasonic"}
 MOTOR = {"layer": "safe", "id": 23, "name": "neck", "initial": 127, "lowest": 1, "highest": 254, "rest": 127}
 BAD_ROWS = [
     ("robot", {"name": "Robby"}),
@@ -183,6 +184,21 @@ BAD_ROWS = [
     ("motion_step", {"motion": "bow", "step": 0, "duration_s": 1.0, "positions": "{}"}),
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 0, "positions": "{}"}),
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": "[]"}),
+    ("range_sensor", {**SENSOR, "name": "Bow"}),
+    ("range_sensor", {**SENSOR, "kind": "radar"}),
+    ("range_sensor", {**SENSOR, "x_m": 5.1}),
+    ("range_sensor", {**SENSOR, "y_m": float("inf")}),
+    ("range_sensor", {**SENSOR, "z_m": -0.1}),
+    ("range_sensor", {**SENSOR, "yaw_rad": 7.1}),
+    ("range_sensor", {**SENSOR, "pitch_rad": 2.1}),
+    ("range_sensor", {**SENSOR, "fov_rad": 0}),
+    ("range_sensor", {**SENSOR, "fov_rad": 6.3}),
+    ("range_sensor", {**SENSOR, "min_m": -0.1}),
+    ("range_sensor", {**SENSOR, "min_m": 4}),
+    ("range_sensor", {**SENSOR, "max_m": 0}),
+    ("range_sensor", {**SENSOR, "rays": 0}),
+    ("range_sensor", {**SENSOR, "rays": 4097}),
+    ("range_sensor", {**SENSOR, "stop_m": 0}),
     ("user_token", {"name": "", "role": "view", "hash": "h" * 32}),
     ("user_token", {"name": "n", "role": "god", "hash": "h" * 32}),
     ("user_token", {"name": "n", "role": "view", "hash": "plain"}),
@@ -213,6 +229,7 @@ GOOD_ROWS = [
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": '{"j": 0.5}'}),
     ("motor", MOTOR),
     ("button", {"id": 4, "name": "walk", "button": "U", "motion": "bow"}),
+    ("range_sensor", {**SENSOR, "kind": "lidar", "rays": 360, "fov_rad": 6.2832, "stop_m": None}),
     ("user_token", {"name": "n", "role": "view", "hash": "h" * 32}),
     ("event", {"wall_ns": 1, "kind": "k"}),
 ]
@@ -262,6 +279,7 @@ CHANGES = {
     "joint": "speed_rps = 2.0",
     "motion": "help = 'another'",
     "motion_step": "duration_s = 9.0",
+    "range_sensor": "z_m = 0.5",
     "motor": "rest = 100",
     "button": "name = 'another'",
 }

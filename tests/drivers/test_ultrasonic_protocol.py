@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from lbr.drivers.ultrasonic import KIND, UltrasonicSettings
 from lbr.drivers.ultrasonic.protocol import MAX_LINE_BYTES, BadLine, Frame, LineParser, classify, parse_line, to_ranges
+from lbr.messages.sensing import RING
 
 GOOD = b'{ "Ranges": { "Forward": 120, "Left": 45, "Right": 758, "Back": 0, "Bottom": -1, "Deltat": 102}}'  # as the board writes
 FRAME = Frame(forward=120, left=45, right=758, back=0, bottom=-1, deltat=102)
@@ -13,14 +14,26 @@ ARDUINO = UltrasonicSettings(device="ring", board="arduino", absent=())
 PARALLAX = UltrasonicSettings(device="ring", board="parallax", absent=())
 
 integers = st.integers(-2, 1000)
+others = st.dictionaries(st.from_regex("[a-z][a-z0-9_]{0,9}", fullmatch=True), integers, max_size=4).map(
+    lambda named: {name: cm for name, cm in named.items() if name not in {*RING, "deltat"}}
+)
 frames = st.builds(
-    Frame, forward=integers, left=integers, right=integers, back=integers, bottom=integers, deltat=st.integers(0, 10**9)
+    Frame,
+    forward=integers,
+    left=integers,
+    right=integers,
+    back=integers,
+    bottom=integers,
+    deltat=st.integers(0, 10**9),
+    others=others,
 )
 
 
 def spelt(frame):
     names = ("Forward", "Left", "Right", "Back", "Bottom", "Deltat")
-    return json.dumps({"Ranges": {name: getattr(frame, name.lower()) for name in names}}).encode() + b"\r\n"
+    told = {name: getattr(frame, name.lower()) for name in names}
+    more = {name.capitalize(): cm for name, cm in frame.others.items()}
+    return json.dumps({"Ranges": told | more}).encode() + b"\r\n"
 
 
 @pytest.mark.parametrize(
@@ -103,6 +116,18 @@ def test_a_frame_in_metres_has_null_wherever_nothing_was_measured():
     }
 
 
+def test_a_board_with_more_sensors_tells_them_by_their_names():
+    ranges = to_ranges(parse_line(GOOD.replace(b"102}", b'102, "Bow_left": 33, "Stern": 758}')), ARDUINO)
+    assert ranges.others_m == {"bow_left": 0.33, "stern": None}
+    assert ranges.status["stern"] == "over_range"
+    assert ranges.forward_m == 1.2
+
+
+@pytest.mark.parametrize("name", [b"bow", b"Bow-left", b"B\xc3\xb6w", b"", b"B" * 50])
+def test_a_name_that_no_row_could_have_is_damage(name):
+    assert isinstance(parse_line(GOOD.replace(b"102}", b'102, "%s": 33}' % name)), BadLine)
+
+
 def test_a_sensor_declared_absent_is_missing_whatever_the_board_says():
     settings = KIND.parse('{"device": "ring", "absent": ["forward"]}')
     ranges = to_ranges(FRAME, settings)
@@ -162,6 +187,6 @@ def test_a_number_of_any_length_is_read_or_makes_a_bad_line(name, digits):
 def test_no_number_comes_out_that_was_not_measured(frame):
     ranges = to_ranges(frame, ARDUINO)
     for name, status in ranges.status.items():
-        metres = getattr(ranges, f"{name}_m")
+        metres = ranges.metres(name)
         assert (metres is not None) == (status == "ok")
         assert metres is None or 0.17 <= metres < 7.58

@@ -5,23 +5,23 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
-from lbr.messages.sensing import Ranges
+from lbr.messages.sensing import RING, Ranges
 from lbr.messages.units import Name
 
 Board = Literal["arduino", "parallax"]
-SensorName = Literal["forward", "back", "left", "right", "bottom"]
-SENSORS: tuple[SensorName, ...] = ("forward", "back", "left", "right", "bottom")
+SENSORS = RING
+"""What every board tells, whatever else it does."""
 
 
 class UltrasonicSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `ultrasonic_ring` may set.
 
-    An MB1220 is said to measure from 20 cm; on the robot that this is for, 17 to 19 cm are real: its dock is that near.
+    The board tells five sensors, and others by their names in the rows of `range_sensor`. An MB1220 is said to measure from 20 cm; on the robot that this is for, 17 to 19 cm are real: its dock is that near.
     """
 
     device: Name
     board: Board = "arduino"
-    absent: tuple[SensorName, ...] = ("bottom",)
+    absent: tuple[Name, ...] = ("bottom",)
     min_cm: Annotated[int, Meta(ge=1, le=100, description="below this the sensor cannot measure")] = 17
     over_range_cm: Annotated[int, Meta(ge=100, le=768, description="from here on nothing is within reach")] = 758
     max_cm: Annotated[int, Meta(ge=769, le=2000, description="above this the number is a fault")] = 800

@@ -1,6 +1,6 @@
 """What the range boards say: one JSON object per line, in centimetres. No I/O.
 
-The Arduino waits for `g`, stops on `s` and tells of every byte it received; the Parallax board just talks.
+A board with more than the five sensors tells the others beside them, by their names with a capital letter. The Arduino waits for `g`, stops on `s` and tells of every byte it received; the Parallax board just talks.
 """
 
 from dataclasses import dataclass
@@ -11,25 +11,27 @@ from msgspec import Meta, Struct
 
 from lbr.drivers.lines import LineSplitter, RawLine
 from lbr.drivers.ultrasonic import SENSORS, Board, UltrasonicSettings
-from lbr.messages.sensing import Ranges, RangeStatus
+from lbr.messages.sensing import Ranges, RangeStatus, ranges
 
 START = b"g\n"
 FINISH = b"s\n"
 MAX_LINE_BYTES = 512
 TICKS_PER_S: dict[Board, float] = {"arduino": 1000.0, "parallax": 80_000_000.0}
 NO_SENSOR = -1
+Told = Annotated[str, Meta(pattern="^[A-Z][a-z0-9_]{0,39}$", description="a sensor's name with a capital letter")]
 Number = Annotated[int, Meta(ge=-(2**31), lt=2**32, description="what a board of 32 bits can count to")]
 
 
 class Frame(Struct, frozen=True):
-    """One measuring cycle as the board wrote it."""
+    """One measuring cycle as the board wrote it; `others` are sensors beyond the five, by name."""
 
-    forward: Number = msgspec.field(name="Forward")
-    left: Number = msgspec.field(name="Left")
-    right: Number = msgspec.field(name="Right")
-    back: Number = msgspec.field(name="Back")
-    bottom: Number = msgspec.field(name="Bottom")
-    deltat: Number = msgspec.field(name="Deltat")
+    forward: int
+    left: int
+    right: int
+    back: int
+    bottom: int
+    deltat: int
+    others: dict[str, int] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +42,7 @@ class BadLine:
 
 
 class _Line(Struct, frozen=True, forbid_unknown_fields=True):
-    ranges: Frame = msgspec.field(name="Ranges")
+    ranges: dict[Told, Number] = msgspec.field(name="Ranges")
 
 
 class LineParser:
@@ -70,8 +72,10 @@ def parse_line(line: bytes) -> Frame | BadLine | None:
     if not line or (line.startswith(b"received:") and b"{" not in line):
         return None
     try:
-        return _decoder.decode(line).ranges
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError, OverflowError):
+        told = {name.lower(): number for name, number in _decoder.decode(line).ranges.items()}
+        known = {name: told.pop(name) for name in (*SENSORS, "deltat")}
+        return Frame(**known, others=told)
+    except (KeyError, msgspec.DecodeError, UnicodeDecodeError, RecursionError, OverflowError):
         return BadLine(RawLine(line, overlong=False).readable)
 
 
@@ -79,12 +83,12 @@ def to_ranges(frame: Frame, settings: UltrasonicSettings) -> Ranges:
     """Return a frame in metres, with null and a status wherever the board did not measure."""
     metres: dict[str, float | None] = {}
     status: dict[str, RangeStatus] = {}
-    for name in SENSORS:
-        cm: int = getattr(frame, name)
+    told: dict[str, int] = {name: getattr(frame, name) for name in SENSORS}
+    for name, cm in (told | frame.others).items():
         status[name] = "missing" if name in settings.absent else classify(cm, settings)
-        metres[f"{name}_m"] = cm / 100.0 if status[name] == "ok" else None
+        metres[name] = cm / 100.0 if status[name] == "ok" else None
     cycle_s = frame.deltat / TICKS_PER_S[settings.board] if frame.deltat > 0 else None
-    return Ranges(status=status, cycle_s=cycle_s, **metres)
+    return ranges(metres, status, cycle_s)
 
 
 def classify(cm: int, settings: UltrasonicSettings) -> RangeStatus:

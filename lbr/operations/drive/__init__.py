@@ -15,7 +15,7 @@ from lbr.messages.drive import (
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
-from lbr.messages.sensing import Ranges
+from lbr.messages.sensing import Ranges, RangeSensor
 from lbr.operations.drive.settings import DriveSettings
 
 KIND = Kind(
@@ -37,6 +37,7 @@ KIND = Kind(
         "checks": CheckVerdict,
     },
     requests={"checks": CheckRequest},
+    rows=(RangeSensor,),
     moves=True,
     words=(
         Word(

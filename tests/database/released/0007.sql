@@ -1,0 +1,949 @@
+-- The robot as rows: schema of an lbr database, and the rows of the robot lbr, to be read from top to bottom.
+--
+-- `lbr` builds robot.db from this file at its first run, with the rows of the other robots that packages bring, such as
+-- lbr/robots/bioloid/rows.sql; `sqlite3 robot.db < robot.db.sql && chmod 600 robot.db` builds it without them. Afterwards
+-- robot.db is the robot: edit it with any SQLite client, also while the robot runs. A committed edit takes effect within
+-- two seconds, or is refused as a whole and reported; nothing is read from here any more. `lbr db check` says what is
+-- wrong with the rows, `lbr db diff` what differs from these files.
+--
+-- Switch foreign keys on in your client (`PRAGMA foreign_keys = ON`) and let it wait for others
+-- (`PRAGMA busy_timeout = 2000`). Times are ISO 8601 in UTC unless their name ends in _ns. Names are small letters,
+-- digits and underscores.
+
+PRAGMA application_id = 0x4C425231;  -- "LBR1": how lbr and file(1) know a robot database
+PRAGMA journal_mode = WAL;           -- readers and a writer do not wait for each other
+PRAGMA foreign_keys = ON;
+
+BEGIN;
+
+-- The revision of the schema, kept by the migrations in lbr/database/migrations. Not to be edited.
+CREATE TABLE alembic_version (
+    version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
+) STRICT;
+INSERT INTO alembic_version (version_num) VALUES ('0007');
+
+-- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
+CREATE TABLE robot (
+    name          TEXT    NOT NULL PRIMARY KEY  -- by which a launch profile and every other table know it
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    model         TEXT    NOT NULL DEFAULT '',  -- what it is built as
+    description   TEXT    NOT NULL DEFAULT '',  -- for people
+    owner         TEXT    NOT NULL DEFAULT '',  -- for people
+    last_start    TEXT,                         -- when it last started; written by lbr
+    last_shutdown TEXT,                         -- when it last shut down in order; written by lbr
+    estop_engaged INTEGER NOT NULL DEFAULT 0    -- 1: the emergency stop is latched, and stays so over restarts
+        CHECK (estop_engaged IN (0, 1)),
+    estop_reason  TEXT    NOT NULL DEFAULT ''   -- why it was latched
+) STRICT;
+
+-- What runs: one process for each enabled row.
+CREATE TABLE capability (
+    robot    TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name     TEXT    NOT NULL  -- the second part of its keys on the bus; `executive` is lbr itself
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40 AND name <> 'executive'),
+    kind     TEXT    NOT NULL  -- which capability class: a registered one, or a file in $LBR_HOME/capabilities
+        CHECK (kind GLOB '[a-z]*' AND kind NOT GLOB '*[^a-z0-9_]*' AND length(kind) <= 40),
+    enabled  INTEGER NOT NULL DEFAULT 1             -- 0: not started
+        CHECK (enabled IN (0, 1)),
+    settings TEXT    NOT NULL DEFAULT '{}'          -- JSON object: what the kind may set; unknown keys are refused
+        CHECK (json_valid(settings) AND json_type(settings) = 'object'),
+    restart  TEXT    NOT NULL DEFAULT 'on-failure'  -- when it ends: leave it, start it again after a failure, always
+        CHECK (restart IN ('never', 'on-failure', 'always')),
+    needs    TEXT    NOT NULL DEFAULT '[]'          -- JSON list of capability names that start before it
+        CHECK (json_valid(needs) AND json_type(needs) = 'array'),
+    help     TEXT    NOT NULL DEFAULT '',           -- for people
+    PRIMARY KEY (robot, name)
+) STRICT;
+
+-- The wiring: which output feeds which input.
+CREATE TABLE channel (
+    robot   TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    source  TEXT    NOT NULL  -- capability.output
+        CHECK (source GLOB '[a-z]*.[a-z]*' AND source NOT GLOB '*[^a-z0-9_.]*' AND source NOT GLOB '*.*.*'),
+    target  TEXT    NOT NULL  -- capability.input
+        CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
+    rate_hz REAL              -- at most so many messages a second; NULL: every one
+        CHECK (rate_hz > 0 AND rate_hz <= 1000000),
+    history INTEGER NOT NULL DEFAULT 1  -- how many of the newest messages wait for the reader
+        CHECK (history BETWEEN 1 AND 64),
+    enabled INTEGER NOT NULL DEFAULT 1  -- 0: not wired
+        CHECK (enabled IN (0, 1)),
+    PRIMARY KEY (robot, source, target)
+) STRICT;
+
+-- What is plugged in. A capability's setting `device` names a row of this table.
+CREATE TABLE device (
+    robot    TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name     TEXT NOT NULL  -- by which settings and calibrations know it
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    type     TEXT NOT NULL  -- what it is; a kind says which type it drives
+        CHECK (type GLOB '[a-z]*' AND type NOT GLOB '*[^a-z0-9_]*' AND length(type) <= 40),
+    address  TEXT NOT NULL  -- a path, usb:VID:PID[:SERIAL], by-id:GLOB, i2c:BUS:ADDRESS, unix:PATH
+        CHECK (length(address) BETWEEN 1 AND 500),
+    settings TEXT NOT NULL DEFAULT '{}'  -- JSON object: what its type may set, such as the faults of its emulated twin
+        CHECK (json_valid(settings) AND json_type(settings) = 'object'),
+    PRIMARY KEY (robot, name)
+) STRICT;
+
+-- The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds the parts of a line to
+-- fields of the target command's message, `{text...}` takes the rest of the line with its slashes, and a pattern
+-- without a slash is an alias, to be typed as it stands.
+CREATE TABLE verb (
+    robot   TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    word    TEXT NOT NULL  -- the first part of the pattern; capital letters count
+        CHECK (word GLOB '[A-Za-z]*' AND word NOT GLOB '*[^A-Za-z0-9_]*' AND length(word) <= 40),
+    pattern TEXT NOT NULL  -- a line's form, see above
+        CHECK (pattern = word OR pattern = '/' || word OR substr(pattern, 1, length(word) + 2) = '/' || word || '/'),
+    target  TEXT NOT NULL  -- capability.command, or executive.NAME for what lbr does by itself
+        CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
+    payload TEXT           -- JSON object: fields of the message that the pattern does not bind; NULL: none
+        CHECK (payload IS NULL OR (json_valid(payload) AND json_type(payload) = 'object')),
+    role    TEXT NOT NULL DEFAULT 'operate'  -- the least role that may say it
+        CHECK (role IN ('view', 'operate', 'admin')),
+    help    TEXT NOT NULL DEFAULT '',        -- one line for people, with units and bounds
+    PRIMARY KEY (robot, word, pattern)
+) STRICT;
+
+-- Programs started at the console by name, without a shell. What follows the name is added to the arguments, as far as
+-- the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left out. An
+-- entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of the
+-- argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
+CREATE TABLE external_command (
+    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name      TEXT    NOT NULL  -- what to type
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    argv      TEXT    NOT NULL            -- JSON list of strings: the program's path, then its arguments
+        CHECK (json_valid(argv) AND json_type(argv) = 'array' AND json_array_length(argv) >= 1),
+    blocking  INTEGER NOT NULL DEFAULT 0  -- 1: the console waits for its end; 0: it runs until it ends or `stop NAME`
+        CHECK (blocking IN (0, 1)),
+    enabled   INTEGER NOT NULL DEFAULT 1  -- 0: not offered
+        CHECK (enabled IN (0, 1)),
+    help      TEXT    NOT NULL DEFAULT '',  -- one line for people
+    arguments TEXT                        -- JSON list of what may follow the name, see above; NULL: nothing
+        CHECK (arguments IS NULL OR (json_valid(arguments) AND json_type(arguments) = 'array')),
+    role      TEXT    NOT NULL DEFAULT 'operate'  -- the least role that may start and end it
+        CHECK (role IN ('view', 'operate', 'admin')),
+    PRIMARY KEY (robot, name)
+) STRICT;
+
+-- What the robots say, by name and language.
+CREATE TABLE phrase (
+    name     TEXT NOT NULL  -- by which programs know it
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    language TEXT NOT NULL  -- a language tag in small letters: en, de, pt-br
+        CHECK (language GLOB '[a-z][a-z]*' AND language NOT GLOB '*[^a-z0-9-]*' AND length(language) <= 20),
+    text     TEXT NOT NULL  -- what is said
+        CHECK (length(text) BETWEEN 1 AND 1000),
+    PRIMARY KEY (name, language)
+) STRICT;
+
+-- What the robots dance: one move after the other, to the beats of a song.
+CREATE TABLE choreography (
+    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    dance     TEXT    NOT NULL  -- by which settings and commands know it
+        CHECK (dance GLOB '[a-z]*' AND dance NOT GLOB '*[^a-z0-9_]*' AND length(dance) <= 40),
+    step      INTEGER NOT NULL  -- the order, from 1; after the last comes the first
+        CHECK (step BETWEEN 1 AND 10000),
+    power     REAL    NOT NULL  -- 0 to 1 of full
+        CHECK (power BETWEEN 0 AND 1),
+    angle_deg REAL    NOT NULL  -- degrees clockwise: 0 ahead, 90 right, 180 back, 270 left
+        CHECK (angle_deg BETWEEN -360 AND 360),
+    beats     INTEGER NOT NULL DEFAULT 1  -- for how many beats
+        CHECK (beats BETWEEN 1 AND 64),
+    PRIMARY KEY (robot, dance, step)
+) STRICT;
+
+-- Numbers measured on one device, written back by calibration runs; its driver gets them at its start.
+CREATE TABLE calibration (
+    robot       TEXT NOT NULL,  -- whose it is
+    device      TEXT NOT NULL,  -- which device was measured
+    name        TEXT NOT NULL  -- what was measured, with its unit as a suffix
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    value       REAL NOT NULL  -- the number
+        CHECK (value BETWEEN -1e300 AND 1e300),
+    measured_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
+    PRIMARY KEY (robot, device, name),
+    FOREIGN KEY (robot, device) REFERENCES device (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- Humanoids: the joints.
+CREATE TABLE joint (
+    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name      TEXT    NOT NULL  -- by which motions know it
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    device_id INTEGER NOT NULL  -- the servo's number on its bus
+        CHECK (device_id BETWEEN 0 AND 253),
+    side      TEXT    NOT NULL DEFAULT 'centre'  -- which half of the body it belongs to
+        CHECK (side IN ('left', 'right', 'centre')),
+    sign      INTEGER NOT NULL DEFAULT 1  -- 1 or -1: whether the servo turns the way the joint counts
+        CHECK (sign IN (-1, 1)),
+    zero_rad  REAL    NOT NULL DEFAULT 0  -- the servo's angle where the joint is at 0
+        CHECK (zero_rad BETWEEN -10 AND 10),
+    lower_rad REAL    NOT NULL            -- limits of the joint's angle
+        CHECK (lower_rad BETWEEN -10 AND 10),
+    upper_rad REAL    NOT NULL  -- see lower_rad
+        CHECK (upper_rad BETWEEN -10 AND 10),
+    speed_rps REAL    NOT NULL            -- the fastest it may move, radians a second
+        CHECK (speed_rps > 0 AND speed_rps <= 100),
+    PRIMARY KEY (robot, name),
+    CHECK (lower_rad < upper_rad)
+) STRICT;
+
+-- Humanoids: the named motions.
+CREATE TABLE motion (
+    robot    TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name     TEXT NOT NULL  -- by which it is played
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    help     TEXT NOT NULL DEFAULT '',  -- one line for people
+    lead_in  TEXT NOT NULL DEFAULT ''  -- the motion that is played once before it; empty: none
+        CHECK (lead_in = '' OR (lead_in GLOB '[a-z]*' AND lead_in NOT GLOB '*[^a-z0-9_]*')),
+    lead_out TEXT NOT NULL DEFAULT ''  -- the motion that is played once after it, unless it was stopped; empty: none
+        CHECK (lead_out = '' OR (lead_out GLOB '[a-z]*' AND lead_out NOT GLOB '*[^a-z0-9_]*')),
+    slot     INTEGER                   -- the number under which the robot's own controller keeps and plays it; or NULL
+        CHECK (slot BETWEEN 1 AND 255),
+    slot_s   REAL                      -- how long the controller takes for it
+        CHECK (CASE WHEN slot IS NULL THEN slot_s IS NULL ELSE coalesce(slot_s > 0 AND slot_s <= 600, 0) END),
+    limp     INTEGER NOT NULL DEFAULT 0  -- 1: the controller lets the joints go at its end
+        CHECK (limp IN (0, 1)),
+    builtin  INTEGER NOT NULL DEFAULT 0  -- 1: is changed here only, not from the network
+        CHECK (builtin IN (0, 1)),
+    PRIMARY KEY (robot, name)
+) STRICT;
+
+-- Humanoids: the key frames of a motion, in their order. Those of a motion in a slot say where it leads.
+CREATE TABLE motion_step (
+    robot      TEXT    NOT NULL,  -- whose it is
+    motion     TEXT    NOT NULL,  -- which motion it belongs to
+    step       INTEGER NOT NULL  -- the order, from 1
+        CHECK (step >= 1),
+    duration_s REAL    NOT NULL  -- the time to get there from the step before
+        CHECK (duration_s > 0 AND duration_s <= 60),
+    positions  TEXT    NOT NULL  -- JSON object: joint name to angle in radians; joints left out stay
+        CHECK (json_valid(positions) AND json_type(positions) = 'object'),
+    PRIMARY KEY (robot, motion, step),
+    FOREIGN KEY (robot, motion) REFERENCES motion (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of which a
+-- face uses one. Whatever a layer allows, the limits of the joints hold.
+CREATE TABLE motor (
+    robot       TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    layer       TEXT    NOT NULL  -- by which a face's settings know it
+        CHECK (layer GLOB '[a-z]*' AND layer NOT GLOB '*[^a-z0-9_]*' AND length(layer) <= 40),
+    id          INTEGER NOT NULL  -- the servo's number on its bus
+        CHECK (id BETWEEN 0 AND 253),
+    name        TEXT    NOT NULL             -- for people
+        CHECK (length(name) BETWEEN 1 AND 40),
+    description TEXT    NOT NULL DEFAULT '',  -- for people
+    initial     INTEGER NOT NULL  -- which position a face tells before it was moved
+        CHECK (initial BETWEEN 0 AND 16383),
+    lowest      INTEGER NOT NULL  -- which positions are taken; what is beyond is brought within
+        CHECK (lowest BETWEEN 0 AND 16383),
+    highest     INTEGER NOT NULL  -- see lowest
+        CHECK (highest BETWEEN 0 AND 16383),
+    rest        INTEGER NOT NULL  -- where it belongs
+        CHECK (rest BETWEEN 0 AND 16383),
+    inverted    INTEGER NOT NULL DEFAULT 0  -- 1: a percentage counts from its highest position down
+        CHECK (inverted IN (0, 1)),
+    builtin     INTEGER NOT NULL DEFAULT 0  -- 1: is changed here only, not from the network
+        CHECK (builtin IN (0, 1)),
+    PRIMARY KEY (robot, layer, id),
+    CHECK (lowest < highest)
+) STRICT;
+
+-- The motions as a face to the outside numbers and names them; several numbers may mean one motion.
+CREATE TABLE button (
+    robot   TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    id      INTEGER NOT NULL  -- the number
+        CHECK (id BETWEEN 0 AND 9999),
+    name    TEXT    NOT NULL             -- the name there; of several with the same, the lowest number is meant
+        CHECK (length(name) BETWEEN 1 AND 40),
+    button  TEXT    NOT NULL DEFAULT '',  -- what is written on the remote control's key
+    motion  TEXT    NOT NULL DEFAULT '',  -- which motion is played; empty: none, only the controller is taken over
+    builtin INTEGER NOT NULL DEFAULT 0   -- 1: is changed here only, not from the network
+        CHECK (builtin IN (0, 1)),
+    PRIMARY KEY (robot, id)
+) STRICT;
+
+-- Who may do what. The token itself is shown once and never stored.
+CREATE TABLE user_token (
+    name       TEXT NOT NULL PRIMARY KEY  -- whose it is
+        CHECK (length(name) BETWEEN 1 AND 40),
+    role       TEXT NOT NULL              -- look, move, change, or run a share of the robot
+        CHECK (role IN ('view', 'operate', 'admin', 'host')),
+    hash       TEXT NOT NULL              -- of the token
+        CHECK (length(hash) >= 32),
+    created_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
+    revoked_at TEXT,                      -- NULL: valid
+    expires_at TEXT,                      -- NULL: never
+    good_for   TEXT NOT NULL DEFAULT 'both'  -- where it lets in: the bus, the web server, or both
+        CHECK (good_for IN ('bus', 'web', 'both'))
+) STRICT;
+
+-- Every change of the rows above that make the robot, kept by the triggers at the end of this file.
+CREATE TABLE revision (
+    id         INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
+    table_name TEXT NOT NULL,  -- which table
+    row_key    TEXT NOT NULL  -- JSON list: the row's primary key (after an update, the new one)
+        CHECK (json_valid(row_key)),
+    operation  TEXT NOT NULL  -- what was done to the row
+        CHECK (operation IN ('insert', 'update', 'delete')),
+    old_row    TEXT           -- JSON object: the row before; NULL for an insert
+        CHECK (old_row IS NULL OR json_valid(old_row)),
+    new_row    TEXT           -- JSON object: the row after; NULL for a delete
+        CHECK (new_row IS NULL OR json_valid(new_row)),
+    changed_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))  -- when
+) STRICT;
+
+-- What happened; written by lbr, the oldest go when there are very many.
+CREATE TABLE event (
+    id      INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
+    wall_ns INTEGER NOT NULL  -- nanoseconds since 1970 by the wall clock
+        CHECK (wall_ns >= 0),
+    kind    TEXT    NOT NULL,  -- started, stopped, crashed, refused, row_changed ...
+    subject TEXT    NOT NULL DEFAULT '',  -- the capability, or whom it is about
+    level   TEXT    NOT NULL DEFAULT 'info'  -- how much it matters
+        CHECK (level IN ('info', 'warning', 'error')),
+    text    TEXT    NOT NULL DEFAULT '',  -- one sentence
+    data    TEXT    NOT NULL DEFAULT '{}'  -- JSON object: figures that belong to it
+        CHECK (json_valid(data) AND json_type(data) = 'object')
+) STRICT;
+
+-- The audit trail: who did what to the robot. Each row's hash covers the hash before it, so that `lbr db check` finds a
+-- row that was changed or taken out; the oldest go when there are very many. Written by lbr, and never changed.
+CREATE TABLE audit (
+    id       INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up without a gap
+    wall_ns  INTEGER NOT NULL  -- nanoseconds since 1970 by the wall clock
+        CHECK (wall_ns >= 0),
+    kind     TEXT    NOT NULL,  -- run, shutdown, holder, stopped, estop, login, rows_changed, python ...
+    subject  TEXT    NOT NULL,  -- the capability, or whom it is about
+    source   TEXT    NOT NULL,  -- who said so, as robot/capability
+    text     TEXT    NOT NULL,  -- one sentence
+    previous TEXT    NOT NULL,  -- the hash of the row before; empty for the very first
+    hash     TEXT    NOT NULL   -- BLAKE2b over all of this row but itself
+) STRICT;
+
+-- The row sets that ran, so that rows which change without an edit are noticed. Written by lbr.
+CREATE TABLE adopted (
+    revision INTEGER NOT NULL PRIMARY KEY,  -- the last change of rows that was in it; 0: none
+    hash     TEXT    NOT NULL,              -- BLAKE2b over the rows that make robots
+    wall_ns  INTEGER NOT NULL               -- when it was adopted first, nanoseconds since 1970
+        CHECK (wall_ns >= 0)
+) STRICT;
+
+
+-- ---------------------------------------------------------------------------------------------------------------------
+-- lbr: a telepresence robot on two driven wheels, with a ring of ultrasonic sensors.
+
+INSERT INTO robot (name, model, description)
+VALUES ('lbr', 'lbr6', 'Two driven wheels on a Roboteq SDC21xx, ultrasonic ranges ahead, behind and to both sides');
+
+-- The addresses are examples, unverified on hardware: `ls /dev/serial/by-id` shows yours. A simulating launch profile
+-- puts emulated devices in their place.
+INSERT INTO device (robot, name, type, address, settings) VALUES
+    ('lbr', 'motor_controller', 'roboteq', '/dev/serial/by-id/usb-Roboteq_Motor_Controller-if00', '{}'),
+    ('lbr', 'range_board', 'ultrasonic_ring', '/dev/serial/by-id/usb-Arduino-if00', '{}'),
+    ('lbr', 'front_camera', 'camera', '/dev/video0', '{"mount": "front"}'),
+    ('lbr', 'rear_camera', 'camera', '/dev/video2', '{"mount": "rear"}'),
+    ('lbr', 'imu', 'mpu9150', 'i2c:1:0x68', '{}'),
+    ('lbr', 'speaker', 'speaker', 'alsa:default', '{}'),
+    ('lbr', 'dock_receiver', 'infrared', '/dev/lirc0', '{}');
+
+INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
+    ('lbr', 'motors', 'roboteq',
+     '{"device": "motor_controller",
+       "left": {"channel": 1, "direction": -1},
+       "right": {"channel": 2, "direction": 1}}', '[]',
+     'The motor controller: left wheel on channel 1, mounted mirrored, right wheel on channel 2'),
+    ('lbr', 'ranges', 'ultrasonic_ring', '{"device": "range_board"}', '[]',
+     'The ring of ultrasonic sensors: distances ahead, behind, left and right'),
+    ('lbr', 'imu', 'mpu9150', '{"device": "imu"}', '[]',
+     'The inertial unit: acceleration, rate of turn and magnetic field, along its own axes'),
+    ('lbr', 'drive', 'drive', '{}', '["motors", "ranges"]',
+     'The base: who drives, how fast and how near to obstacles'),
+    ('lbr', 'attitude', 'attitude', '{"device": "imu"}', '["imu"]',
+     'The attitude: how the body lies, where it looks, how far it turned; and the compass''s calibration'),
+    ('lbr', 'odometry', 'odometry', '{}', '["motors"]',
+     'The odometry: how far the base went by its wheels, and whether they stall or slip'),
+    ('lbr', 'battery', 'battery', '{}', '["motors"]',
+     'The battery: its charge, whether it is being charged, and warnings when it is low'),
+    ('lbr', 'speech', 'speech', '{"device": "speaker"}', '[]',
+     'The voice: says texts and phrases, and plays songs'),
+    ('lbr', 'dance', 'dance', '{}', '["drive", "speech"]',
+     'Dances to a song: drives at its beats, within all that the drive allows'),
+    ('lbr', 'dock', 'infrared', '{"device": "dock_receiver"}', '[]',
+     'The receiver of the charging dock''s infrared beams: which of them it sees'),
+    ('lbr', 'camera_front', 'camera', '{"device": "front_camera", "on": true}', '[]',
+     'The camera that looks ahead'),
+    ('lbr', 'camera_rear', 'camera',
+     '{"device": "rear_camera",
+       "controls": {"power_line_frequency": 2, "brightness": 17, "auto_exposure": 1, "exposure_time_absolute": 681}}',
+     '[]', 'The camera that looks back'),
+    ('lbr', 'cameras', 'cameras', '{}', '["camera_front", "camera_rear"]',
+     'Which camera is on: one at a time'),
+    ('lbr', 'telemetry', 'telemetry', '{}', '[]',
+     'All that the robot knows of itself, in one message'),
+    ('lbr', 'world', 'world', '{}', '[]',
+     'The simulated surroundings; runs only under a simulating launch profile');
+
+-- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
+-- lets in whoever has a token (`lbr token add NAME`); the same with 'web' serves the robot over HTTP, to this machine.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('lbr', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
+     'The door to other machines: whoever has a token comes in'),
+    ('lbr', 'web', 'web', 0, '{"faces": ["cameras"]}',
+     'The robot over HTTP: its state, stop, cameras; on this machine only, unless the settings say otherwise');
+
+INSERT INTO channel (robot, source, target, history) VALUES
+    ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
+    ('lbr', 'motors.state', 'drive.motors', 1),
+    ('lbr', 'ranges.readings', 'drive.ranges', 1),
+    ('lbr', 'imu.sample', 'attitude.samples', 32),
+    ('lbr', 'imu.sample', 'telemetry.imu', 32),
+    ('lbr', 'attitude.motion', 'drive.command', 1),
+    ('lbr', 'attitude.halt', 'drive.stop', 1),
+    ('lbr', 'attitude.state', 'drive.attitude', 1),
+    ('lbr', 'attitude.state', 'odometry.attitude', 1),
+    ('lbr', 'motors.state', 'odometry.motors', 1),
+    ('lbr', 'odometry.state', 'drive.odometry', 1),
+    ('lbr', 'camera_front.state', 'cameras.states', 4),
+    ('lbr', 'camera_rear.state', 'cameras.states', 4),
+    ('lbr', 'cameras.switch', 'camera_front.switch', 1),
+    ('lbr', 'cameras.switch', 'camera_rear.switch', 1),
+    ('lbr', 'dance.motion', 'drive.command', 1),
+    ('lbr', 'dance.halt', 'drive.stop', 1),
+    ('lbr', 'dance.sound', 'speech.play', 1),
+    ('lbr', 'dance.hush', 'speech.hush', 1),
+    ('lbr', 'speech.state', 'dance.speech', 1),
+    ('lbr', 'drive.state', 'web.drive', 1),
+    ('lbr', 'ranges.readings', 'web.ranges', 1),
+    ('lbr', 'battery.state', 'web.battery', 1),
+    ('lbr', 'camera_front.frame', 'web.frames', 2),
+    ('lbr', 'camera_rear.frame', 'web.frames', 2),
+    ('lbr', 'camera_front.state', 'web.cameras', 4),
+    ('lbr', 'camera_rear.state', 'web.cameras', 4),
+    ('lbr', 'web.halt', 'drive.stop', 1),
+    ('lbr', 'web.estop_reset', 'executive.estop_reset', 1);
+
+-- What needs no more than a few messages a second gets no more.
+INSERT INTO channel (robot, source, target, rate_hz) VALUES
+    ('lbr', 'motors.state', 'battery.motors', 5),
+    ('lbr', 'battery.say', 'speech.say', NULL),
+    ('lbr', 'ranges.readings', 'telemetry.ranges', 10),
+    ('lbr', 'motors.state', 'telemetry.motors', 10),
+    ('lbr', 'attitude.state', 'telemetry.attitude', 10),
+    ('lbr', 'odometry.state', 'telemetry.odometry', 10),
+    ('lbr', 'cameras.state', 'telemetry.cameras', 10),
+    ('lbr', 'battery.state', 'telemetry.battery', 10),
+    ('lbr', 'dock.signal', 'telemetry.dock', 10);
+
+-- Most of its words come with the kinds of its capabilities; a row of the same pattern takes the place of one.
+INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
+    ('lbr', 'f', 'f', 'drive.command', '{"power": 0.25, "angle_deg": 0}', 'operate',
+     'Drive ahead at a quarter of full power'),
+    ('lbr', 'b', 'b', 'drive.command', '{"power": 0.25, "angle_deg": 180}', 'operate',
+     'Drive back at a quarter of full power'),
+    ('lbr', 'snapshot', '/snapshot/front', 'camera_front.snapshot', NULL, 'operate',
+     'Save what the front camera sees as a picture, named after the time'),
+    ('lbr', 'snapshot', '/snapshot/front/{name}', 'camera_front.snapshot', NULL, 'operate',
+     'Save what the front camera sees as a picture of that name'),
+    ('lbr', 'snapshot', '/snapshot/rear', 'camera_rear.snapshot', NULL, 'operate',
+     'Save what the rear camera sees as a picture, named after the time'),
+    ('lbr', 'snapshot', '/snapshot/rear/{name}', 'camera_rear.snapshot', NULL, 'operate',
+     'Save what the rear camera sees as a picture of that name');
+
+INSERT INTO external_command (robot, name, argv, blocking, arguments, role, help) VALUES
+    ('lbr', 'clock', '["/bin/date"]', 1, NULL, 'view', 'Show date and time of the robot''s computer'),
+    ('lbr', 'navcam', '["python", "-m", "lbr.apps.navcam"]', 0, NULL, 'operate',
+     'Serve the cameras to browsers; its address is in run/lbr-navcam.url. To whom, and where, its row says'),
+    ('lbr', 'docksignal', '["python", "-m", "lbr.apps.docksignal"]', 1,
+     '[["left", "right", "power"], ["left", "right", "power"], ["left", "right", "power"]]', 'operate',
+     'Tell that somebody else has seen a beam of the dock: docksignal left, right or power'),
+    ('lbr', 'autodock', '["python", "-m", "lbr.apps.autodock"]', 0, NULL, 'operate',
+     'Find the charging dock and back onto it; stop autodock ends it');
+
+INSERT INTO choreography (robot, dance, step, power, angle_deg) VALUES
+    ('lbr', 'to_and_fro', 1, 0.3, 0),
+    ('lbr', 'to_and_fro', 2, 0.3, 180),
+    ('lbr', 'to_and_fro', 3, 0.3, 0),
+    ('lbr', 'to_and_fro', 4, 0.3, 180),
+    ('lbr', 'to_and_fro', 5, 0.3, 270),
+    ('lbr', 'to_and_fro', 6, 0.3, 90),
+    ('lbr', 'to_and_fro', 7, 0.3, 90),
+    ('lbr', 'to_and_fro', 8, 0.3, 270);
+
+INSERT INTO phrase (name, language, text) VALUES
+    ('hello', 'en', 'Good day. All systems are up.'),
+    ('goodbye', 'en', 'Good bye. Going to sleep now.'),
+    ('ahead_slow', 'en', 'Going ahead, slowly.'),
+    ('ahead_half', 'en', 'Going ahead at half power.'),
+    ('ahead_full', 'en', 'Going ahead at three quarters of full power.'),
+    ('flank_in_3', 'en', 'Full power ahead in three seconds. Please make way.'),
+    ('reverse', 'en', 'Backing up.'),
+    ('left_turn', 'en', 'Turning to the left.'),
+    ('right_turn', 'en', 'Turning to the right.'),
+    ('stop_motors', 'en', 'Stopping.'),
+    ('drive_command', 'en', 'Drive command'),
+    ('amp', 'en', 'ampere'),
+    ('amps', 'en', 'amperes'),
+    ('volt', 'en', 'volt'),
+    ('volts', 'en', 'volts'),
+    ('main_battery', 'en', 'The main battery is at'),
+    ('internal_voltage', 'en', 'The controller''s own supply is at'),
+    ('motor_1_current', 'en', 'The left motor draws'),
+    ('motor_2_current', 'en', 'The right motor draws'),
+    ('battery_low', 'en', 'My battery is low. I need my dock.'),
+    ('battery_critical', 'en', 'My battery is almost empty.'),
+    ('charging', 'en', 'I am being charged.'),
+    ('docking', 'en', 'I am going to my dock.'),
+    ('docked', 'en', 'I am on my dock.'),
+    ('dock_failed', 'en', 'I could not reach my dock. Please help me.');
+
+
+-- ---------------------------------------------------------------------------------------------------------------------
+-- Triggers that keep the revisions; last, so that a new database begins at revision 0. What lbr itself writes into the
+-- robot's row while it runs (last start and shutdown, emergency stop) is no revision.
+
+CREATE TRIGGER robot_insert AFTER INSERT ON robot
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('robot', json_array(NEW.name), 'insert',
+            NULL,
+            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner));
+END;
+
+CREATE TRIGGER robot_update AFTER UPDATE ON robot
+WHEN (OLD.name, OLD.model, OLD.description, OLD.owner)
+     IS NOT (NEW.name, NEW.model, NEW.description, NEW.owner)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('robot', json_array(NEW.name), 'update',
+            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner),
+            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner));
+END;
+
+CREATE TRIGGER robot_delete AFTER DELETE ON robot
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('robot', json_array(OLD.name), 'delete',
+            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner),
+            NULL);
+END;
+
+CREATE TRIGGER capability_insert AFTER INSERT ON capability
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('capability', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'enabled', NEW.enabled, 'settings',
+            NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help));
+END;
+
+CREATE TRIGGER capability_update AFTER UPDATE ON capability
+WHEN (OLD.robot, OLD.name, OLD.kind, OLD.enabled, OLD.settings, OLD.restart, OLD.needs, OLD.help)
+     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.enabled, NEW.settings, NEW.restart, NEW.needs, NEW.help)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('capability', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'enabled', OLD.enabled, 'settings',
+            OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'enabled', NEW.enabled, 'settings',
+            NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help));
+END;
+
+CREATE TRIGGER capability_delete AFTER DELETE ON capability
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('capability', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'enabled', OLD.enabled, 'settings',
+            OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help),
+            NULL);
+END;
+
+CREATE TRIGGER channel_insert AFTER INSERT ON channel
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('channel', json_array(NEW.robot, NEW.source, NEW.target), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'source', NEW.source, 'target', NEW.target, 'rate_hz', NEW.rate_hz,
+            'history', NEW.history, 'enabled', NEW.enabled));
+END;
+
+CREATE TRIGGER channel_update AFTER UPDATE ON channel
+WHEN (OLD.robot, OLD.source, OLD.target, OLD.rate_hz, OLD.history, OLD.enabled)
+     IS NOT (NEW.robot, NEW.source, NEW.target, NEW.rate_hz, NEW.history, NEW.enabled)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('channel', json_array(NEW.robot, NEW.source, NEW.target), 'update',
+            json_object('robot', OLD.robot, 'source', OLD.source, 'target', OLD.target, 'rate_hz', OLD.rate_hz,
+            'history', OLD.history, 'enabled', OLD.enabled),
+            json_object('robot', NEW.robot, 'source', NEW.source, 'target', NEW.target, 'rate_hz', NEW.rate_hz,
+            'history', NEW.history, 'enabled', NEW.enabled));
+END;
+
+CREATE TRIGGER channel_delete AFTER DELETE ON channel
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('channel', json_array(OLD.robot, OLD.source, OLD.target), 'delete',
+            json_object('robot', OLD.robot, 'source', OLD.source, 'target', OLD.target, 'rate_hz', OLD.rate_hz,
+            'history', OLD.history, 'enabled', OLD.enabled),
+            NULL);
+END;
+
+CREATE TRIGGER device_insert AFTER INSERT ON device
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('device', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'type', NEW.type, 'address', NEW.address, 'settings',
+            NEW.settings));
+END;
+
+CREATE TRIGGER device_update AFTER UPDATE ON device
+WHEN (OLD.robot, OLD.name, OLD.type, OLD.address, OLD.settings)
+     IS NOT (NEW.robot, NEW.name, NEW.type, NEW.address, NEW.settings)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('device', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'type', OLD.type, 'address', OLD.address, 'settings',
+            OLD.settings),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'type', NEW.type, 'address', NEW.address, 'settings',
+            NEW.settings));
+END;
+
+CREATE TRIGGER device_delete AFTER DELETE ON device
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('device', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'type', OLD.type, 'address', OLD.address, 'settings',
+            OLD.settings),
+            NULL);
+END;
+
+CREATE TRIGGER verb_insert AFTER INSERT ON verb
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('verb', json_array(NEW.robot, NEW.word, NEW.pattern), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'word', NEW.word, 'pattern', NEW.pattern, 'target', NEW.target,
+            'payload', NEW.payload, 'role', NEW.role, 'help', NEW.help));
+END;
+
+CREATE TRIGGER verb_update AFTER UPDATE ON verb
+WHEN (OLD.robot, OLD.word, OLD.pattern, OLD.target, OLD.payload, OLD.role, OLD.help)
+     IS NOT (NEW.robot, NEW.word, NEW.pattern, NEW.target, NEW.payload, NEW.role, NEW.help)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('verb', json_array(NEW.robot, NEW.word, NEW.pattern), 'update',
+            json_object('robot', OLD.robot, 'word', OLD.word, 'pattern', OLD.pattern, 'target', OLD.target,
+            'payload', OLD.payload, 'role', OLD.role, 'help', OLD.help),
+            json_object('robot', NEW.robot, 'word', NEW.word, 'pattern', NEW.pattern, 'target', NEW.target,
+            'payload', NEW.payload, 'role', NEW.role, 'help', NEW.help));
+END;
+
+CREATE TRIGGER verb_delete AFTER DELETE ON verb
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('verb', json_array(OLD.robot, OLD.word, OLD.pattern), 'delete',
+            json_object('robot', OLD.robot, 'word', OLD.word, 'pattern', OLD.pattern, 'target', OLD.target,
+            'payload', OLD.payload, 'role', OLD.role, 'help', OLD.help),
+            NULL);
+END;
+
+CREATE TRIGGER external_command_insert AFTER INSERT ON external_command
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('external_command', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'argv', NEW.argv, 'blocking', NEW.blocking,
+            'enabled', NEW.enabled, 'help', NEW.help, 'arguments', NEW.arguments, 'role', NEW.role));
+END;
+
+CREATE TRIGGER external_command_update AFTER UPDATE ON external_command
+WHEN (OLD.robot, OLD.name, OLD.argv, OLD.blocking, OLD.enabled, OLD.help, OLD.arguments, OLD.role)
+     IS NOT (NEW.robot, NEW.name, NEW.argv, NEW.blocking, NEW.enabled, NEW.help, NEW.arguments, NEW.role)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('external_command', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'argv', OLD.argv, 'blocking', OLD.blocking,
+            'enabled', OLD.enabled, 'help', OLD.help, 'arguments', OLD.arguments, 'role', OLD.role),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'argv', NEW.argv, 'blocking', NEW.blocking,
+            'enabled', NEW.enabled, 'help', NEW.help, 'arguments', NEW.arguments, 'role', NEW.role));
+END;
+
+CREATE TRIGGER external_command_delete AFTER DELETE ON external_command
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('external_command', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'argv', OLD.argv, 'blocking', OLD.blocking,
+            'enabled', OLD.enabled, 'help', OLD.help, 'arguments', OLD.arguments, 'role', OLD.role),
+            NULL);
+END;
+
+CREATE TRIGGER phrase_insert AFTER INSERT ON phrase
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('phrase', json_array(NEW.name, NEW.language), 'insert',
+            NULL,
+            json_object('name', NEW.name, 'language', NEW.language, 'text', NEW.text));
+END;
+
+CREATE TRIGGER phrase_update AFTER UPDATE ON phrase
+WHEN (OLD.name, OLD.language, OLD.text)
+     IS NOT (NEW.name, NEW.language, NEW.text)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('phrase', json_array(NEW.name, NEW.language), 'update',
+            json_object('name', OLD.name, 'language', OLD.language, 'text', OLD.text),
+            json_object('name', NEW.name, 'language', NEW.language, 'text', NEW.text));
+END;
+
+CREATE TRIGGER phrase_delete AFTER DELETE ON phrase
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('phrase', json_array(OLD.name, OLD.language), 'delete',
+            json_object('name', OLD.name, 'language', OLD.language, 'text', OLD.text),
+            NULL);
+END;
+
+CREATE TRIGGER choreography_insert AFTER INSERT ON choreography
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(NEW.robot, NEW.dance, NEW.step), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'dance', NEW.dance, 'step', NEW.step, 'power', NEW.power,
+            'angle_deg', NEW.angle_deg, 'beats', NEW.beats));
+END;
+
+CREATE TRIGGER choreography_update AFTER UPDATE ON choreography
+WHEN (OLD.robot, OLD.dance, OLD.step, OLD.power, OLD.angle_deg, OLD.beats)
+     IS NOT (NEW.robot, NEW.dance, NEW.step, NEW.power, NEW.angle_deg, NEW.beats)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(NEW.robot, NEW.dance, NEW.step), 'update',
+            json_object('robot', OLD.robot, 'dance', OLD.dance, 'step', OLD.step, 'power', OLD.power,
+            'angle_deg', OLD.angle_deg, 'beats', OLD.beats),
+            json_object('robot', NEW.robot, 'dance', NEW.dance, 'step', NEW.step, 'power', NEW.power,
+            'angle_deg', NEW.angle_deg, 'beats', NEW.beats));
+END;
+
+CREATE TRIGGER choreography_delete AFTER DELETE ON choreography
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(OLD.robot, OLD.dance, OLD.step), 'delete',
+            json_object('robot', OLD.robot, 'dance', OLD.dance, 'step', OLD.step, 'power', OLD.power,
+            'angle_deg', OLD.angle_deg, 'beats', OLD.beats),
+            NULL);
+END;
+
+CREATE TRIGGER calibration_insert AFTER INSERT ON calibration
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('calibration', json_array(NEW.robot, NEW.device, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'device', NEW.device, 'name', NEW.name, 'value', NEW.value,
+            'measured_at', NEW.measured_at));
+END;
+
+CREATE TRIGGER calibration_update AFTER UPDATE ON calibration
+WHEN (OLD.robot, OLD.device, OLD.name, OLD.value, OLD.measured_at)
+     IS NOT (NEW.robot, NEW.device, NEW.name, NEW.value, NEW.measured_at)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('calibration', json_array(NEW.robot, NEW.device, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'device', OLD.device, 'name', OLD.name, 'value', OLD.value,
+            'measured_at', OLD.measured_at),
+            json_object('robot', NEW.robot, 'device', NEW.device, 'name', NEW.name, 'value', NEW.value,
+            'measured_at', NEW.measured_at));
+END;
+
+CREATE TRIGGER calibration_delete AFTER DELETE ON calibration
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('calibration', json_array(OLD.robot, OLD.device, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'device', OLD.device, 'name', OLD.name, 'value', OLD.value,
+            'measured_at', OLD.measured_at),
+            NULL);
+END;
+
+CREATE TRIGGER joint_insert AFTER INSERT ON joint
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
+            'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
+            'speed_rps', NEW.speed_rps));
+END;
+
+CREATE TRIGGER joint_update AFTER UPDATE ON joint
+WHEN (OLD.robot, OLD.name, OLD.device_id, OLD.side, OLD.sign, OLD.zero_rad, OLD.lower_rad, OLD.upper_rad, OLD.speed_rps)
+     IS NOT (NEW.robot, NEW.name, NEW.device_id, NEW.side, NEW.sign, NEW.zero_rad, NEW.lower_rad, NEW.upper_rad, NEW.speed_rps)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
+            'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
+            'speed_rps', OLD.speed_rps),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
+            'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
+            'speed_rps', NEW.speed_rps));
+END;
+
+CREATE TRIGGER joint_delete AFTER DELETE ON joint
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
+            'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
+            'speed_rps', OLD.speed_rps),
+            NULL);
+END;
+
+CREATE TRIGGER motion_insert AFTER INSERT ON motion
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'lead_in', NEW.lead_in,
+            'lead_out', NEW.lead_out, 'slot', NEW.slot, 'slot_s', NEW.slot_s, 'limp', NEW.limp,
+            'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER motion_update AFTER UPDATE ON motion
+WHEN (OLD.robot, OLD.name, OLD.help, OLD.lead_in, OLD.lead_out, OLD.slot, OLD.slot_s, OLD.limp, OLD.builtin)
+     IS NOT (NEW.robot, NEW.name, NEW.help, NEW.lead_in, NEW.lead_out, NEW.slot, NEW.slot_s, NEW.limp, NEW.builtin)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'lead_in', OLD.lead_in,
+            'lead_out', OLD.lead_out, 'slot', OLD.slot, 'slot_s', OLD.slot_s, 'limp', OLD.limp,
+            'builtin', OLD.builtin),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'lead_in', NEW.lead_in,
+            'lead_out', NEW.lead_out, 'slot', NEW.slot, 'slot_s', NEW.slot_s, 'limp', NEW.limp,
+            'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER motion_delete AFTER DELETE ON motion
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'lead_in', OLD.lead_in,
+            'lead_out', OLD.lead_out, 'slot', OLD.slot, 'slot_s', OLD.slot_s, 'limp', OLD.limp,
+            'builtin', OLD.builtin),
+            NULL);
+END;
+
+CREATE TRIGGER motion_step_insert AFTER INSERT ON motion_step
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step, 'duration_s', NEW.duration_s,
+            'positions', NEW.positions));
+END;
+
+CREATE TRIGGER motion_step_update AFTER UPDATE ON motion_step
+WHEN (OLD.robot, OLD.motion, OLD.step, OLD.duration_s, OLD.positions)
+     IS NOT (NEW.robot, NEW.motion, NEW.step, NEW.duration_s, NEW.positions)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'update',
+            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step, 'duration_s', OLD.duration_s,
+            'positions', OLD.positions),
+            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step, 'duration_s', NEW.duration_s,
+            'positions', NEW.positions));
+END;
+
+CREATE TRIGGER motion_step_delete AFTER DELETE ON motion_step
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(OLD.robot, OLD.motion, OLD.step), 'delete',
+            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step, 'duration_s', OLD.duration_s,
+            'positions', OLD.positions),
+            NULL);
+END;
+
+CREATE TRIGGER motor_insert AFTER INSERT ON motor
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motor', json_array(NEW.robot, NEW.layer, NEW.id), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'layer', NEW.layer, 'id', NEW.id, 'name', NEW.name,
+            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest, 'highest', NEW.highest,
+            'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER motor_update AFTER UPDATE ON motor
+WHEN (OLD.robot, OLD.layer, OLD.id, OLD.name, OLD.description, OLD.initial, OLD.lowest, OLD.highest, OLD.rest, OLD.inverted, OLD.builtin)
+     IS NOT (NEW.robot, NEW.layer, NEW.id, NEW.name, NEW.description, NEW.initial, NEW.lowest, NEW.highest, NEW.rest, NEW.inverted, NEW.builtin)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motor', json_array(NEW.robot, NEW.layer, NEW.id), 'update',
+            json_object('robot', OLD.robot, 'layer', OLD.layer, 'id', OLD.id, 'name', OLD.name,
+            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest, 'highest', OLD.highest,
+            'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
+            json_object('robot', NEW.robot, 'layer', NEW.layer, 'id', NEW.id, 'name', NEW.name,
+            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest, 'highest', NEW.highest,
+            'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER motor_delete AFTER DELETE ON motor
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motor', json_array(OLD.robot, OLD.layer, OLD.id), 'delete',
+            json_object('robot', OLD.robot, 'layer', OLD.layer, 'id', OLD.id, 'name', OLD.name,
+            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest, 'highest', OLD.highest,
+            'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
+            NULL);
+END;
+
+CREATE TRIGGER button_insert AFTER INSERT ON button
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('button', json_array(NEW.robot, NEW.id), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'id', NEW.id, 'name', NEW.name, 'button', NEW.button,
+            'motion', NEW.motion, 'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER button_update AFTER UPDATE ON button
+WHEN (OLD.robot, OLD.id, OLD.name, OLD.button, OLD.motion, OLD.builtin)
+     IS NOT (NEW.robot, NEW.id, NEW.name, NEW.button, NEW.motion, NEW.builtin)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('button', json_array(NEW.robot, NEW.id), 'update',
+            json_object('robot', OLD.robot, 'id', OLD.id, 'name', OLD.name, 'button', OLD.button,
+            'motion', OLD.motion, 'builtin', OLD.builtin),
+            json_object('robot', NEW.robot, 'id', NEW.id, 'name', NEW.name, 'button', NEW.button,
+            'motion', NEW.motion, 'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER button_delete AFTER DELETE ON button
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('button', json_array(OLD.robot, OLD.id), 'delete',
+            json_object('robot', OLD.robot, 'id', OLD.id, 'name', OLD.name, 'button', OLD.button,
+            'motion', OLD.motion, 'builtin', OLD.builtin),
+            NULL);
+END;
+
+-- The audit trail takes rows at its end only, changes none, and gives up none but the oldest.
+CREATE TRIGGER audit_insert BEFORE INSERT ON audit
+WHEN NEW.previous IS NOT (SELECT hash FROM audit ORDER BY id DESC LIMIT 1) AND EXISTS (SELECT 1 FROM audit)
+BEGIN
+    SELECT RAISE(ABORT, 'the audit trail goes on where it ended: previous must be the hash of its last row');
+END;
+
+CREATE TRIGGER audit_update BEFORE UPDATE ON audit
+BEGIN
+    SELECT RAISE(ABORT, 'the audit trail is never changed');
+END;
+
+CREATE TRIGGER audit_delete BEFORE DELETE ON audit
+WHEN OLD.id > (SELECT max(id) FROM audit) - 20000
+BEGIN
+    SELECT RAISE(ABORT, 'the audit trail gives up only what is older than its newest 20000 rows');
+END;
+
+COMMIT;
