@@ -64,18 +64,27 @@ def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # 
 class Publisher:
     """One stream: publishes stamped messages, and answers a `get` with its latest value. One thread publishes.
 
-    It carries JSON, or, with `pictures`, the bytes of JPEG files.
+    It carries JSON, or, with `pictures`, the bytes of JPEG files. `renew` makes of the latest value what a `get` is told,
+    on Zenoh's thread, where a part of it may have changed since; it must be quick and thread-safe.
     """
 
     def __init__(
-        self, session: zenoh.Session, key: str, source: str, *, seal: bytes = b"", pictures: bool = False
+        self,
+        session: zenoh.Session,
+        key: str,
+        source: str,
+        *,
+        seal: bytes = b"",
+        pictures: bool = False,
+        renew: Callable[[Any], Any] | None = None,
     ) -> None:
         self.key = key
         self.count = 0
         self._encoding = JPEG if pictures else JSON
         self._source = source
         self._seal = seal
-        self._last: tuple[bytes, bytes] | None = None
+        self._renew = renew
+        self._last: tuple[Any, bytes, bytes] | None = None
         self._publisher = session.declare_publisher(
             key,
             encoding=self._encoding,
@@ -92,7 +101,7 @@ class Publisher:
         payload = message.data if isinstance(message, JpegFrame) else encode(message)
         self.count += 1
         attachment = stamps.make(self._source, self.count, payload, self._seal, sent_s=taken_s)
-        self._last = (payload, attachment)
+        self._last = (message if self._renew is not None else None, payload, attachment)
         self._publisher.put(payload, attachment=attachment)
         return attachment
 
@@ -109,7 +118,10 @@ class Publisher:
         with query:
             last = self._last  # another thread may set it or forget it
             if last is not None:
-                payload, attachment = last
+                message, payload, attachment = last
+                if self._renew is not None:
+                    payload = encode(self._renew(message))
+                    attachment = stamps.make(self._source, self.count, payload, self._seal)
                 query.reply(self.key, payload, encoding=self._encoding, attachment=attachment)
 
 

@@ -303,7 +303,7 @@ class Executive:
             wake=self._main.wake,
         )
         self._service.start()
-        self._status_out = wire.Publisher(bus, keys.status(robot), "executive")
+        self._status_out = wire.Publisher(bus, keys.status(robot), "executive", renew=self._with_estop)
         self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._main.wake())
         self._alive = wire.alive(bus, robot, wiring.EXECUTIVE)
         (Path(self._site.home) / "run" / f"{robot}-devices").mkdir(mode=0o700, exist_ok=True)
@@ -495,6 +495,10 @@ class Executive:
             problems=(*self._rows.problems, *self._troubles.current),
             revision=self.plan.rows.revision,
         )
+
+    def _with_estop(self, status: Status) -> Status:
+        """Return it with the emergency stop of now: who was told of a stop or its reset reads nothing older."""
+        return replace(status, estop=self._emergency.state())
 
     def _capabilities(self) -> tuple[CapabilityStatus, ...]:
         here = {one.name: one for one in self._overview.capabilities(time.monotonic())}

@@ -1,5 +1,6 @@
 """Messages that wake nobody wait within the bus library, the newest only."""
 
+import json
 from pathlib import Path
 
 from lbr.bus import session, wire
@@ -21,3 +22,17 @@ def test_what_nobody_is_woken_for_waits_newest_only_oldest_first(tmp_path: Path)
             until(lambda: wire.put(router, "robot/end", {}, source="imu") and end.take(), what="what came after them")
             assert [message.payload for message in waiting.take()] == [b'{"n":5}', b'{"n":6}', b'{"n":7}']
             assert waiting.take() == []
+
+
+def test_a_latest_value_is_renewed_when_it_is_asked_for(tmp_path: Path):
+    endpoint = f"unixsock-stream/{tmp_path}/r.sock"
+    engaged = [False]
+    with session.open_router(session.Router(listen=(endpoint,))) as router:
+        stream = wire.Publisher(
+            router, "robot/@status", "executive", renew=lambda said: {**said, "engaged": engaged[0]}
+        )
+        assert wire.ask(router, "robot/@status", None, source="test") == []
+        stream.put({"engaged": False, "ready": True})
+        for engaged[0] in (True, False):
+            told = wire.ask(router, "robot/@status", None, source="test")
+            assert [json.loads(one.payload) for one in told] == [{"engaged": engaged[0], "ready": True}]

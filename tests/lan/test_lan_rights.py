@@ -72,6 +72,14 @@ def test_a_viewer_can_press_the_emergency_stop_and_not_reset_it(door: Door):
         assert answer(bus, "lbr/@estop/reset", {}, timeout_s=3.0)["accepted"]
 
 
+def test_the_status_knows_of_a_stop_and_of_its_reset_once_they_are_answered(door: Door):
+    for _ in range(12):
+        assert door.robot.line("estop")["code"] == 0
+        assert door.robot.status()["estop"]["engaged"]
+        assert door.robot.line("reset")["code"] == 0
+        assert not door.robot.status()["estop"]["engaged"]
+
+
 def test_only_an_administrator_has_what_changes_the_machine(door: Door):
     message = {"path": str(door.away / "map.png")}
     for name, allowed in (("eye", False), ("phone", False), ("boss", True)):
