@@ -6,7 +6,7 @@ Nothing sleeps; the same seed gives the same figures.
 from random import Random
 
 from lbr.messages.drive import HeadingCommand, TurnCommand
-from lbr.operations.drive.bearing import shortest_deg
+from lbr.operations.drive.heading_view import shortest_deg
 from tests.models.turns.lockstep import Robot
 from tests.models.turns.open_loop import OpenLoop
 from tests.support.figures import Promise, Results

@@ -5,8 +5,8 @@ from math import isfinite
 
 from lbr.messages.codes import Code, Reason
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
-from lbr.operations.drive import travelling, turning
-from lbr.operations.drive.asked import Motion, moves, power_of, towards_deg, what
+from lbr.operations.drive import distance_goal, turn_goal
+from lbr.operations.drive.command import Motion, moves, power_of, towards_deg, what
 from lbr.operations.drive.goals import not_plausible
 from lbr.operations.drive.limits import limit
 from lbr.operations.drive.mixing import mix
@@ -126,11 +126,11 @@ def _limits(state: State, event: Command, ask: Ask, now: float) -> Reason | None
     if not ask.moves:
         return None
     if not isinstance(command, DriveCommand):
-        return turning.not_possible(command, state.bearing, state.settings, now)
+        return turn_goal.not_possible(command, state.heading, state.settings, now)
     if command.interval_s > state.settings.max_run_s:
         longest_s = state.settings.max_run_s
         return Reason("limit", f"interval_s {command.interval_s:g} is longer than max_run_s {longest_s:g}")
-    why = travelling.not_possible(command, state.mileage, now)
+    why = distance_goal.not_possible(command, state.odometry, now)
     return why or not_plausible(command, state.views, state.settings, now)
 
 

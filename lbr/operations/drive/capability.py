@@ -9,7 +9,7 @@ from lbr.capability.context import Call, Context, Received
 from lbr.messages.drive import CheckVerdict, DriveState
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive.acceptance import to_be_checked
-from lbr.operations.drive.asked import shown
+from lbr.operations.drive.command import shown
 from lbr.operations.drive.kernel import decide, drive_state, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (

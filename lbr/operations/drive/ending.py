@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from lbr.messages.codes import Reason
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals
-from lbr.operations.drive.state import Course, Outputs, State, motors_trouble
+from lbr.operations.drive.state import ActiveMotion, Outputs, State, motors_trouble
 from lbr.operations.drive.wheels import next_wheels
 from lbr.operations.leasing import ending
 from lbr.operations.leasing.lease import Ended, Ending, Happened, Hold, Holding, Result, Setpoint
@@ -23,24 +23,24 @@ def end_what_is_over(state: State, now: float) -> Decision:
         held, said = ending.drop_offers(held, held.offers, "fault", trouble)
     else:
         held, said = ending.lapse(held, now)
-    state, ended = take(state, held, said, now)
+    state, ended = apply(state, held, said, now)
     over = _what_is_over(state, trouble, now)
     if over is None:
         return state, ended
-    state, more = take(state, *ending.end(state.holding, *over, now), now)
+    state, more = apply(state, *ending.end(state.holding, *over, now), now)
     return state, ended + more
 
 
-def still(state: State, decided: ending.Decision[Course], now: float) -> Decision:
+def halt(state: State, decided: ending.Decision[ActiveMotion], now: float) -> Decision:
     """Take in what was decided of who has the base, and stand still, whether somebody had it or not."""
     held, said = decided
     if state.hold is not None:
-        return take(state, held, said, now)
-    state, outputs = take(state, held, said, now)
+        return apply(state, held, said, now)
+    state, outputs = apply(state, held, said, now)
     return next_wheels(state, now), (ZERO, *outputs)
 
 
-def take(state: State, held: Holding[Course], said: ending.Said[Course], now: float) -> Decision:
+def apply(state: State, held: Holding[ActiveMotion], said: ending.Said[ActiveMotion], now: float) -> Decision:
     """Take in who has the base now, stand still when a hold is over, and say how each goal ended."""
     outputs: Outputs = ()
     for each in said:
@@ -54,13 +54,13 @@ def take(state: State, held: Holding[Course], said: ending.Said[Course], now: fl
     return replace(state, holding=held), outputs
 
 
-def _result(ended: Ended[Course], now: float) -> Outputs:
+def _result(ended: Ended[ActiveMotion], now: float) -> Outputs:
     """Say how a bounded move ended, if it was one."""
     goal = ended.hold.motion.goal
     return () if goal is None else (Result(message=goals.result(goal, ended.how, ended.why, now)),)
 
 
-def _kind(ended: Ended[Course]) -> str:
+def _kind(ended: Ended[ActiveMotion]) -> str:
     goal = ended.hold.motion.goal
     return "turned" if ended.how == "reached" and goal is not None and goal.turn is not None else ""
 
@@ -79,7 +79,7 @@ def _what_is_over(state: State, trouble: Reason | None, now: float) -> tuple[End
     return ("stopped", worn) if worn else None
 
 
-def _worn_out(state: State, hold: Hold[Course], now: float) -> Reason | None:
+def _worn_out(state: State, hold: Hold[ActiveMotion], now: float) -> Reason | None:
     """Return why a motion that nobody ended is over: it ran unattended, or a rule has held the base still."""
     settings = state.settings
     if not now - hold.changed < settings.max_run_s:

@@ -8,8 +8,8 @@ from msgspec.structs import replace
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult, Sensor
 from lbr.messages.sensing import Ranges
-from lbr.operations.drive import travelling, turning
-from lbr.operations.drive.asked import Motion, moves
+from lbr.operations.drive import distance_goal, turn_goal
+from lbr.operations.drive.command import Motion, moves
 from lbr.operations.drive.mixing import mix
 from lbr.operations.drive.rules import View, measured_m, towards
 from lbr.operations.drive.settings import DriveSettings
@@ -50,10 +50,10 @@ def start(command: Motion, name: str, state: State, now: float) -> Goal:
     """Return the goal of a bounded move that starts now."""
     settings = state.settings
     if not isinstance(command, DriveCommand):
-        turn = turning.start(command, state.bearing, settings, now)
+        turn = turn_goal.start(command, state.heading, settings, now)
         return Goal(goal=name, sensor="forward", target_m=nan, closing=False, started=now, turn=turn)
     goal = _to_range(command, name, state.views, settings, now)
-    way = travelling.start(command, state.mileage, settings) if command.distance_cm > 0.0 else None
+    way = distance_goal.start(command, state.odometry, settings) if command.distance_cm > 0.0 else None
     return replace(goal, way=way)
 
 
@@ -121,10 +121,10 @@ def wheels(
 ) -> tuple[float, float]:
     """Return what the wheels should do now by themselves: as asked, and less where a turn or a way comes to its end."""
     if goal is not None and goal.turn is not None:
-        push = turning.power(goal.turn, settings, now)
+        push = turn_goal.power(goal.turn, settings, now)
         return push, -push
     if goal is not None and goal.way is not None:
-        power = travelling.power(goal.way, power, settings, now)
+        power = distance_goal.power(goal.way, power, settings, now)
     return mix(power, angle_deg, settings)
 
 
@@ -132,21 +132,21 @@ def driven(goal: Goal | None, left: float, elapsed_s: float, settings: DriveSett
     """Return the goal after the left wheel was given this power for a while."""
     if goal is None or goal.turn is None:
         return goal
-    return replace(goal, turn=turning.driven(goal.turn, left, elapsed_s, settings))
+    return replace(goal, turn=turn_goal.driven(goal.turn, left, elapsed_s, settings))
 
 
-def _turned(goal: Goal, turn: turning.Turn, settings: DriveSettings, now: float) -> tuple[Ending, Reason] | None:
-    if why := turning.fault(turn, settings, now):
+def _turned(goal: Goal, turn: turn_goal.TurnGoal, settings: DriveSettings, now: float) -> tuple[Ending, Reason] | None:
+    if why := turn_goal.fault(turn, settings, now):
         return "fault", why
-    done = turning.is_over(turn, settings)
-    return ("reached", Reason("done", turning.ended(turn, now - goal.started))) if done else None
+    done = turn_goal.is_over(turn, settings)
+    return ("reached", Reason("done", turn_goal.ended(turn, now - goal.started))) if done else None
 
 
-def _travelled(goal: Goal, way: travelling.Way, now: float) -> tuple[Ending, Reason] | None:
-    if why := travelling.fault(way, now):
+def _travelled(goal: Goal, way: distance_goal.DistanceGoal, now: float) -> tuple[Ending, Reason] | None:
+    if why := distance_goal.fault(way, now):
         return "fault", why
-    done = travelling.is_over(way)
-    return ("reached", Reason("done", travelling.ended(way, now - goal.started))) if done else None
+    done = distance_goal.is_over(way)
+    return ("reached", Reason("done", distance_goal.ended(way, now - goal.started))) if done else None
 
 
 def _known(value: float, digits: int) -> float | None:

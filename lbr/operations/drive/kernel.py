@@ -6,8 +6,17 @@ from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveState, LoopStatistics
-from lbr.operations.drive import bearing, goals, holding, memory, mileage, rules, travelling, turning
-from lbr.operations.drive.ending import Decision, end_what_is_over, still
+from lbr.operations.drive import (
+    distance_goal,
+    goals,
+    granting,
+    heading_view,
+    obstacle_memory,
+    odometry_view,
+    rules,
+    turn_goal,
+)
+from lbr.operations.drive.ending import Decision, end_what_is_over, halt
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
     AttitudeSeen,
@@ -76,11 +85,11 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
 def _handle(state: State, event: Event, now: float) -> Decision:
     match event:
         case Command():
-            decision = holding.command(state, event, now)
+            decision = granting.command(state, event, now)
         case Stop():
-            decision = holding.stop(state, event, now)
+            decision = granting.stop(state, event, now)
         case EstopChanged():
-            decision = still(state, leases.latch(state.holding, event, now), now)
+            decision = halt(state, leases.latch(state.holding, event, now), now)
         case MotorsSeen():
             decision = _motors(state, event, now)
         case MotorsLost(reason=reason):
@@ -92,7 +101,7 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case OdometrySeen():
             decision = _odometry(state, event, now)
         case Tick():
-            decision = holding.drive(state, now)
+            decision = granting.drive(state, now)
     return decision
 
 
@@ -105,7 +114,7 @@ def _motors(state: State, event: MotorsSeen, now: float) -> Decision:
 def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
     arrived = _no_later(event.arrived, now)
     views = rules.see(state.views, event.ranges, arrived, state.odometer)
-    state = replace(state, views=views, memory=memory.see(state.memory, views, arrived, state.settings))
+    state = replace(state, views=views, memory=obstacle_memory.see(state.memory, views, arrived, state.settings))
     goal = _goal(state)
     if goal is None:
         return state, ()
@@ -114,23 +123,23 @@ def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
 
 def _attitude(state: State, event: AttitudeSeen, now: float) -> Decision:
     """Take in the attitude; a turn that goes on is watched by it."""
-    seen = bearing.see(state.bearing, event.attitude, _no_later(event.arrived, now), state.settings)
-    state = replace(state, bearing=seen, memory=memory.turned(state.memory, state.bearing, seen))
+    seen = heading_view.see(state.heading, event.attitude, _no_later(event.arrived, now), state.settings)
+    state = replace(state, heading=seen, memory=obstacle_memory.turned(state.memory, state.heading, seen))
     goal = _goal(state)
     if goal is None or goal.turn is None:
         return state, ()
-    turn = turning.watch(goal.turn, seen, state.left, state.settings)
+    turn = turn_goal.watch(goal.turn, seen, state.left, state.settings)
     return end_what_is_over(_with_goal(state, replace(goal, turn=turn)), now)
 
 
 def _odometry(state: State, event: OdometrySeen, now: float) -> Decision:
     """Take in the odometry; a distance that is being driven is watched by it."""
-    seen = mileage.see(state.mileage, event.odometry, _no_later(event.arrived, now), state.settings)
-    state = replace(state, mileage=seen, memory=memory.drove(state.memory, state.mileage, seen))
+    seen = odometry_view.see(state.odometry, event.odometry, _no_later(event.arrived, now), state.settings)
+    state = replace(state, odometry=seen, memory=obstacle_memory.drove(state.memory, state.odometry, seen))
     goal = _goal(state)
     if state.hold is None or goal is None or goal.way is None:
         return state, ()
-    way = travelling.watch(goal.way, seen, state.left, state.settings)
+    way = distance_goal.watch(goal.way, seen, state.left, state.settings)
     said: Outputs = ()
     if seen.slipping and not way.slipped:
         way = replace(way, slipped=True)
@@ -166,13 +175,13 @@ def _lose_time(state: State, now: float) -> Decision:
         motors_gone=f"{BACK}; the motor driver was not heard since",
         motors_lost=now,
         views={},
-        memory=memory.redated(state.memory, now),
-        bearing=bearing.UNHEARD,
-        mileage=mileage.UNHEARD,
+        memory=obstacle_memory.redated(state.memory, now),
+        heading=heading_view.UNHEARD,
+        odometry=odometry_view.UNHEARD,
         told_at=nan,
         ticked=nan,
     )
-    return still(forgotten, ending.lose_time(state.holding, BACK, state.clock, now), now)
+    return halt(forgotten, ending.lose_time(state.holding, BACK, state.clock, now), now)
 
 
 def _why_at_rest(state: State, now: float) -> Reason | None:

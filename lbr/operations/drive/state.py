@@ -11,15 +11,15 @@ from lbr.messages.drive import CheckVerdict, Sensor
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges
-from lbr.operations.drive import bearing, mileage
-from lbr.operations.drive.asked import Motion
-from lbr.operations.drive.bearing import Bearing
-from lbr.operations.drive.memory import Memory
-from lbr.operations.drive.mileage import Mileage
+from lbr.operations.drive import heading_view, odometry_view
+from lbr.operations.drive.command import Motion
+from lbr.operations.drive.distance_goal import DistanceGoal
+from lbr.operations.drive.heading_view import HeadingView
+from lbr.operations.drive.obstacle_memory import ObstacleMemory
+from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.rules import FREE, Limit, Odometer, View
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.drive.travelling import Way
-from lbr.operations.drive.turning import Turn
+from lbr.operations.drive.turn_goal import TurnGoal
 from lbr.operations.leasing.lease import EstopChanged, Happened, Hold, Holding, Reply, Result, Setpoint, Stop
 
 
@@ -101,11 +101,11 @@ class Goal(Struct, frozen=True, kw_only=True):
     ends: float = inf
     last_m: float = nan
     last_seen: float = nan
-    turn: Turn | None = None
-    way: Way | None = None
+    turn: TurnGoal | None = None
+    way: DistanceGoal | None = None
 
 
-class Course(Struct, frozen=True, kw_only=True):
+class ActiveMotion(Struct, frozen=True, kw_only=True):
     """What the base is held for: a command, and its bounds. It moves with `power` at most, towards `angle_deg`."""
 
     command: Motion
@@ -118,7 +118,7 @@ class State(Struct, frozen=True, kw_only=True):
     """Everything the kernel remembers. `left` and `right` are the setpoint now, `clock` is the time of the last event."""
 
     settings: DriveSettings
-    holding: Holding[Course]
+    holding: Holding[ActiveMotion]
     clock: float = -inf
     left: float = 0.0
     right: float = 0.0
@@ -129,9 +129,9 @@ class State(Struct, frozen=True, kw_only=True):
     motors_lost: float = -inf
     views: Mapping[Sensor, View] = {}
     odometer: Odometer = Odometer()
-    memory: Memory = Memory()
-    bearing: Bearing = bearing.UNHEARD
-    mileage: Mileage = mileage.UNHEARD
+    memory: ObstacleMemory = ObstacleMemory()
+    heading: HeadingView = heading_view.UNHEARD
+    odometry: OdometryView = odometry_view.UNHEARD
     limited: Limit = FREE
     blocked_since: float = nan
     told: str = ""
@@ -139,7 +139,7 @@ class State(Struct, frozen=True, kw_only=True):
     told_at: float = nan
 
     @property
-    def hold(self) -> Hold[Course] | None:
+    def hold(self) -> Hold[ActiveMotion] | None:
         """Who has the base, and what for."""
         return self.holding.hold
 

@@ -4,7 +4,7 @@ from math import isnan, nan
 
 from msgspec.structs import replace
 
-from lbr.operations.drive import goals, memory
+from lbr.operations.drive import goals, obstacle_memory
 from lbr.operations.drive.limits import limit
 from lbr.operations.drive.rules import FREE, Limit
 from lbr.operations.drive.state import Outputs, State
@@ -23,22 +23,22 @@ def next_wheels(state: State, now: float) -> State:
     elapsed_s = min(max(0.0, now - state.ticked), LONGEST_STEP_S)  # this way round, NaN is no time
     settings = state.settings
     odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps)
-    remembered = memory.moved(state.memory, state.left, state.right, elapsed_s, settings)
+    remembered = obstacle_memory.moved(state.memory, state.left, state.right, elapsed_s, settings)
     state = replace(state, odometer=odometer, memory=remembered, ticked=now)
     hold = state.hold
     if hold is None:
         return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="", told_stop=False)
-    course = hold.motion
-    goal = goals.driven(course.goal, state.left, elapsed_s, settings)
-    asked = goals.wheels(goal, course.power, course.angle_deg, settings, now)
+    active = hold.motion
+    goal = goals.driven(active.goal, state.left, elapsed_s, settings)
+    asked = goals.wheels(goal, active.power, active.angle_deg, settings, now)
     limited = limit(state, asked, now, state.limited.blocked)
     step = settings.accel_per_s * elapsed_s
     target = _scaled(asked, limited)
     wheels = slew((state.left, state.right), target, step)
     between = FREE if wheels == target else limit(state, wheels, now, limited.blocked)
     left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))
-    state = replace(state, holding=with_motion(state.holding, replace(course, goal=goal)))
-    blocked = course.power > 0.0 and not limited.scale > 0.0
+    state = replace(state, holding=with_motion(state.holding, replace(active, goal=goal)))
+    blocked = active.power > 0.0 and not limited.scale > 0.0
     since = (now if isnan(state.blocked_since) else state.blocked_since) if blocked else nan
     return replace(state, left=left, right=right, limited=limited, blocked_since=since)
 

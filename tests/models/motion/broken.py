@@ -106,7 +106,7 @@ def misses_no_attitude(state: State, event: Event, now: float) -> Decision:
     course = state.hold.motion if isinstance(event, Tick) and state.hold else None
     if course and course.goal and course.goal.turn:
         turn = course.goal.turn
-        goal = replace(course.goal, turn=replace(turn, bearing=replace(turn.bearing, seen=now)))
+        goal = replace(course.goal, turn=replace(turn, heading=replace(turn.heading, seen=now)))
         state = replace(state, holding=with_motion(state.holding, replace(course, goal=goal)))
     return kernel.decide(state, event, now)
 

@@ -8,15 +8,14 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from lbr.messages.sensing import Ranges
-from lbr.operations.drive import memory as memories
-from lbr.operations.drive import rules
-from lbr.operations.drive.bearing import Bearing
+from lbr.operations.drive import obstacle_memory, rules
+from lbr.operations.drive.footprint import Footprint
+from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.kernel import drive_state
-from lbr.operations.drive.memory import MOST_SPOTS, Memory, Spot, around, free_way_m, limit, moved, see
-from lbr.operations.drive.mileage import Mileage
+from lbr.operations.drive.obstacle_memory import MOST_SPOTS, ObstacleMemory, Spot, around, free_way_m, limit, moved, see
+from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.rules import MEMORY, SENSORS, Odometer
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.drive.sweep import Sweep
 from tests.models.approach import run, trials
 from tests.operations.drive.drive_bench import Bench, ranges
 
@@ -33,7 +32,7 @@ class Watcher:
         self.settings = DriveSettings(**settings)
         self.now = 10.0
         self.views = {}
-        self.memory = Memory()
+        self.memory = ObstacleMemory()
 
     def see(self, times=2, **metres):
         for _ in range(times):
@@ -58,7 +57,7 @@ def watcher():
 
 def at(x_m, y_m):
     """A memory of one spot."""
-    return Memory(spots=(Spot(x_m, y_m, 10.0),))
+    return ObstacleMemory(spots=(Spot(x_m, y_m, 10.0),))
 
 
 # what a motion comes to
@@ -150,19 +149,19 @@ def test_a_quarter_turn_to_the_left_brings_what_was_left_ahead(watcher):
 
 def test_the_attitude_knows_better_than_the_wheels_how_far_it_turned(watcher):
     watcher.see(left=0.45).drive(-0.2, 0.2, 0.5)
-    before = Bearing(trouble="", epoch="e", turned_deg=10.0, seen=1.0)
-    right = memories.turned(watcher.memory, before, replace(before, turned_deg=-80.0, seen=1.5))
+    before = HeadingView(trouble="", epoch="e", turned_deg=10.0, seen=1.0)
+    right = obstacle_memory.turned(watcher.memory, before, replace(before, turned_deg=-80.0, seen=1.5))
     assert {round(spot.x_m, 6) for spot in around(right)} == {0.6}
-    anew = memories.turned(watcher.memory, before, replace(before, epoch="f", turned_deg=0.0))
+    anew = obstacle_memory.turned(watcher.memory, before, replace(before, epoch="f", turned_deg=0.0))
     assert anew.yaw_rad == watcher.memory.yaw_rad
 
 
 def test_the_odometry_knows_better_than_the_powers_how_far_it_drove(watcher):
     watcher.see(left=0.45).drive(0.5, 0.5, 1.0)
-    before = Mileage(trouble="", epoch="o", distance_m=3.0, seen=1.0)
-    right = memories.drove(watcher.memory, before, replace(before, distance_m=3.1, seen=2.0))
+    before = OdometryView(trouble="", epoch="o", distance_m=3.0, seen=1.0)
+    right = obstacle_memory.drove(watcher.memory, before, replace(before, distance_m=3.1, seen=2.0))
     assert right.x_m == pytest.approx(0.1)
-    assert memories.drove(right, before, replace(before, trouble="lost")).x_m == pytest.approx(0.1)
+    assert obstacle_memory.drove(right, before, replace(before, trouble="lost")).x_m == pytest.approx(0.1)
 
 
 def test_it_is_forgotten_after_a_while():
@@ -249,7 +248,7 @@ history = st.lists(st.tuples(any_ranges, wheel, wheel, st.floats(0.0, 1.0)), max
 
 
 def remembered(trace):
-    views, memory, now = {}, Memory(), 10.0
+    views, memory, now = {}, ObstacleMemory(), 10.0
     for readings, left, right, dt_s in trace:
         now += dt_s
         memory = moved(memory, left, right, dt_s, SETTINGS)
@@ -285,7 +284,7 @@ def test_left_and_right_are_alike(trace, left, right):
 
 @given(place, place, wheel, wheel)
 def test_a_spot_more_never_frees(x_m, y_m, left, right):
-    one, two = at(0.4, 0.3), Memory(spots=(Spot(0.4, 0.3, 10.0), Spot(x_m, y_m, 10.0)))
+    one, two = at(0.4, 0.3), ObstacleMemory(spots=(Spot(0.4, 0.3, 10.0), Spot(x_m, y_m, 10.0)))
     assert limit(two, SETTINGS, (left, right), 10.0).scale <= limit(one, SETTINGS, (left, right), 10.0).scale
 
 
@@ -297,7 +296,7 @@ def test_the_closed_form_is_what_small_steps_find(radius_m, x_m, y_m):
         return hypot(max(0.0, abs(here_x) - AHEAD_M), max(0.0, abs(here_y) - ASIDE_M))
 
     assume(out_m(0.0) > MARGIN_M + 1e-6)
-    found = Sweep(AHEAD_M, ASIDE_M, MARGIN_M, radius_m).until_rad(x_m, y_m)
+    found = Footprint(AHEAD_M, ASIDE_M, MARGIN_M, radius_m).until_rad(x_m, y_m)
     steps = [degree * tau / 720 for degree in range(720)]
     assert all(out_m(step) > MARGIN_M - 1e-6 for step in steps if step < found)
     if found < inf:

@@ -7,7 +7,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lbr.messages.drive import CheckVerdict, DriveCommand, HeadingCommand, TurnCommand
-from lbr.operations.drive import asked, bearing
+from lbr.operations.drive import command, heading_view
 from lbr.operations.drive.kernel import drive_state
 from lbr.operations.drive.settings import DriveSettings
 from tests.operations.drive.drive_bench import Bench
@@ -82,7 +82,7 @@ def test_bases_of_all_sorts_end_near_their_target_in_time(angle_deg, late, lazy,
     [(10.0, 350.0, -20.0), (350.0, 10.0, 20.0), (0.0, 180.0, 180.0), (90.0, 90.0, 0.0), (90.0, 271.0, -179.0)],
 )
 def test_a_heading_is_reached_by_the_shorter_way_and_clockwise_if_both_are_as_long(heading_deg, wanted_deg, way_deg):
-    assert bearing.shortest_deg(heading_deg, wanted_deg) == way_deg
+    assert heading_view.shortest_deg(heading_deg, wanted_deg) == way_deg
     body = Body(offset_deg=heading_deg - 1000.0)
     result = body.headed(wanted_deg)
     assert (result.result, result.turned_deg) == ("reached", pytest.approx(way_deg, abs=1.5))
@@ -216,12 +216,12 @@ def test_from_another_machine_a_turn_begins_only_when_its_lease_is_quoted(body):
 
 def test_a_check_is_shown_the_spin_and_what_was_asked():
     settings = DriveSettings()
-    left = asked.shown("page", TurnCommand(angle_deg=-30.0), settings)
+    left = command.shown("page", TurnCommand(angle_deg=-30.0), settings)
     assert (left.command.power, left.command.angle_deg, left.turn.angle_deg) == (0.2, -90.0, -30.0)
-    there = asked.shown("page", HeadingCommand(heading_deg=270.0), settings)
+    there = command.shown("page", HeadingCommand(heading_deg=270.0), settings)
     assert (there.command.power, there.heading.heading_deg, there.turn) == (0.2, 270.0, None)
     plain = DriveCommand(power=0.4)
-    assert asked.shown("page", plain, settings).command is plain
+    assert command.shown("page", plain, settings).command is plain
 
 
 # what ends them

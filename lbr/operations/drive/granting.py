@@ -7,9 +7,9 @@ from msgspec.structs import replace
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals
 from lbr.operations.drive.acceptance import asks, notes, refusal
-from lbr.operations.drive.asked import moves, power_of, towards_deg
-from lbr.operations.drive.ending import Decision, still, take
-from lbr.operations.drive.state import Command, Course, State
+from lbr.operations.drive.command import moves, power_of, towards_deg
+from lbr.operations.drive.ending import Decision, apply, halt
+from lbr.operations.drive.state import ActiveMotion, Command, State
 from lbr.operations.drive.wheels import next_wheels, tell
 from lbr.operations.leasing import decide
 from lbr.operations.leasing.lease import Ask, Hold, Reply, Setpoint, Stop, confirmed
@@ -27,17 +27,17 @@ def command(state: State, event: Command, now: float) -> Decision:
     if refused:
         return state, refused
     if verdict == "renewal":
-        return state, (_yes(state, event, decide.lent(held, verdict), now),)
-    course = _course(state, event, ask, now)
-    state, said = take(state, *decide.grant(state.holding, ask, verdict, course, now), now)
-    yes = _yes(state, event, decide.lent(state.holding, verdict), now)
+        return state, (_accept(state, event, decide.lent(held, verdict), now),)
+    active = _active_motion(state, event, ask, now)
+    state, said = apply(state, *decide.grant(state.holding, ask, verdict, active, now), now)
+    accepted = _accept(state, event, decide.lent(state.holding, verdict), now)
     state, driven = drive(state, now) if verdict != "offer" else (state, ())
-    return state, (*said, yes, *driven)
+    return state, (*said, accepted, *driven)
 
 
 def stop(state: State, event: Stop, now: float) -> Decision:
     """Stand still, whoever says so."""
-    state, said = still(state, decide.stop(state.holding, event, now), now)
+    state, said = halt(state, decide.stop(state.holding, event, now), now)
     return state, (*said, decide.STOPPED)
 
 
@@ -50,13 +50,13 @@ def drive(state: State, now: float) -> Decision:
     return state, (setpoint, *said)
 
 
-def _yes(state: State, event: Command, hold: Hold[Course], now: float) -> Reply:
+def _accept(state: State, event: Command, hold: Hold[ActiveMotion], now: float) -> Reply:
     reason = notes(state, event.command, now) if moves(event.command) else None
     goal = hold.motion.goal
     return decide.accepted(hold, reason, goal.goal if goal else "")
 
 
-def _course(state: State, event: Command, ask: Ask, now: float) -> Course:
+def _active_motion(state: State, event: Command, ask: Ask, now: float) -> ActiveMotion:
     """Return what the base is to be held for; what confirms an offer goes on with the goal that was offered."""
     asked, goal = event.command, None
     if goals.bounded(asked):
@@ -65,4 +65,4 @@ def _course(state: State, event: Command, ask: Ask, now: float) -> Course:
         goal = goals.start(asked, offered.goal if offered else event.new_goal, state, now)
     turn = goal.turn if goal else None
     angle_deg = towards_deg(asked) if turn is None else copysign(90.0, turn.asked_deg)
-    return Course(command=asked, power=power_of(asked, state.settings), angle_deg=angle_deg, goal=goal)
+    return ActiveMotion(command=asked, power=power_of(asked, state.settings), angle_deg=angle_deg, goal=goal)

@@ -13,7 +13,7 @@ JUMP_SHARE = 1.5
 SMOOTHING = 0.5
 
 
-class Bearing(Struct, frozen=True, kw_only=True):
+class HeadingView(Struct, frozen=True, kw_only=True):
     """The newest attitude; `trouble` says why it is not to be turned by. Clockwise is positive.
 
     `seen` is when it was measured, `rate_dps` how fast the base turned between the last two.
@@ -28,16 +28,16 @@ class Bearing(Struct, frozen=True, kw_only=True):
     seen: float = nan
 
 
-UNHEARD = Bearing()
+UNHEARD = HeadingView()
 
 
-def see(before: Bearing, attitude: AttitudeState, arrived: float, settings: DriveSettings) -> Bearing:
+def see(before: HeadingView, attitude: AttitudeState, arrived: float, settings: DriveSettings) -> HeadingView:
     """Return what is believed after a new attitude; one that was overtaken changes nothing."""
     seen = min(attitude.measured_s, arrived)  # this way round, NaN stays NaN
     if seen <= before.seen and attitude.valid and attitude.epoch == before.epoch:
         return before
     turned_deg = nan if attitude.turned_deg is None else attitude.turned_deg
-    found = Bearing(
+    found = HeadingView(
         trouble=_trouble(attitude, turned_deg, seen),
         epoch=attitude.epoch,
         turned_deg=turned_deg,
@@ -48,12 +48,12 @@ def see(before: Bearing, attitude: AttitudeState, arrived: float, settings: Driv
     return found if found.trouble or before.trouble or found.epoch != before.epoch else _after(before, found, settings)
 
 
-def not_known(bearing: Bearing, settings: DriveSettings, now: float) -> str:
+def not_known(heading: HeadingView, settings: DriveSettings, now: float) -> str:
     """Return why the base cannot turn by the attitude now, or nothing; comparisons are such that NaN cannot."""
-    if bearing.trouble:
-        return bearing.trouble
+    if heading.trouble:
+        return heading.trouble
     oldest_s = settings.attitude_max_age_s
-    return "" if now - bearing.seen <= oldest_s else f"the attitude is older than {oldest_s:g} s"
+    return "" if now - heading.seen <= oldest_s else f"the attitude is older than {oldest_s:g} s"
 
 
 def shortest_deg(heading_deg: float, wanted_deg: float) -> float:
@@ -62,7 +62,7 @@ def shortest_deg(heading_deg: float, wanted_deg: float) -> float:
     return way_deg if way_deg <= 180.0 else way_deg - 360.0
 
 
-def _after(before: Bearing, found: Bearing, settings: DriveSettings) -> Bearing:
+def _after(before: HeadingView, found: HeadingView, settings: DriveSettings) -> HeadingView:
     elapsed_s = found.seen - before.seen
     way_deg = found.turned_deg - before.turned_deg
     most_deg = JUMP_DEG + JUMP_SHARE * settings.max_turn_dps * elapsed_s
@@ -74,8 +74,8 @@ def _after(before: Bearing, found: Bearing, settings: DriveSettings) -> Bearing:
     return _with(found, rate_dps=rate_dps)
 
 
-def _with(found: Bearing, *, trouble: str = "", rate_dps: float = 0.0) -> Bearing:
-    return Bearing(
+def _with(found: HeadingView, *, trouble: str = "", rate_dps: float = 0.0) -> HeadingView:
+    return HeadingView(
         trouble=trouble,
         epoch=found.epoch,
         turned_deg=found.turned_deg,

@@ -13,7 +13,7 @@ JUMP_M = 0.2
 JUMP_SHARE = 2.0
 
 
-class Mileage(Struct, frozen=True, kw_only=True):
+class OdometryView(Struct, frozen=True, kw_only=True):
     """The newest odometry; `trouble` says why no distance is to be driven by it. Backwards is negative."""
 
     trouble: str = "no odometry was heard yet"
@@ -25,10 +25,10 @@ class Mileage(Struct, frozen=True, kw_only=True):
     seen: float = nan
 
 
-UNHEARD = Mileage()
+UNHEARD = OdometryView()
 
 
-def see(before: Mileage, odometry: OdometryState, arrived: float, settings: DriveSettings) -> Mileage:
+def see(before: OdometryView, odometry: OdometryState, arrived: float, settings: DriveSettings) -> OdometryView:
     """Return what is believed after new odometry; one that was overtaken changes nothing."""
     counted_s = nan if odometry.counted_s is None else odometry.counted_s
     seen = min(counted_s, arrived)  # this way round, NaN stays NaN
@@ -36,7 +36,7 @@ def see(before: Mileage, odometry: OdometryState, arrived: float, settings: Driv
         return before
     distance_m = nan if odometry.distance_m is None else odometry.distance_m
     speed_mps = nan if odometry.speed_mps is None else odometry.speed_mps
-    found = Mileage(
+    found = OdometryView(
         trouble=_trouble(odometry, (seen, distance_m, speed_mps)),
         epoch=odometry.epoch,
         distance_m=distance_m,
@@ -53,11 +53,11 @@ def see(before: Mileage, odometry: OdometryState, arrived: float, settings: Driv
     return found if abs(way_m) <= most_m else replace(found, trouble=jumped)
 
 
-def not_known(mileage: Mileage, now: float) -> str:
+def not_known(odometry: OdometryView, now: float) -> str:
     """Return why no distance can be driven now, or nothing; comparisons are such that NaN cannot."""
-    if mileage.trouble:
-        return mileage.trouble
-    return "" if now - mileage.seen <= LATE_S else f"the odometry is older than {LATE_S:g} s"
+    if odometry.trouble:
+        return odometry.trouble
+    return "" if now - odometry.seen <= LATE_S else f"the odometry is older than {LATE_S:g} s"
 
 
 def _trouble(odometry: OdometryState, numbers: tuple[float, ...]) -> str:

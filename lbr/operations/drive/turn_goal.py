@@ -7,8 +7,8 @@ from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
 from lbr.messages.drive import HeadingCommand, TurnCommand
-from lbr.operations.drive import bearing as bearings
-from lbr.operations.drive.bearing import Bearing
+from lbr.operations.drive import heading_view
+from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.settings import DriveSettings
 
 QUIET_DPS = 3.0
@@ -44,7 +44,7 @@ class Push(Struct, frozen=True, kw_only=True):
     still_s: float = 0.0
 
 
-class Turn(Struct, frozen=True, kw_only=True):
+class TurnGoal(Struct, frozen=True, kw_only=True):
     """A turn that goes on: from `begun_deg` by `asked_deg`, in degrees that the body has turned, clockwise positive.
 
     `quiet` is since when it stands at its target (NaN: it does not), `ends` when it should have got there. `flow_dps` is
@@ -56,7 +56,7 @@ class Turn(Struct, frozen=True, kw_only=True):
     asked_deg: float
     begun_deg: float
     epoch: str
-    bearing: Bearing
+    heading: HeadingView
     ends: float
     allowed_s: float
     quiet: float = nan
@@ -71,7 +71,7 @@ class Turn(Struct, frozen=True, kw_only=True):
     @property
     def turned_deg(self) -> float:
         """How far it has turned since it began."""
-        return self.bearing.turned_deg - self.begun_deg
+        return self.heading.turned_deg - self.begun_deg
 
     @property
     def left_deg(self) -> float:
@@ -80,70 +80,70 @@ class Turn(Struct, frozen=True, kw_only=True):
 
 
 def not_possible(
-    command: TurnCommand | HeadingCommand, bearing: Bearing, settings: DriveSettings, now: float
+    command: TurnCommand | HeadingCommand, heading: HeadingView, settings: DriveSettings, now: float
 ) -> Reason | None:
     """Return why the base cannot turn like this, or nothing."""
-    if why := bearings.not_known(bearing, settings, now):
+    if why := heading_view.not_known(heading, settings, now):
         return Reason("stale_sensor", why)
-    if isinstance(command, HeadingCommand) and isnan(bearing.heading_deg):
-        return Reason("stale_sensor", f"the heading is not known: {bearing.heading_reason}")
+    if isinstance(command, HeadingCommand) and isnan(heading.heading_deg):
+        return Reason("stale_sensor", f"the heading is not known: {heading.heading_reason}")
     return None
 
 
-def start(command: TurnCommand | HeadingCommand, bearing: Bearing, settings: DriveSettings, now: float) -> Turn:
+def start(command: TurnCommand | HeadingCommand, heading: HeadingView, settings: DriveSettings, now: float) -> TurnGoal:
     """Return a turn that begins now; to a heading it is the shorter way, by where the base looks at this moment."""
     asked_deg = (
         command.angle_deg
         if isinstance(command, TurnCommand)
-        else bearings.shortest_deg(bearing.heading_deg, command.heading_deg)
+        else heading_view.shortest_deg(heading.heading_deg, command.heading_deg)
     )
     power = min(settings.turn_power, settings.max_power)
     allowed_s = settings.turn_spare_s + 2.0 * abs(asked_deg) / (power * settings.max_turn_dps)
-    return Turn(
+    return TurnGoal(
         asked_deg=asked_deg,
-        begun_deg=bearing.turned_deg,
-        epoch=bearing.epoch,
-        bearing=bearing,
+        begun_deg=heading.turned_deg,
+        epoch=heading.epoch,
+        heading=heading,
         ends=now + allowed_s,
         allowed_s=allowed_s,
-        farthest_deg=_farthest_deg(abs(asked_deg), bearing),
+        farthest_deg=_farthest_deg(abs(asked_deg), heading),
     )
 
 
-def watch(turn: Turn, bearing: Bearing, pushing: float, settings: DriveSettings) -> Turn:
+def watch(turn: TurnGoal, heading: HeadingView, pushing: float, settings: DriveSettings) -> TurnGoal:
     """Return the turn after a new attitude, while the left wheel is given `pushing`."""
-    if bearing.trouble or bearing.epoch != turn.epoch:
-        return replace(turn, bearing=bearing)
-    elapsed_s = max(0.0, bearing.seen - turn.bearing.seen)
-    before_deg, after_deg = turn.left_deg, turn.left_deg + turn.bearing.turned_deg - bearing.turned_deg
+    if heading.trouble or heading.epoch != turn.epoch:
+        return replace(turn, heading=heading)
+    elapsed_s = max(0.0, heading.seen - turn.heading.seen)
+    before_deg, after_deg = turn.left_deg, turn.left_deg + turn.heading.turned_deg - heading.turned_deg
     passed = before_deg * after_deg < 0.0
-    farthest_deg = _farthest_deg(abs(after_deg), bearing)
+    farthest_deg = _farthest_deg(abs(after_deg), heading)
     farthest_deg = farthest_deg if passed else min(farthest_deg, turn.farthest_deg)
-    push, least = _push(turn, bearing, pushing, elapsed_s), turn.least
-    if _sticks(turn.push) and abs(bearing.rate_dps) > QUIET_DPS:
+    push, least = _push(turn, heading, pushing, elapsed_s), turn.least
+    if _sticks(turn.push) and abs(heading.rate_dps) > QUIET_DPS:
         least = max(least, LEARNT_SHARE * abs(pushing))
     turn = replace(
-        turn, bearing=bearing, push=push, least=least, farthest_deg=farthest_deg, swings=turn.swings + passed
+        turn, heading=heading, push=push, least=least, farthest_deg=farthest_deg, swings=turn.swings + passed
     )
-    still = abs(turn.left_deg) <= _tolerance_deg(turn, settings) and abs(bearing.rate_dps) <= QUIET_DPS
-    since = bearing.seen if isnan(turn.quiet) else turn.quiet
+    still = abs(turn.left_deg) <= _tolerance_deg(turn, settings) and abs(heading.rate_dps) <= QUIET_DPS
+    since = heading.seen if isnan(turn.quiet) else turn.quiet
     return replace(turn, quiet=since if still and pushing == 0.0 else nan)
 
 
-def driven(turn: Turn, left: float, elapsed_s: float, settings: DriveSettings) -> Turn:
+def driven(turn: TurnGoal, left: float, elapsed_s: float, settings: DriveSettings) -> TurnGoal:
     """Return the turn after the left wheel was given this power for a while."""
     share = min(1.0, elapsed_s / max(settings.turn_lag_s, 1e-3))
     flow_dps = turn.flow_dps + (left * settings.max_turn_dps - turn.flow_dps) * share
-    from_rest = left != 0.0 and abs(turn.flow_dps) < QUIET_DPS / 2 and abs(turn.bearing.rate_dps) <= QUIET_DPS
+    from_rest = left != 0.0 and abs(turn.flow_dps) < QUIET_DPS / 2 and abs(turn.heading.rate_dps) <= QUIET_DPS
     return replace(turn, flow_dps=flow_dps, given=left, tries=turn.tries + from_rest)
 
 
-def fault(turn: Turn, settings: DriveSettings, now: float) -> Reason | None:
+def fault(turn: TurnGoal, settings: DriveSettings, now: float) -> Reason | None:
     """Return what is wrong with a turn, or nothing; comparisons are such that NaN is wrong."""
-    bearing = turn.bearing
-    if why := bearings.not_known(bearing, settings, now):
+    heading = turn.heading
+    if why := heading_view.not_known(heading, settings, now):
         return Reason("stale_sensor", why)
-    if bearing.epoch != turn.epoch:
+    if heading.epoch != turn.epoch:
         return Reason("stale_sensor", "the attitude began anew in the middle of the turn")
     if not now < turn.ends:
         return Reason("timeout", f"not within {turn.allowed_s:.1f} s: {words(turn)}")
@@ -152,19 +152,19 @@ def fault(turn: Turn, settings: DriveSettings, now: float) -> Reason | None:
             "not_followed",
             "the base turns away from its target: it is pushed, or the motors' or the inertial unit's signs are wrong",
         )
-    return _without_effect(turn.push, bearing, settings) if turn.push is not None else None
+    return _without_effect(turn.push, heading, settings) if turn.push is not None else None
 
 
-def is_over(turn: Turn, settings: DriveSettings) -> bool:
+def is_over(turn: TurnGoal, settings: DriveSettings) -> bool:
     """Say whether the base stands at its target, and has for a while."""
-    return turn.bearing.seen - turn.quiet >= settings.turn_settle_s  # this way round, NaN is not over
+    return turn.heading.seen - turn.quiet >= settings.turn_settle_s  # this way round, NaN is not over
 
 
-def power(turn: Turn, settings: DriveSettings, now: float) -> float:
+def power(turn: TurnGoal, settings: DriveSettings, now: float) -> float:
     """Return how hard to push now, clockwise positive: less near the target, nothing where the base will come to rest."""
-    rate_dps, left_deg = turn.bearing.rate_dps, turn.left_deg
+    rate_dps, left_deg = turn.heading.rate_dps, turn.left_deg
     highest = min(settings.turn_power, settings.max_power)
-    age_s = min(max(0.0, now - turn.bearing.seen), settings.attitude_max_age_s)
+    age_s = min(max(0.0, now - turn.heading.seen), settings.attitude_max_age_s)
     flow_dps = rate_dps if _sticks(turn.push) and abs(rate_dps) <= QUIET_DPS else turn.flow_dps
     flow_dps *= 1.0 + SWING_SHARE * turn.swings
     faster_dps = max(rate_dps, flow_dps) if left_deg > 0.0 else min(rate_dps, flow_dps)
@@ -181,21 +181,21 @@ def power(turn: Turn, settings: DriveSettings, now: float) -> float:
     return copysign(min(highest, max(wished, _least(turn, settings))), left_deg)
 
 
-def words(turn: Turn) -> str:
+def words(turn: TurnGoal) -> str:
     """Say how far it has turned of what was asked."""
     return f"turned {turn.turned_deg:.1f} of {round(turn.asked_deg, 1):g} degrees"
 
 
-def ended(turn: Turn, elapsed_s: float) -> str:
+def ended(turn: TurnGoal, elapsed_s: float) -> str:
     """Say how a turn that is over went."""
     past_deg = -turn.left_deg if turn.asked_deg >= 0.0 else turn.left_deg
     how = "too far" if past_deg > 0.0 else "short"
     return f"{words(turn)} in {elapsed_s:.1f} s, {abs(past_deg):.1f} {how}"
 
 
-def _push(turn: Turn, bearing: Bearing, pushing: float, elapsed_s: float) -> Push | None:
-    before, here_deg = turn.push, bearing.turned_deg
-    stands = abs(bearing.rate_dps) <= QUIET_DPS
+def _push(turn: TurnGoal, heading: HeadingView, pushing: float, elapsed_s: float) -> Push | None:
+    before, here_deg = turn.push, heading.turned_deg
+    stands = abs(heading.rate_dps) <= QUIET_DPS
     if pushing == 0.0:
         waits = before is not None and stands and abs(turn.flow_dps) > QUIET_DPS
         return replace(before, still_s=before.still_s + elapsed_s) if before is not None and waits else before
@@ -211,27 +211,27 @@ def _sticks(push: Push | None) -> bool:
     return push is not None and push.still_s > PATIENCE_S
 
 
-def _tolerance_deg(turn: Turn, settings: DriveSettings) -> float:
+def _tolerance_deg(turn: TurnGoal, settings: DriveSettings) -> float:
     """Return how near is near enough: less so for a base that cannot be turned by so little."""
     steps = max(0, turn.tries - GOOD_TRIES, WIDER_PER_SWING * (turn.swings - GOOD_SWINGS))
     wider = min(MOST_WIDER, 1.0 + steps / 2)
     return settings.turn_tolerance_deg * wider
 
 
-def _farthest_deg(left_deg: float, bearing: Bearing) -> float:
-    return left_deg + AWAY_DEG + COAST_S * abs(bearing.rate_dps)
+def _farthest_deg(left_deg: float, heading: HeadingView) -> float:
+    return left_deg + AWAY_DEG + COAST_S * abs(heading.rate_dps)
 
 
-def _without_effect(push: Push, bearing: Bearing, settings: DriveSettings) -> Reason | None:
+def _without_effect(push: Push, heading: HeadingView, settings: DriveSettings) -> Reason | None:
     if push.idle_s < settings.turn_stuck_s:
         return None
-    moved_deg = abs(bearing.turned_deg - push.mark_deg)
+    moved_deg = abs(heading.turned_deg - push.mark_deg)
     return Reason(
         "stuck", f"the base does not turn: {settings.turn_stuck_s:g} s of power turned it by {moved_deg:.1f} degrees"
     )
 
 
-def _least(turn: Turn, settings: DriveSettings) -> float:
+def _least(turn: TurnGoal, settings: DriveSettings) -> float:
     """Return the least power that turns the base; more of it when that does not."""
     least = max(settings.turn_min_power, turn.least)
     still_s = 0.0 if turn.push is None else turn.push.still_s

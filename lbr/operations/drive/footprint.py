@@ -5,7 +5,7 @@ from math import acos, atan2, copysign, hypot, inf, sqrt, tau
 ROUNDING_RAD = 1e-9
 
 
-class Sweep:
+class Footprint:
     """A base that turns anticlockwise about (0, `radius_m`); x ahead, y left, from its middle (REP 103).
 
     The outline is a rectangle, `ahead_m` long and `aside_m` wide from its middle, rounded by a margin of `margin_m`.

@@ -8,11 +8,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.messages.drive import Direction, Sensor
-from lbr.operations.drive.bearing import Bearing
-from lbr.operations.drive.mileage import Mileage
+from lbr.operations.drive.footprint import Footprint
+from lbr.operations.drive.heading_view import HeadingView
+from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.rules import FREE, MEMORY, Blocker, Limit, View, allowed_mps, towards
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.drive.sweep import Sweep
 
 MOST_SPOTS = 40
 CONE_RAD = 0.2
@@ -42,7 +42,7 @@ class Spot(NamedTuple):
     by: Sensor | None = None
 
 
-class Memory(Struct, frozen=True, kw_only=True):
+class ObstacleMemory(Struct, frozen=True, kw_only=True):
     """What was seen around the base when its sensors were last heard, and where the base has come to since then.
 
     `turned_rad` and `way_m` are those parts of it that the wheels' powers alone tell: attitude and odometry correct them.
@@ -67,7 +67,7 @@ class Ahead(Struct, frozen=True, kw_only=True):
 NOTHING = Ahead()
 
 
-def moved(memory: Memory, left: float, right: float, dt_s: float, settings: DriveSettings) -> Memory:
+def moved(memory: ObstacleMemory, left: float, right: float, dt_s: float, settings: DriveSettings) -> ObstacleMemory:
     """Return the memory of a base whose wheels had these powers for a while."""
     if not memory.spots:
         return memory
@@ -78,7 +78,7 @@ def moved(memory: Memory, left: float, right: float, dt_s: float, settings: Driv
     )
 
 
-def turned(memory: Memory, before: Bearing, after: Bearing) -> Memory:
+def turned(memory: ObstacleMemory, before: HeadingView, after: HeadingView) -> ObstacleMemory:
     """Return the memory of a base that turned as the attitude says, rather than as its wheels do."""
     if after is before:
         return memory
@@ -88,7 +88,7 @@ def turned(memory: Memory, before: Bearing, after: Bearing) -> Memory:
     return replace(memory, yaw_rad=memory.yaw_rad + turn_rad - memory.turned_rad, turned_rad=0.0)
 
 
-def drove(memory: Memory, before: Mileage, after: Mileage) -> Memory:
+def drove(memory: ObstacleMemory, before: OdometryView, after: OdometryView) -> ObstacleMemory:
     """Return the memory of a base that went as far as the odometry says."""
     if after is before:
         return memory
@@ -98,10 +98,10 @@ def drove(memory: Memory, before: Mileage, after: Mileage) -> Memory:
     return replace(_shifted(memory, way_m - memory.way_m, 0.0), way_m=0.0)
 
 
-def see(memory: Memory, views: Mapping[Sensor, View], now: float, settings: DriveSettings) -> Memory:
+def see(memory: ObstacleMemory, views: Mapping[Sensor, View], now: float, settings: DriveSettings) -> ObstacleMemory:
     """Return the memory after new readings, of which only those count that came now: no reading frees nothing."""
     if not settings.memory_s > 0.0:
-        return Memory()
+        return ObstacleMemory()
     stands = hypot(memory.x_m, memory.y_m) < STILL_M and abs(memory.yaw_rad) < STILL_RAD
     known = memory.spots if stands else around(memory)
     spots = _not_forgotten(known, now, settings)
@@ -116,18 +116,22 @@ def see(memory: Memory, views: Mapping[Sensor, View], now: float, settings: Driv
     return replace(memory, spots=nearest, x_m=0.0, y_m=0.0, yaw_rad=0.0)
 
 
-def redated(memory: Memory, now: float) -> Memory:
+def redated(memory: ObstacleMemory, now: float) -> ObstacleMemory:
     """Return the memory on a clock that begins anew: everything in it was seen just now."""
     return replace(memory, spots=tuple(spot._replace(seen=now) for spot in memory.spots))
 
 
-def around(memory: Memory) -> list[Spot]:
+def around(memory: ObstacleMemory) -> list[Spot]:
     """Return what is remembered, from where the base is now."""
     return [Spot(*place, spot.seen) for place, spot in zip(_places(memory), memory.spots, strict=True)]
 
 
 def limit(
-    memory: Memory, settings: DriveSettings, wheels: tuple[float, float], now: float, blocked: Iterable[Blocker] = ()
+    memory: ObstacleMemory,
+    settings: DriveSettings,
+    wheels: tuple[float, float],
+    now: float,
+    blocked: Iterable[Blocker] = (),
 ) -> Limit:
     """Return what the memory does to a motion of the wheels; a stop is held until there is some more room."""
     if not (memory.spots and settings.memory_s > 0.0 and sweeps(wheels)):
@@ -151,12 +155,12 @@ def sweeps(wheels: tuple[float, float]) -> bool:
     return parts["left"] > 0.0 or parts["right"] > 0.0
 
 
-def free_way_m(memory: Memory, wheels: tuple[float, float], settings: DriveSettings) -> float:
+def free_way_m(memory: ObstacleMemory, wheels: tuple[float, float], settings: DriveSettings) -> float:
     """Return how far the faster wheel goes until the base, on this arc, is within the margin of something remembered."""
     return ahead(memory, wheels, settings).way_m
 
 
-def ahead(memory: Memory, wheels: tuple[float, float], settings: DriveSettings) -> Ahead:
+def ahead(memory: ObstacleMemory, wheels: tuple[float, float], settings: DriveSettings) -> Ahead:
     """Return what an arc or a spin comes to first; one to the right is looked at in a mirror."""
     left, right = wheels
     mirror = 1.0 if right > left else -1.0
@@ -165,8 +169,8 @@ def ahead(memory: Memory, wheels: tuple[float, float], settings: DriveSettings) 
         return NOTHING
     half_m = settings.track_m / 2
     radius_m = half_m * (faster + slower) / (faster - slower)
-    sweep = Sweep(settings.body_length_m / 2, settings.body_width_m / 2, settings.memory_margin_m, radius_m)
-    turn_rad, x_m, y_m = min([(sweep.until_rad(x_m, mirror * y_m), x_m, y_m) for x_m, y_m in _places(memory)])
+    footprint = Footprint(settings.body_length_m / 2, settings.body_width_m / 2, settings.memory_margin_m, radius_m)
+    turn_rad, x_m, y_m = min([(footprint.until_rad(x_m, mirror * y_m), x_m, y_m) for x_m, y_m in _places(memory)])
     if turn_rad == inf:
         return NOTHING
     side, distance_m = _named(x_m, y_m, settings)
@@ -177,13 +181,13 @@ def _not_forgotten(spots: Iterable[Spot], now: float, settings: DriveSettings) -
     return [spot for spot in spots if not now - spot.seen >= settings.memory_s]  # this way round, NaN forgets nothing
 
 
-def _places(memory: Memory) -> list[tuple[float, float]]:
+def _places(memory: ObstacleMemory) -> list[tuple[float, float]]:
     c, s = cos(memory.yaw_rad), sin(memory.yaw_rad)
     x0_m, y0_m = c * memory.x_m + s * memory.y_m, c * memory.y_m - s * memory.x_m
     return [(c * x_m + s * y_m - x0_m, c * y_m - s * x_m - y0_m) for x_m, y_m, *_ in memory.spots]
 
 
-def _shifted(memory: Memory, way_m: float, turn_rad: float) -> Memory:
+def _shifted(memory: ObstacleMemory, way_m: float, turn_rad: float) -> ObstacleMemory:
     looks = memory.yaw_rad + turn_rad / 2
     x_m, y_m = memory.x_m + way_m * cos(looks), memory.y_m + way_m * sin(looks)
     return replace(memory, x_m=x_m, y_m=y_m, yaw_rad=memory.yaw_rad + turn_rad)

@@ -7,9 +7,9 @@ from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
-from lbr.operations.drive import mileage as mileages
-from lbr.operations.drive.asked import straight
-from lbr.operations.drive.mileage import Mileage
+from lbr.operations.drive import odometry_view
+from lbr.operations.drive.command import straight
+from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.rules import allowed_mps
 from lbr.operations.drive.settings import DriveSettings
 
@@ -18,7 +18,7 @@ SETTLE_S = 0.2
 WRONG_M = 0.15
 
 
-class Way(Struct, frozen=True, kw_only=True):
+class DistanceGoal(Struct, frozen=True, kw_only=True):
     """A distance that is being driven: `asked_m` from `begun_m`, towards `sense` (1 ahead, -1 back).
 
     `quiet` is since when the base stands at its end (NaN: it does not); `backward_m` is how far it may roll the other
@@ -29,7 +29,7 @@ class Way(Struct, frozen=True, kw_only=True):
     sense: float
     begun_m: float
     epoch: str
-    mileage: Mileage
+    odometry: OdometryView
     backward_m: float
     quiet: float = nan
     slipped: bool = False
@@ -37,7 +37,7 @@ class Way(Struct, frozen=True, kw_only=True):
     @property
     def travelled_m(self) -> float:
         """How far it came towards its end."""
-        return self.sense * (self.mileage.distance_m - self.begun_m)
+        return self.sense * (self.odometry.distance_m - self.begun_m)
 
     @property
     def left_m(self) -> float:
@@ -45,49 +45,49 @@ class Way(Struct, frozen=True, kw_only=True):
         return self.asked_m - self.travelled_m
 
 
-def not_possible(command: DriveCommand, mileage: Mileage, now: float) -> Reason | None:
+def not_possible(command: DriveCommand, odometry: OdometryView, now: float) -> Reason | None:
     """Return why this distance cannot be driven, or nothing."""
     if not command.distance_cm > 0.0:
         return None
     if not straight(command):
         why = f"distance_cm goes straight ahead or back only (angle_deg 0 or 180), not {command.angle_deg:g}"
         return Reason("bad_value", why)
-    why = mileages.not_known(mileage, now)
+    why = odometry_view.not_known(odometry, now)
     return Reason("stale_sensor", f"no distance can be driven: {why}") if why else None
 
 
-def start(command: DriveCommand, mileage: Mileage, settings: DriveSettings) -> Way:
+def start(command: DriveCommand, odometry: OdometryView, settings: DriveSettings) -> DistanceGoal:
     """Return the way that a command begins."""
     sense = 1.0 if cos(radians(command.angle_deg)) > 0.0 else -1.0
-    speed = abs(mileage.speed_mps)
+    speed = abs(odometry.speed_mps)
     rolls_m = speed * settings.reaction_s + speed * speed / (2 * settings.brake_mps2)
-    return Way(
+    return DistanceGoal(
         asked_m=command.distance_cm / 100,
         sense=sense,
-        begun_m=mileage.distance_m,
-        epoch=mileage.epoch,
-        mileage=mileage,
+        begun_m=odometry.distance_m,
+        epoch=odometry.epoch,
+        odometry=odometry,
         backward_m=WRONG_M + rolls_m,
     )
 
 
-def watch(way: Way, mileage: Mileage, pushing: float, settings: DriveSettings) -> Way:
+def watch(way: DistanceGoal, odometry: OdometryView, pushing: float, settings: DriveSettings) -> DistanceGoal:
     """Return the way after new odometry, while the wheels are given `pushing`."""
-    if mileage.trouble or mileage.epoch != way.epoch:
-        return replace(way, mileage=mileage)
-    way = replace(way, mileage=mileage)
-    still = way.left_m <= settings.distance_tolerance_m and abs(mileage.speed_mps) <= STANDING_MPS
-    since = mileage.seen if isnan(way.quiet) else way.quiet
+    if odometry.trouble or odometry.epoch != way.epoch:
+        return replace(way, odometry=odometry)
+    way = replace(way, odometry=odometry)
+    still = way.left_m <= settings.distance_tolerance_m and abs(odometry.speed_mps) <= STANDING_MPS
+    since = odometry.seen if isnan(way.quiet) else way.quiet
     return replace(way, quiet=since if still and pushing == 0.0 else nan)
 
 
-def fault(way: Way, now: float) -> Reason | None:
+def fault(way: DistanceGoal, now: float) -> Reason | None:
     """Return what is wrong with a way, or nothing; comparisons are such that NaN is wrong."""
-    if why := mileages.not_known(way.mileage, now):
+    if why := odometry_view.not_known(way.odometry, now):
         return Reason("stale_sensor", why)
-    if way.mileage.epoch != way.epoch:
+    if way.odometry.epoch != way.epoch:
         return Reason("stale_sensor", "the odometry began anew on the way")
-    if way.mileage.stalled:
+    if way.odometry.stalled:
         return Reason("stuck", "the wheels stand although the motors push")
     if not way.travelled_m > -way.backward_m:
         why = "the wheels turn the other way: look at the motors' and the encoders' signs"
@@ -95,15 +95,15 @@ def fault(way: Way, now: float) -> Reason | None:
     return None
 
 
-def is_over(way: Way) -> bool:
+def is_over(way: DistanceGoal) -> bool:
     """Say whether the base stands at the end, and has for a while."""
-    return way.mileage.seen - way.quiet >= SETTLE_S  # this way round, NaN is not over
+    return way.odometry.seen - way.quiet >= SETTLE_S  # this way round, NaN is not over
 
 
-def power(way: Way, asked: float, settings: DriveSettings, now: float) -> float:
+def power(way: DistanceGoal, asked: float, settings: DriveSettings, now: float) -> float:
     """Return the power now, `asked` at most: less near the end, nothing where the base will come to rest."""
-    lag_s = max(0.0, now - way.mileage.seen)
-    ahead_mps = max(0.0, way.sense * way.mileage.speed_mps)
+    lag_s = max(0.0, now - way.odometry.seen)
+    ahead_mps = max(0.0, way.sense * way.odometry.speed_mps)
     left_m = way.left_m - ahead_mps * lag_s
     if not left_m > ahead_mps * ahead_mps / (2 * settings.brake_mps2) + settings.distance_tolerance_m / 2:
         return 0.0  # this way round, NaN is no power
@@ -111,12 +111,12 @@ def power(way: Way, asked: float, settings: DriveSettings, now: float) -> float:
     return min(asked, max(wished, settings.creep_power))
 
 
-def words(way: Way) -> str:
+def words(way: DistanceGoal) -> str:
     """Say how far it came of what was asked."""
     return f"drove {way.travelled_m:.2f} of {way.asked_m:.4g} m"
 
 
-def ended(way: Way, elapsed_s: float) -> str:
+def ended(way: DistanceGoal, elapsed_s: float) -> str:
     """Say how a way that is over went."""
     past_m = -way.left_m
     return f"{words(way)} in {elapsed_s:.1f} s, {abs(past_m):.2f} m {'too far' if past_m > 0.0 else 'short'}"
