@@ -357,22 +357,24 @@ def ask_all(
     return [answer for question in questions for answer in list(question.replies)]
 
 
-def put(session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False) -> bytes:
-    """Publish once, and return the stamp that it went with; `urgent` overtakes streams. BusError: it was not sent."""
-    stamp = stamps.make(source, 0)
+def put(
+    session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False, to_others: bool = False
+) -> None:
+    """Publish once; `urgent` overtakes streams, `to_others` passes by this session's own subscriptions, which are called
+    within. BusError: it was not sent."""
     try:
         session.put(
             key,
             encode(message),
             encoding=JSON,
-            attachment=stamp,
+            attachment=stamps.make(source, 0),
+            allowed_destination=zenoh.Locality.REMOTE if to_others else zenoh.Locality.ANY,
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
             congestion_control=zenoh.CongestionControl.BLOCK if urgent else zenoh.CongestionControl.DROP,
             express=urgent,
         )
     except zenoh.ZError as err:
         raise BusError(f"{key}: {err}") from err
-    return stamp
 
 
 def pass_on(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:

@@ -19,7 +19,7 @@ def test_what_nobody_is_woken_for_waits_newest_only_oldest_first(tmp_path: Path)
             end = wire.Subscription(client, "robot/end", depth=1)
             for number in range(1, 8):
                 stream.put({"n": number})
-            until(lambda: wire.put(router, "robot/end", {}, source="imu") and end.take(), what="what came after them")
+            until(lambda: router.put("robot/end", "{}") or end.take(), what="what came after them")
             assert [message.payload for message in waiting.take()] == [b'{"n":5}', b'{"n":6}', b'{"n":7}']
             assert waiting.take() == []
 

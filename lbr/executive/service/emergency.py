@@ -19,7 +19,8 @@ REPEAT_LATER_S = 1.0
 REPEAT_FOR_S = 5.0
 SHORTEST_S = 0.2
 ACKNOWLEDGE_LIMIT_S = 0.5
-MOST_ECHOES = 64
+ALONE_S = 0.5
+"""So long a mover may say that it is latched before the press that it heard is here too."""
 NOT_SAVED = "the emergency stop's latch is not on the disk"
 _requests = Decoder(EstopRequest)
 _acknowledgements = Decoder(EstopAcknowledgement)
@@ -56,7 +57,7 @@ class Emergency:
         self._repeat_at = 0.0
         self._repeat_until = 0.0
         self._latched_at = -inf
-        self._echoes: deque[bytes] = deque(maxlen=MOST_ECHOES)
+        self._alone: dict[str, float] = {}
         self._count = 0
         self._releasing = 0
         self._unsaved = state.engaged  # in the other place too, if only one knew
@@ -123,6 +124,7 @@ class Emergency:
             else:
                 self._engaged, self._reason, self._source, self._repeat_until = False, "", "", 0.0
                 self._stopped.clear()
+                self._alone.clear()
                 self._unsaved, self._save_tried, self._save_at = True, False, 0.0
                 self._news.append(("estop_reset", "executive", f"emergency stop released by {source}", "warning"))
         self._wake()
@@ -134,6 +136,7 @@ class Emergency:
         """Take back a mover's acknowledgement: its process is a new one."""
         with self._changed:
             self._stopped.discard(name)
+            self._alone.pop(name, None)
 
     def _release(self, name: str) -> str:
         key = keys.estop_release(self._robot, name)
@@ -146,20 +149,31 @@ class Emergency:
 
     def step(self, now: float) -> float:
         """Write down what is new, repeat what is not acknowledged; return when to be called again."""
+        with self._changed:
+            alone_until = min(self._alone.values(), default=inf) + ALONE_S
+            if now >= alone_until:
+                name = next(iter(self._alone))
+                self._latch("it heard a stop that was not heard here", name, now)
         while self._news:
             self._happened(*self._news.popleft())
         if self._unsaved and now >= self._save_at:
             self._save(now)
         with self._changed:
-            return self._repeat(now) if self._engaged and self.state().waiting else now + 1.0
+            return self._repeat(now) if self._engaged and self.state().waiting else now + ALONE_S
 
     def _repeat(self, now: float) -> float:
         if now >= self._repeat_at:
             self._repeat_at = now + (REPEAT_S if now < self._repeat_until else REPEAT_LATER_S)
             if not self._releasing:
                 request = EstopRequest(engaged=True, reason=self._reason)
-                key = keys.estop(self._robot)
-                self._echoes.append(wire.put(self._session, key, request, source="executive", urgent=True))
+                wire.put(
+                    self._session,
+                    keys.estop(self._robot),
+                    request,
+                    source="executive",
+                    urgent=True,
+                    to_others=True,  # what is heard here counts as a press
+                )
         return self._repeat_at
 
     def close(self) -> None:
@@ -205,9 +219,6 @@ class Emergency:
         self._wake()
 
     def _pressed(self, raw: wire.Raw, now: float) -> None:
-        if raw.attachment in self._echoes:  # our own repetition, which counts as no press; what looks like one does
-            self._echoes.remove(raw.attachment)
-            return
         found = stamp.read(raw.attachment)
         source = found.source if found is not None else "a bus client"
         try:
@@ -218,12 +229,16 @@ class Emergency:
             text = f"{source} put 'not engaged' on @estop; only a query on @estop/reset releases it"
             self._news.append(("refused", "estop", text, "warning"))
             return
+        self._latch(request.reason or "pressed", source, now)
+
+    def _latch(self, reason: str, source: str, now: float) -> None:
         self._count += 1
+        self._alone.clear()
         self._repeat_until = now + REPEAT_FOR_S
         if not self._engaged:
             self._stopped.clear()
             self._latched_at = now
-            self._engaged, self._reason, self._source = True, request.reason or "pressed", source[:80]
+            self._engaged, self._reason, self._source = True, reason, source[:80]
             self._unsaved, self._save_tried, self._save_at = True, False, 0.0
             self._news.append(("estop", "executive", f"emergency stop by {source}: {self._reason}", "error"))
 
@@ -234,3 +249,7 @@ class Emergency:
             return
         mover = raw.key.rpartition("/")[2]  # the bus knows whose key it is; what a message says proves nothing
         (self._stopped.add if said.stopped and said.engaged else self._stopped.discard)(mover)
+        if said.engaged and not self._engaged and not self._releasing:
+            self._alone.setdefault(mover, time.monotonic())
+        else:
+            self._alone.pop(mover, None)

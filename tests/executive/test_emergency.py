@@ -1,0 +1,101 @@
+"""The keeper of the emergency stop on a bus of its own: what counts as a press, and what it takes back."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Event, Thread
+from typing import Any
+
+from lbr.bus import keys, session, wire
+from lbr.executive.service import emergency
+from lbr.executive.service.emergency import Emergency
+from lbr.messages.system import EstopAcknowledgement, EstopState
+from tests.support.robot import until
+
+
+class Keeper:
+    """An emergency stop with one mover, `motors`, which the test plays; its loop is turned every millisecond."""
+
+    def __init__(self, endpoint: str) -> None:
+        self.saved: list[tuple[bool, str]] = []
+        self.kept = Emergency(
+            "lbr",
+            lambda: session.open_client([endpoint]),
+            EstopState(engaged=False, reason=""),
+            movers=lambda: ["motors"],
+            seal=lambda _key: "00" * 16,
+            persist=lambda engaged, reason: self.saved.append((engaged, reason)),
+            happened=lambda *_news: None,
+            trouble=lambda *_trouble: None,
+            reset=lambda _request: None,
+            wake=lambda: None,
+        )
+        self._end = Event()
+        self._thread = Thread(target=self._turn)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._end.set()
+        self._thread.join()
+        self.kept.close()
+
+    def _turn(self) -> None:
+        while not self._end.wait(0.001):
+            self.kept.step(emergency.time.monotonic())
+
+
+@contextmanager
+def keeper(tmp_path: Path) -> Iterator[tuple[Keeper, session.Session]]:
+    endpoint = f"unixsock-stream/{tmp_path}/r.sock"
+    with session.open_router(session.Router(listen=(endpoint,))), session.open_client([endpoint]) as bus:
+        kept = Keeper(endpoint)
+        try:
+            yield kept, bus
+        finally:
+            kept.close()
+
+
+def acknowledge(bus: session.Session, *, engaged: bool) -> None:
+    said = EstopAcknowledgement(capability="motors", engaged=engaged, stopped=engaged)
+    wire.put(bus, keys.estop_acknowledgement("lbr", "motors"), said, source="motors", urgent=True)
+
+
+def releasing(bus: session.Session) -> wire.Answer:
+    return wire.Answer(bus, keys.estop_release("lbr", "motors"), lambda: {"accepted": True})
+
+
+def test_a_press_that_bears_the_stamp_of_a_repetition_counts(tmp_path: Path) -> None:
+    with keeper(tmp_path) as (robot, bus):
+        heard = wire.Subscription(bus, keys.estop("lbr"), depth=64)
+        bus.put(keys.estop("lbr"), json.dumps({"engaged": True, "reason": "a ladder"}))
+        repeated: list[wire.Raw] = []
+        until(lambda: repeated.extend(raw for raw in heard.take() if raw.attachment) or repeated, what="a repetition")
+        acknowledge(bus, engaged=True)
+        until(lambda: robot.kept.state().acknowledged, what="the motors stand")
+        release = releasing(bus)
+        until(lambda: robot.kept.release("tester") == "", what="it is released")
+        assert not robot.kept.state().engaged
+        for one in (*repeated, *heard.take()):
+            bus.put(keys.estop("lbr"), one.payload, attachment=one.attachment)
+            until(lambda: robot.kept.state().engaged, limit_s=1.0, what="what movers obey is latched here too")
+            until(lambda: robot.kept.release("tester") == "", what="it is released again")
+        del release
+
+
+def test_its_own_repetitions_are_no_presses_and_become_rare(tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.setattr(emergency, "REPEAT_FOR_S", 0.2)
+    with keeper(tmp_path) as (robot, bus):
+        heard = wire.Subscription(bus, keys.estop("lbr"), depth=64)
+        bus.put(keys.estop("lbr"), json.dumps({"engaged": True, "reason": "a ladder"}))
+        until(lambda: robot.kept.state().engaged, what="it is latched")
+        end = emergency.time.monotonic() + 1.5
+        until(lambda: emergency.time.monotonic() > end, what="a second and a half")
+        assert len(heard.take()) < 12
+
+
+def test_a_stop_that_only_a_mover_heard_is_latched_and_saved(tmp_path: Path) -> None:
+    with keeper(tmp_path) as (robot, bus):
+        until(lambda: acknowledge(bus, engaged=True) or robot.kept.state().engaged, what="it is latched")
+        assert "motors" in robot.kept.state().source
+        until(lambda: robot.saved and robot.saved[-1][0], what="it is on the disk")
