@@ -115,7 +115,7 @@ class Lockstep:
         wanted = self._wanted
         if wanted is None:
             return
-        known = self._state.hold.lease if self._state.hold else ""
+        known = self._state.lease.id if self._state.lease else ""
         command = DriveCommand(power=wanted.power, angle_deg=wanted.angle_deg, lease=known)
         named = f"lease-{next(self._order)}"
         self._decide(Command(command=command, source="approach", new_lease=named, new_goal=named, received=self.now))

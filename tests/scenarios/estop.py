@@ -7,7 +7,7 @@ from typing import Any
 from tests.support.bench import Bench, bench
 from tests.support.figures import Results
 
-INSISTING_S = 0.3
+PERSISTENT_S = 0.3
 PAUSE_S = 0.3
 
 
@@ -38,7 +38,7 @@ def press(under_test: Bench, figure: str, how: Callable[[], Any]) -> None:
     zero = under_test.stopped_after(figure, at_ns)
     under_test.until(lambda: _acknowledged(under_test), 3.0, "the emergency stop acknowledged")
     under_test.release()
-    under_test.pass_time(INSISTING_S)
+    under_test.pass_time(PERSISTENT_S)
     mover.cease()
     under_test.stays_at_rest(zero)
     under_test.pass_time(PAUSE_S)

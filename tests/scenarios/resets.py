@@ -15,7 +15,7 @@ from tests.support.figures import Results
 from tests.support.mover import accepted
 
 STREAM_S = 0.05
-INSISTING_S = 0.5
+PERSISTENT_S = 0.5
 QUIET_S = 0.3
 Send = Callable[[Session, float], None]
 
@@ -46,9 +46,9 @@ def reset_under_stream(under_test: Bench, how: str) -> None:
         said = robot.line("estop")
         assert said["code"] == 0, said
         since_ns = time.monotonic_ns()
-        under_test.pass_time(under_test.dice.uniform(0.0, INSISTING_S))
+        under_test.pass_time(under_test.dice.uniform(0.0, PERSISTENT_S))
         under_test.release()
-        under_test.pass_time(INSISTING_S)
+        under_test.pass_time(PERSISTENT_S)
         _nothing_moved(under_test, since_ns, how)
     under_test.pass_time(QUIET_S)
     accepted(robot, {"power": 0.4, "angle_deg": under_test.dice.choice(ANGLES)})

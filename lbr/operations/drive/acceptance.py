@@ -14,15 +14,15 @@ from lbr.operations.drive.rules import SENSORS, Limit
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, State, motors_trouble
 from lbr.operations.leasing import rules
-from lbr.operations.leasing.lease import LATE_S, Ask, confirmed
+from lbr.operations.leasing.lease import LATE_S, LeaseRequest, confirmed
 
-Link = Callable[[State, Command, Ask, float], Reason | None]
+Link = Callable[[State, Command, LeaseRequest, float], Reason | None]
 
 
-def asks(event: Command, settings: DriveSettings) -> Ask:
+def asks(event: Command, settings: DriveSettings) -> LeaseRequest:
     """Return a command as far as leases are concerned; one that the user's checks have seen may be older."""
     command = event.command
-    return Ask(
+    return LeaseRequest(
         source=event.source,
         lease=command.lease,
         what=what(command),
@@ -42,13 +42,13 @@ def asks(event: Command, settings: DriveSettings) -> Ask:
 def to_be_checked(state: State, event: Command, now: float) -> bool:
     """Say whether the user's checks are to be asked: for new and changed motion that nothing else refuses."""
     ask = asks(event, state.settings)
-    if not ask.moves or rules.intent(state.holding, ask) == "renewal" or confirmed(state.holding, ask):
+    if not ask.moves or rules.intent(state.leases, ask) == "renewal" or confirmed(state.leases, ask):
         return False
     return not refusal(state, event, ask, now, renewal=False, checked=False)
 
 
 def refusal(
-    state: State, event: Command, ask: Ask, now: float, *, renewal: bool, checked: bool = True
+    state: State, event: Command, ask: LeaseRequest, now: float, *, renewal: bool, checked: bool = True
 ) -> Reason | None:
     """Return why a command is refused, or nothing; `checked` false leaves out the user's own checks.
 
@@ -79,7 +79,7 @@ def notes(state: State, command: Motion, now: float) -> Reason | None:
     return Reason(code, ", ".join(found)) if found else None
 
 
-def _form(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
+def _form(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason | None:
     """Numbers are finite and within their bounds, as decoding saw to, and the command has not lain about."""
     command = event.command
     for name, value, low, high in _bounds(command):
@@ -87,7 +87,7 @@ def _form(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
             return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")
     if isinstance(command, DriveCommand) and command.sensor not in SENSORS:
         return Reason("unknown_name", f"sensor '{command.sensor}' is none of {', '.join(SENSORS)}")
-    return rules.form(state.holding, ask, now)
+    return rules.form(state.leases, ask, now)
 
 
 def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
@@ -105,19 +105,19 @@ def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
     )
 
 
-def _holder(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
+def _holder(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason | None:
     """One holder."""
     del event
-    return rules.holder(state.holding, ask, now)
+    return rules.holder(state.leases, ask, now)
 
 
-def _state(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
+def _state(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason | None:
     """Nothing but standing still while the emergency stop is latched or the motors would not follow."""
     del event
-    return rules.at_rest(state.holding, ask, now, motors_trouble(state, now))
+    return rules.at_rest(state.leases, ask, now, motors_trouble(state, now))
 
 
-def _limits(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
+def _limits(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason | None:
     """Bounds make sense: a range within the sensor's reach and not there yet, a time within the longest run.
 
     What turns or goes a distance needs to know how it lies or how far it came.
@@ -134,7 +134,7 @@ def _limits(state: State, event: Command, ask: Ask, now: float) -> Reason | None
     return why or not_plausible(command, state.views, state.settings, now)
 
 
-def _rules(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
+def _rules(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason | None:
     """A new motion towards an obstacle does not start."""
     if not ask.moves:
         return None
@@ -142,7 +142,7 @@ def _rules(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
     return None if found.scale > 0.0 else Reason(found.code, found.detail)
 
 
-def _checks(state: State, event: Command, ask: Ask, now: float) -> Reason | None:
+def _checks(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason | None:
     """The user's own checks all agree."""
     del state, ask, now
     for name, verdict in event.checks.items():

@@ -10,7 +10,7 @@ from lbr.operations.drive import goals
 from lbr.operations.drive.state import ActiveMotion, Outputs, State, motors_trouble
 from lbr.operations.drive.wheels import next_wheels
 from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import Ended, Ending, Happened, Hold, Holding, Result, Setpoint
+from lbr.operations.leasing.lease import Ended, Ending, Happened, Lease, LeaseTable, Result, Setpoint
 
 Decision = tuple[State, Outputs]
 ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0))
@@ -18,7 +18,7 @@ ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0))
 
 def end_what_is_over(state: State, now: float) -> Decision:
     """End what is over by now; comparisons are such that NaN ends it."""
-    held = state.holding
+    held = state.leases
     if trouble := motors_trouble(state, now):
         held, said = ending.drop_offers(held, held.offers, "fault", trouble)
     else:
@@ -27,62 +27,62 @@ def end_what_is_over(state: State, now: float) -> Decision:
     over = _what_is_over(state, trouble, now)
     if over is None:
         return state, ended
-    state, more = apply(state, *ending.end(state.holding, *over, now), now)
+    state, more = apply(state, *ending.end(state.leases, *over, now), now)
     return state, ended + more
 
 
 def halt(state: State, decided: ending.Decision[ActiveMotion], now: float) -> Decision:
     """Take in what was decided of who has the base, and stand still, whether somebody had it or not."""
     held, said = decided
-    if state.hold is not None:
+    if state.lease is not None:
         return apply(state, held, said, now)
     state, outputs = apply(state, held, said, now)
     return next_wheels(state, now), (ZERO, *outputs)
 
 
-def apply(state: State, held: Holding[ActiveMotion], said: ending.Said[ActiveMotion], now: float) -> Decision:
-    """Take in who has the base now, stand still when a hold is over, and say how each goal ended."""
+def apply(state: State, held: LeaseTable[ActiveMotion], said: ending.Said[ActiveMotion], now: float) -> Decision:
+    """Take in who has the base now, stand still when a lease is over, and say how each goal ended."""
     outputs: Outputs = ()
     for each in said:
         if isinstance(each, Happened):
             outputs = (*outputs, each)
             continue
         if each.held:
-            state = next_wheels(replace(state, holding=replace(state.holding, hold=None)), now)
+            state = next_wheels(replace(state, leases=replace(state.leases, live=None)), now)
             outputs = (*outputs, ZERO, ending.happened(each, _kind(each)))
         outputs = outputs + _result(each, now)
-    return replace(state, holding=held), outputs
+    return replace(state, leases=held), outputs
 
 
 def _result(ended: Ended[ActiveMotion], now: float) -> Outputs:
     """Say how a bounded move ended, if it was one."""
-    goal = ended.hold.motion.goal
+    goal = ended.lease.motion.goal
     return () if goal is None else (Result(message=goals.result(goal, ended.how, ended.why, now)),)
 
 
 def _kind(ended: Ended[ActiveMotion]) -> str:
-    goal = ended.hold.motion.goal
+    goal = ended.lease.motion.goal
     return "turned" if ended.how == "reached" and goal is not None and goal.turn is not None else ""
 
 
 def _what_is_over(state: State, trouble: Reason | None, now: float) -> tuple[Ending, Reason] | None:
-    """Return how the hold ends by itself and why, or None while it lives."""
-    hold = state.hold
-    if hold is None:
+    """Return how the lease ends by itself and why, or None while it lives."""
+    lease = state.lease
+    if lease is None:
         return None
     if trouble:
         return "fault", trouble
-    goal = hold.motion.goal
+    goal = lease.motion.goal
     if goal is not None and (ended := goals.ending(goal, state.settings, now)):
         return ended
-    worn = _worn_out(state, hold, now) if hold.motion.power > 0.0 else None
+    worn = _worn_out(state, lease, now) if lease.motion.power > 0.0 else None
     return ("stopped", worn) if worn else None
 
 
-def _worn_out(state: State, hold: Hold[ActiveMotion], now: float) -> Reason | None:
+def _worn_out(state: State, lease: Lease[ActiveMotion], now: float) -> Reason | None:
     """Return why a motion that nobody ended is over: it ran unattended, or a rule has held the base still."""
     settings = state.settings
-    if not now - hold.changed < settings.max_run_s:
+    if not now - lease.changed < settings.max_run_s:
         return Reason("limit", f"it ran for {settings.max_run_s:g} s unattended")
     if not isnan(state.blocked_since) and not now - state.blocked_since < settings.blocked_s:
         why = f"held still for {settings.blocked_s:g} s: {state.limited.detail}"

@@ -12,55 +12,55 @@ from lbr.operations.drive.ending import Decision, apply, halt
 from lbr.operations.drive.state import ActiveMotion, Command, State
 from lbr.operations.drive.wheels import next_wheels, tell
 from lbr.operations.leasing import decide
-from lbr.operations.leasing.lease import Ask, Hold, Reply, Setpoint, Stop, confirmed
+from lbr.operations.leasing.lease import Lease, LeaseRequest, Reply, Setpoint, Stop, confirmed
 
 
 def command(state: State, event: Command, now: float) -> Decision:
     """Refuse a command, or do what it wants."""
     ask = asks(event, state.settings)
     verdict, held, refused = decide.judge(
-        state.holding, ask, lambda wanted: refusal(state, event, ask, now, renewal=wanted == "renewal"), now
+        state.leases, ask, lambda wanted: refusal(state, event, ask, now, renewal=wanted == "renewal"), now
     )
     if verdict == "stop":
         return stop(state, Stop(source=event.source, received=event.received), now)
-    state = replace(state, holding=held)
+    state = replace(state, leases=held)
     if refused:
         return state, refused
     if verdict == "renewal":
         return state, (_accept(state, event, decide.lent(held, verdict), now),)
     active = _active_motion(state, event, ask, now)
-    state, said = apply(state, *decide.grant(state.holding, ask, verdict, active, now), now)
-    accepted = _accept(state, event, decide.lent(state.holding, verdict), now)
+    state, said = apply(state, *decide.grant(state.leases, ask, verdict, active, now), now)
+    accepted = _accept(state, event, decide.lent(state.leases, verdict), now)
     state, driven = drive(state, now) if verdict != "offer" else (state, ())
     return state, (*said, accepted, *driven)
 
 
 def stop(state: State, event: Stop, now: float) -> Decision:
     """Stand still, whoever says so."""
-    state, said = halt(state, decide.stop(state.holding, event, now), now)
+    state, said = halt(state, decide.stop(state.leases, event, now), now)
     return state, (*said, decide.STOPPED)
 
 
 def drive(state: State, now: float) -> Decision:
     """Say what the motors are to do now."""
     state = next_wheels(state, now)
-    lease = state.hold.lease if state.hold else ""
+    lease = state.lease.id if state.lease else ""
     setpoint = Setpoint(message=MotorSetpoint(left=state.left, right=state.right, lease=lease))
     state, said = tell(state, now)
     return state, (setpoint, *said)
 
 
-def _accept(state: State, event: Command, hold: Hold[ActiveMotion], now: float) -> Reply:
+def _accept(state: State, event: Command, lease: Lease[ActiveMotion], now: float) -> Reply:
     reason = notes(state, event.command, now) if moves(event.command) else None
-    goal = hold.motion.goal
-    return decide.accepted(hold, reason, goal.goal if goal else "")
+    goal = lease.motion.goal
+    return decide.accepted(lease, reason, goal.goal if goal else "")
 
 
-def _active_motion(state: State, event: Command, ask: Ask, now: float) -> ActiveMotion:
+def _active_motion(state: State, event: Command, ask: LeaseRequest, now: float) -> ActiveMotion:
     """Return what the base is to be held for; what confirms an offer goes on with the goal that was offered."""
     asked, goal = event.command, None
     if goals.bounded(asked):
-        offer = confirmed(state.holding, ask)
+        offer = confirmed(state.leases, ask)
         offered = offer.motion.goal if offer is not None else None
         goal = goals.start(asked, offered.goal if offered else event.new_goal, state, now)
     turn = goal.turn if goal else None

@@ -32,12 +32,12 @@ from lbr.operations.drive.state import (
     Tick,
     motors_trouble,
 )
-from lbr.operations.leasing import decide as leases
+from lbr.operations.leasing import decide as leasing
 from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import EstopChanged, Happened, Stop, Words, first
+from lbr.operations.leasing.lease import EstopChanged, Happened, Phrasing, Stop, first
 
 BACK = Reason("clock", "the clock went back")
-WORDS = Words(
+PHRASING = Phrasing(
     noun="the base",
     rest="send power 0, or pause, before driving again",
     idle="nobody drives",
@@ -49,7 +49,7 @@ LAPSE_AHEAD_ROUNDS = 1.5
 def first_state(settings: DriveSettings, began: float = -inf) -> State:
     """Return the state of a base that nobody has moved since it `began`."""
     ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
-    return State(settings=settings, holding=first(WORDS, settings.ttl_s, ahead_s, began=began))
+    return State(settings=settings, leases=first(PHRASING, settings.ttl_s, ahead_s, began=began))
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
@@ -61,24 +61,24 @@ def decide(state: State, event: Event, now: float) -> Decision:
 
 def drive_state(state: State, now: float, loop: LoopStatistics | None = None) -> DriveState:
     """Return what the world may know."""
-    hold = state.hold
+    lease = state.lease
     goal = _goal(state)
     why = _why_at_rest(state, now)
     return DriveState(
         moving=state.left != 0.0 or state.right != 0.0,
-        power=hold.motion.power if hold else 0.0,
-        angle_deg=hold.motion.angle_deg if hold else 0.0,
+        power=lease.motion.power if lease else 0.0,
+        angle_deg=lease.motion.angle_deg if lease else 0.0,
         left=state.left,
         right=state.right,
-        holder=hold.source if hold else None,
+        holder=lease.source if lease else None,
         goal=goal.goal if goal else None,
         limited_by=state.limited.text,
         reason=why.text if why else "",
         code=why.code if why else "",
-        estop=state.holding.estop,
+        estop=state.leases.estop,
         loop=loop,
-        stopped_s=state.holding.stopped if isfinite(state.holding.stopped) else None,
-        stopped_by=state.holding.stopped_by,
+        stopped_s=state.leases.stopped if isfinite(state.leases.stopped) else None,
+        stopped_by=state.leases.stopped_by,
     )
 
 
@@ -89,7 +89,7 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case Stop():
             decision = granting.stop(state, event, now)
         case EstopChanged():
-            decision = halt(state, leases.latch(state.holding, event, now), now)
+            decision = halt(state, leasing.latch(state.leases, event, now), now)
         case MotorsSeen():
             decision = _motors(state, event, now)
         case MotorsLost(reason=reason):
@@ -137,13 +137,13 @@ def _odometry(state: State, event: OdometrySeen, now: float) -> Decision:
     seen = odometry_view.see(state.odometry, event.odometry, _no_later(event.arrived, now), state.settings)
     state = replace(state, odometry=seen, memory=obstacle_memory.drove(state.memory, state.odometry, seen))
     goal = _goal(state)
-    if state.hold is None or goal is None or goal.way is None:
+    if state.lease is None or goal is None or goal.way is None:
         return state, ()
     way = distance_goal.watch(goal.way, seen, state.left, state.settings)
     said: Outputs = ()
     if seen.slipping and not way.slipped:
         way = replace(way, slipped=True)
-        said = _slips(state.hold.source)
+        said = _slips(state.lease.source)
     state, ended = end_what_is_over(_with_goal(state, replace(goal, way=way)), now)
     return state, said + ended
 
@@ -154,13 +154,13 @@ def _slips(source: str) -> Outputs:
 
 
 def _goal(state: State) -> Goal | None:
-    return state.hold.motion.goal if state.hold is not None else None
+    return state.lease.motion.goal if state.lease is not None else None
 
 
 def _with_goal(state: State, goal: Goal) -> State:
-    if state.hold is None:
+    if state.lease is None:
         return state
-    return replace(state, holding=leases.with_motion(state.holding, replace(state.hold.motion, goal=goal)))
+    return replace(state, leases=leasing.with_motion(state.leases, replace(state.lease.motion, goal=goal)))
 
 
 def _no_later(arrived: float, now: float) -> float:
@@ -181,14 +181,14 @@ def _lose_time(state: State, now: float) -> Decision:
         told_at=nan,
         ticked=nan,
     )
-    return halt(forgotten, ending.lose_time(state.holding, BACK, state.clock, now), now)
+    return halt(forgotten, ending.lose_time(state.leases, BACK, state.clock, now), now)
 
 
 def _why_at_rest(state: State, now: float) -> Reason | None:
-    held = state.holding
+    held = state.leases
     if held.estop:
         return Reason("estop", f"emergency stop: {held.estop_reason or 'no reason given'}")
-    if state.hold is None:
+    if state.lease is None:
         if trouble := motors_trouble(state, now):
             return trouble
         waiting = ", ".join(offer.source for offer in held.offers)

@@ -20,7 +20,7 @@ from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.rules import FREE, Limit, Odometer, View
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.turn_goal import TurnGoal
-from lbr.operations.leasing.lease import EstopChanged, Happened, Hold, Holding, Reply, Result, Setpoint, Stop
+from lbr.operations.leasing.lease import EstopChanged, Happened, Lease, LeaseTable, Reply, Result, Setpoint, Stop
 
 
 class Command(Struct, frozen=True, kw_only=True):
@@ -118,7 +118,7 @@ class State(Struct, frozen=True, kw_only=True):
     """Everything the kernel remembers. `left` and `right` are the setpoint now, `clock` is the time of the last event."""
 
     settings: DriveSettings
-    holding: Holding[ActiveMotion]
+    leases: LeaseTable[ActiveMotion]
     clock: float = -inf
     left: float = 0.0
     right: float = 0.0
@@ -139,9 +139,9 @@ class State(Struct, frozen=True, kw_only=True):
     told_at: float = nan
 
     @property
-    def hold(self) -> Hold[ActiveMotion] | None:
+    def lease(self) -> Lease[ActiveMotion] | None:
         """Who has the base, and what for."""
-        return self.holding.hold
+        return self.leases.live
 
 
 def motors_trouble(state: State, now: float) -> Reason | None:

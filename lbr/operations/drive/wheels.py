@@ -25,10 +25,10 @@ def next_wheels(state: State, now: float) -> State:
     odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps)
     remembered = obstacle_memory.moved(state.memory, state.left, state.right, elapsed_s, settings)
     state = replace(state, odometer=odometer, memory=remembered, ticked=now)
-    hold = state.hold
-    if hold is None:
+    lease = state.lease
+    if lease is None:
         return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="", told_stop=False)
-    active = hold.motion
+    active = lease.motion
     goal = goals.driven(active.goal, state.left, elapsed_s, settings)
     asked = goals.wheels(goal, active.power, active.angle_deg, settings, now)
     limited = limit(state, asked, now, state.limited.blocked)
@@ -37,7 +37,7 @@ def next_wheels(state: State, now: float) -> State:
     wheels = slew((state.left, state.right), target, step)
     between = FREE if wheels == target else limit(state, wheels, now, limited.blocked)
     left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))
-    state = replace(state, holding=with_motion(state.holding, replace(active, goal=goal)))
+    state = replace(state, leases=with_motion(state.leases, replace(active, goal=goal)))
     blocked = active.power > 0.0 and not limited.scale > 0.0
     since = (now if isnan(state.blocked_since) else state.blocked_since) if blocked else nan
     return replace(state, left=left, right=right, limited=limited, blocked_since=since)

@@ -12,20 +12,20 @@ from lbr.operations.joints import planning, stored, torque
 from lbr.operations.joints.asked import Asked, asked, empty, named, strengths
 from lbr.operations.joints.state import NOT_ADOPTED, Command, State, joint_trouble, servos_trouble
 from lbr.operations.leasing import rules
-from lbr.operations.leasing.lease import Ask, quoted
+from lbr.operations.leasing.lease import LeaseRequest, quoted
 
 MOST_TOLD = 3
 LONGEST_S = 60.0
 LONGEST_STORED_S = 600.0
 TORQUE_FIRST = "torque on first (/torque/on)"
 
-Link = Callable[[State, JointsCommand, Ask, float], Reason | None]
+Link = Callable[[State, JointsCommand, LeaseRequest, float], Reason | None]
 
 
-def asks(state: State, event: Command) -> Ask:
+def asks(state: State, event: Command) -> LeaseRequest:
     """Return a command as far as leases are concerned; a lease with nothing to move goes on with what it was given for."""
     command = event.command
-    ask = Ask(
+    ask = LeaseRequest(
         source=event.source,
         lease=command.lease,
         what=asked(command, event.new_goal),
@@ -39,24 +39,24 @@ def asks(state: State, event: Command) -> Ask:
         waited_s=event.waited_s,
         answerable=event.answerable,
     )
-    known = quoted(state.holding, ask) if empty(command) else None
+    known = quoted(state.leases, ask) if empty(command) else None
     return ask if known is None else replace(ask, what=known.what)
 
 
-def command_of(ask: Ask) -> JointsCommand:
+def command_of(ask: LeaseRequest) -> JointsCommand:
     """Return the motion that is asked for."""
     assert isinstance(ask.what, Asked)
     return ask.what.command
 
 
-def refusal(state: State, ask: Ask, now: float, *, renewal: bool) -> Reason | None:
+def refusal(state: State, ask: LeaseRequest, now: float, *, renewal: bool) -> Reason | None:
     """Return why a command is refused, or nothing; what is renewed was looked at before."""
     command = command_of(ask)
     links = RENEWAL if renewal else CHAIN
     return next((why for link in links if (why := link(state, command, ask, now))), None)
 
 
-def _form(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
+def _form(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
     """It says what is to move where, in joints that there are, within their limits, with numbers that are some."""
     del now
     if empty(command) and ask.lease:
@@ -68,46 +68,46 @@ def _form(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason 
     return _combination(command) or _numbers(command) or _several(_wrong(state, command))
 
 
-def _leases(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
+def _leases(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
     """One holder, and in time."""
     del command
-    held = state.holding
+    held = state.leases
     return rules.form(held, ask, now) or rules.holder(held, ask, now)
 
 
-def _busy(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
+def _busy(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
     """While the controller plays, nothing else moves; whoever takes over breaks that off."""
     del command
-    hold = state.holding.hold
-    foreign = hold is not None and ask.lease != hold.lease
-    if hold is None or (foreign and (ask.lease or ask.take_over)):
+    lease = state.leases.live
+    foreign = lease is not None and ask.lease != lease.id
+    if lease is None or (foreign and (ask.lease or ask.take_over)):
         return None
     why = stored.busy(state, now)
-    return Reason("busy", f"{why}, held by {hold.source}") if why and foreign else why
+    return Reason("busy", f"{why}, held by {lease.source}") if why and foreign else why
 
 
-def _order(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
+def _order(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
     """What is appended follows something, and is not more than can be planned without being late."""
     del now
-    hold = state.holding.hold
+    lease = state.leases.live
     if not command.append:
         return None
-    if hold is None or ask.lease != hold.lease:
+    if lease is None or ask.lease != lease.id:
         return Reason("bad_value", "append follows a motion under way: quote its lease")
-    ahead = planning.frames_ahead(hold.motion)
+    ahead = planning.frames_ahead(lease.motion)
     if ahead + len(command.frames) > MAX_FRAMES:
         why = f"{ahead} key frames lie ahead, and {MAX_FRAMES} may: append more when some of them are passed"
         return Reason("busy", why)
     return None
 
 
-def _rest(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
+def _rest(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
     """Nothing moves while the emergency stop is latched, or no servo would follow."""
     del command
-    return rules.at_rest(state.holding, ask, now, servos_trouble(state, now))
+    return rules.at_rest(state.leases, ask, now, servos_trouble(state, now))
 
 
-def _able(state: State, command: JointsCommand, ask: Ask, now: float) -> Reason | None:
+def _able(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
     """Every joint of it has torque, is measured, and is well."""
     del ask
     if command.stored is not None or command.torque is not None or command.torques:

@@ -122,17 +122,17 @@ class Joints(Lender[JointsSettings, State]):
         """Tell how the joints are: at each sweep, as fast as the loop goes; and whenever something else changed."""
         now = self.ctx.clock()
         state, last = self._state, self._reported
-        period_s = STATE_PERIOD_S if state.holding.hold is None else MOVING_PERIOD_S
+        period_s = STATE_PERIOD_S if state.leases.live is None else MOVING_PERIOD_S
         swept = state.servos is not None and (last is None or state.servos.sweep != last.sequence)
         if (swept and self._sweeps.due(now)) or now - self._reported_at >= period_s or self._news():
             self._reported, self._reported_at = joints_state(state, now, self._loop), now
             self.ctx.publish("state", self._reported)
 
     def _news(self) -> bool:
-        last, holding = self._reported, self._state.holding
-        holder = holding.hold.source if holding.hold is not None else None
-        goal = holding.hold.motion.goal if holding.hold is not None else None
-        return last is None or (last.holder, last.goal, last.estop) != (holder, goal, holding.estop)
+        last, leases = self._reported, self._state.leases
+        holder = leases.live.source if leases.live is not None else None
+        goal = leases.live.motion.goal if leases.live is not None else None
+        return last is None or (last.holder, last.goal, last.estop) != (holder, goal, leases.estop)
 
 
 def _motion(call: Call, command: JointsCommand) -> Command:

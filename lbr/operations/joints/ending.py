@@ -7,21 +7,21 @@ from lbr.operations.joints import moving, stored
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import Outputs, State, servos_trouble
 from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import Ended, Happened, Holding, Result
+from lbr.operations.leasing.lease import Ended, Happened, LeaseTable, Result
 
 Decision = tuple[State, Outputs]
-Decided = tuple[Holding[Move], ending.Said[Move]]
+Decided = tuple[LeaseTable[Move], ending.Said[Move]]
 
 
 def end_what_is_over(state: State, now: float) -> Decision:
     """End what is over by now; comparisons are such that NaN ends it."""
-    held, trouble = state.holding, servos_trouble(state, now)
+    held, trouble = state.leases, servos_trouble(state, now)
     decided = ending.drop_offers(held, held.offers, "fault", trouble) if trouble else ending.lapse(held, now)
     state, ended = take(state, decided, now)
     over = moving.ending(state, trouble, now)
     if over is None:
         return state, ended
-    state, more = take(state, ending.end(state.holding, *over, now), now)
+    state, more = take(state, ending.end(state.leases, *over, now), now)
     return state, ended + more
 
 
@@ -41,13 +41,13 @@ def take(state: State, decided: Decided, now: float) -> Decision:
         if isinstance(each, Happened):
             outputs = (*outputs, each)
             continue
-        if each.held and held.hold is None:
+        if each.held and held.live is None:
             state = _let_be(state, each, now)
             outputs = (*outputs, *setpoint(state))
         if each.held and not _unremarkable(each):
             outputs = (*outputs, ending.happened(each))
         outputs = (*outputs, _result(each, now))
-    return replace(state, holding=held), outputs
+    return replace(state, leases=held), outputs
 
 
 def setpoint(state: State) -> Outputs:
@@ -57,22 +57,22 @@ def setpoint(state: State) -> Outputs:
 
 def _unremarkable(ended: Ended[Move]) -> bool:
     """Say whether joints that joined just arrived: whoever moves them in small steps would flood people with that."""
-    move = ended.hold.motion
+    move = ended.lease.motion
     return ended.how == "reached" and move.trajectory is None and move.stored is None and not ended.why.note
 
 
 def _let_be(state: State, ended: Ended[Move], now: float) -> State:
     """Hold every joint: at its goal if that was reached, else where it was measured. A lease that lapsed lost its mover."""
-    lost, told = state.lost or ended.how == "lapsed", ended.hold.motion.stored
+    lost, told = state.lost or ended.how == "lapsed", ended.lease.motion.stored
     if ended.how == "reached":
         frozen = state if told is None else stored.after(state, told, now)
     else:
         frozen = moving.freeze(state)
-    return replace(frozen, holding=replace(state.holding, hold=None), lost=lost)
+    return replace(frozen, leases=replace(state.leases, live=None), lost=lost)
 
 
 def _result(ended: Ended[Move], now: float) -> Result:
-    move = ended.hold.motion
+    move = ended.lease.motion
     elapsed_s = round(max(0.0, now - move.begun), 3)
     why = ended.why
     return Result(

@@ -21,9 +21,9 @@ from lbr.operations.joints.state import (
     Torque,
     waits,
 )
-from lbr.operations.leasing import decide as leases
+from lbr.operations.leasing import decide as leasing
 from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import Ask, Ended, EstopChanged, Reply, Stop, confirmed
+from lbr.operations.leasing.lease import Ended, EstopChanged, LeaseRequest, Reply, Stop, confirmed
 
 BACK = Reason("clock", "the clock went back")
 
@@ -42,12 +42,12 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case Torque():
             decision = torque.switch(moving.advance(state, now), event, now)
         case Stop():
-            state, said = still(state, leases.stop(state.holding, event, now), now)
-            decision = state, (*said, leases.STOPPED)
+            state, said = still(state, leasing.stop(state.leases, event, now), now)
+            decision = state, (*said, leasing.STOPPED)
         case HolderGone():
             decision = _holder_gone(state, event, now)
         case EstopChanged():
-            decision = still(state, leases.latch(state.holding, event, now), now)
+            decision = still(state, leasing.latch(state.leases, event, now), now)
         case ServosSeen():
             decision = servos.seen(state, event, now)
         case ServosLost():
@@ -61,10 +61,10 @@ def _handle(state: State, event: Event, now: float) -> Decision:
 def _command(state: State, event: Command, now: float) -> Decision:
     """Refuse a command, or do what it wants."""
     ask = asks(state, event)
-    verdict, held, refused = leases.judge(
-        state.holding, ask, lambda wanted: refusal(state, ask, now, renewal=wanted == "renewal"), now
+    verdict, held, refused = leasing.judge(
+        state.leases, ask, lambda wanted: refusal(state, ask, now, renewal=wanted == "renewal"), now
     )
-    state = replace(state, holding=held)
+    state = replace(state, leases=held)
     if refused:
         return state, refused
     match verdict:
@@ -72,27 +72,27 @@ def _command(state: State, event: Command, now: float) -> Decision:
             return state, (_yes(state, ask),)
         case "offer":
             offer = Move(goal=event.new_goal, begun=now)
-            state, said = take(state, leases.grant(held, ask, verdict, offer, now), now)
-            made = leases.lent(state.holding, verdict)
-            return state, (*said, leases.accepted(made, goal=made.motion.goal))
+            state, said = take(state, leasing.grant(held, ask, verdict, offer, now), now)
+            made = leasing.lent(state.leases, verdict)
+            return state, (*said, leasing.accepted(made, goal=made.motion.goal))
         case "change":
             return _change(state, event, ask, now)
     return _begin(state, event, ask, now)
 
 
-def _begin(state: State, event: Command, ask: Ask, now: float) -> Decision:
+def _begin(state: State, event: Command, ask: LeaseRequest, now: float) -> Decision:
     """Hold the joints from now on; what confirms an offer goes on with the goal that was offered."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
     state = moving.interrupted(moving.held_again(state))
     state, told = _strengthened(state, event, ask, now)
-    offer = confirmed(state.holding, ask)
+    offer = confirmed(state.leases, ask)
     state, move = _move(state, ask, offer.motion.goal if offer else event.new_goal, idle_s, now)
-    state, said = take(state, leases.grant(state.holding, ask, "begin", move, now), now)
+    state, said = take(state, leasing.grant(state.leases, ask, "begin", move, now), now)
     state = _underway(state, ask)
     return state, (*told, *said, _yes(state, ask), *setpoint(state))
 
 
-def _change(state: State, event: Command, ask: Ask, now: float) -> Decision:
+def _change(state: State, event: Command, ask: LeaseRequest, now: float) -> Decision:
     """Move otherwise under the same lease, from the next setpoint on; what is appended or joins goes on under the same goal."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
     state, told = _strengthened(state, event, ask, now)
@@ -103,30 +103,30 @@ def _change(state: State, event: Command, ask: Ask, now: float) -> Decision:
             longer = planning.append(state, move, command, now)
         else:
             longer = planning.joined(state, move, command, now, idle_s)
-        held, said = leases.grant(state.holding, ask, "change", longer, now)
+        held, said = leasing.grant(state.leases, ask, "change", longer, now)
         said = tuple(each for each in said if not isinstance(each, Ended))
     else:
         state, anew = _move(state, ask, event.new_goal, idle_s, now)
-        held, said = leases.grant(state.holding, ask, "change", planning.instead(move, anew), now)
+        held, said = leasing.grant(state.leases, ask, "change", planning.instead(move, anew), now)
     state, outputs = take(state, (held, said), now)
     state = _underway(state, ask)
     at_once = setpoint(state) if command.join else ()
     return state, (*told, *outputs, _yes(state, ask), *at_once)
 
 
-def _move(state: State, ask: Ask, goal: str, idle_s: float, now: float) -> tuple[State, Move]:
+def _move(state: State, ask: LeaseRequest, goal: str, idle_s: float, now: float) -> tuple[State, Move]:
     command = command_of(ask)
     if command.stored is not None:
         return stored.begin(state, command.stored, goal, now)
     return state, planning.begin(state, command, goal, now, idle_s)
 
 
-def _strengthened(state: State, event: Command, ask: Ask, now: float) -> Decision:
+def _strengthened(state: State, event: Command, ask: LeaseRequest, now: float) -> Decision:
     strong = strengths(command_of(ask), state.body)
     return torque.strengthen(state, event.source, strong, now) if strong else (state, ())
 
 
-def _underway(state: State, ask: Ask) -> State:
+def _underway(state: State, ask: LeaseRequest) -> State:
     """Return the state in which what joined has begun to move with this setpoint, not the next."""
     if state.move is None or not command_of(ask).join:
         return state
@@ -138,23 +138,23 @@ def _idle_s(state: State, now: float) -> float:
     return 0.0 if waits(state) else min(max(0.0, now - state.ticked), moving.LONGEST_STEP_S)
 
 
-def _yes(state: State, ask: Ask) -> Reply:
+def _yes(state: State, ask: LeaseRequest) -> Reply:
     move = state.move
     assert move is not None
     note = planning.note(state, move, command_of(ask))
-    return leases.accepted(leases.lent(state.holding, "begin"), Reason("limit", note) if note else None, move.goal)
+    return leasing.accepted(leasing.lent(state.leases, "begin"), Reason("limit", note) if note else None, move.goal)
 
 
 def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:
     """The mover is lost; what it was offered it will not confirm."""
-    hold, why = state.holding.hold, Reason("holder_gone", f"the process of {event.source} is gone")
-    if hold is None or hold.source != event.source:
+    lease, why = state.leases.live, Reason("holder_gone", f"the process of {event.source} is gone")
+    if lease is None or lease.source != event.source:
         return state, ()
-    return take(state, ending.end(state.holding, "lapsed", why, now), now)
+    return take(state, ending.end(state.leases, "lapsed", why, now), now)
 
 
 def _lose_time(state: State, now: float) -> Decision:
     """Stop and forget whatever has a date: none of it means anything on a clock that went back."""
     gone = f"{BACK}; the servo driver was not heard since"
-    state, said = still(state, ending.lose_time(state.holding, BACK, state.clock, now), now)
+    state, said = still(state, ending.lose_time(state.leases, BACK, state.clock, now), now)
     return replace(state, servos=None, servos_gone=gone, servos_lost=now, servos_at=nan, ticked=nan), said

@@ -22,12 +22,12 @@ FOLLOWING_S = 0.3
 def advance(state: State, now: float) -> State:
     """Return the state with every joint of the motion where it is to be now; no time passes while no goal is passed on."""
     elapsed_s = min(max(0.0, now - state.ticked), LONGEST_STEP_S)  # this way round, NaN is no time
-    state, hold = replace(state, ticked=now), state.holding.hold
-    if hold is None or not hold.motion.joints or waits(state):
+    state, lease = replace(state, ticked=now), state.leases.live
+    if lease is None or not lease.motion.joints or waits(state):
         return state
-    move = _further(hold.motion, elapsed_s, now)
-    holding = replace(state.holding, hold=replace(hold, motion=move))
-    return replace(state, holding=holding, goals={**state.goals, **move.positions()})
+    move = _further(lease.motion, elapsed_s, now)
+    leases = replace(state.leases, live=replace(lease, motion=move))
+    return replace(state, leases=leases, goals={**state.goals, **move.positions()})
 
 
 def ending(state: State, trouble: Reason | None, now: float) -> tuple[Ending, Reason] | None:
@@ -45,20 +45,20 @@ def ending(state: State, trouble: Reason | None, now: float) -> tuple[Ending, Re
 
 def followed(state: State) -> State:
     """Return the state in which it is known that the servos follow the motion, if the driver says so."""
-    hold = state.holding.hold
-    if hold is None or hold.motion.followed or state.servos is None or state.servos.phase != "following":
+    lease = state.leases.live
+    if lease is None or lease.motion.followed or state.servos is None or state.servos.phase != "following":
         return state
-    move = replace(hold.motion, followed=True)
-    return replace(state, holding=replace(state.holding, hold=replace(hold, motion=move)))
+    move = replace(lease.motion, followed=True)
+    return replace(state, leases=replace(state.leases, live=replace(lease, motion=move)))
 
 
 def setpoint(state: State) -> Setpoint:
     """Return what the servos are to do now."""
-    hold, move = state.holding.hold, state.move
+    lease, move = state.leases.live, state.move
     goals = tuple(_goal(state, name) for name in state.body.joints)
     play = stored.play(move.stored) if move is not None and move.stored is not None else None
-    lease = hold.lease if hold else ""
-    return Setpoint(message=ServoSetpoint(goals=goals, lost=state.lost, halt=state.halt, lease=lease, stored=play))
+    lease_id = lease.id if lease else ""
+    return Setpoint(message=ServoSetpoint(goals=goals, lost=state.lost, halt=state.halt, lease=lease_id, stored=play))
 
 
 def freeze(state: State) -> State:

@@ -11,7 +11,17 @@ from lbr.messages.servos import ServosState, ServoState
 from lbr.operations.joints.body import Body
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.settings import JointsSettings
-from lbr.operations.leasing.lease import EstopChanged, Happened, Holding, Reply, Result, Setpoint, Stop, Words, first
+from lbr.operations.leasing.lease import (
+    EstopChanged,
+    Happened,
+    LeaseTable,
+    Phrasing,
+    Reply,
+    Result,
+    Setpoint,
+    Stop,
+    first,
+)
 
 LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late."""
@@ -93,7 +103,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     settings: JointsSettings
     body: Body
-    holding: Holding[Move]
+    leases: LeaseTable[Move]
     clock: float = -inf
     adopted: bool = False
     begun: bool = False
@@ -119,11 +129,11 @@ class State(Struct, frozen=True, kw_only=True):
     @property
     def move(self) -> Move | None:
         """The motion under way."""
-        return self.holding.hold.motion if self.holding.hold is not None else None
+        return self.leases.live.motion if self.leases.live is not None else None
 
 
 NOT_ADOPTED = Reason("not_ready", "servos are still being looked for; say it again")
-WORDS = Words(
+PHRASING = Phrasing(
     noun="the joints",
     rest="stop, or pause, before moving again",
     idle="nobody moves the joints",
@@ -133,7 +143,7 @@ WORDS = Words(
 def first_state(settings: JointsSettings, body: Body, began: float = -inf) -> State:
     """Return the state of joints that nobody has moved since it `began`."""
     ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
-    return State(settings=settings, body=body, holding=first(WORDS, settings.ttl_s, ahead_s, began=began))
+    return State(settings=settings, body=body, leases=first(PHRASING, settings.ttl_s, ahead_s, began=began))
 
 
 def position_rad(state: State, name: str) -> float | None:

@@ -37,8 +37,8 @@ def play(told: Stored) -> StoredPlay:
 
 def heard(state: State, now: float) -> State:
     """Take in what the driver says of it; once the controller plays, it has every servo."""
-    hold, move = state.holding.hold, state.move
-    if hold is None or move is None or move.stored is None or not isnan(move.stored.playing):
+    lease, move = state.leases.live, state.move
+    if lease is None or move is None or move.stored is None or not isnan(move.stored.playing):
         return state
     found = _said(state, move.stored)
     if found is None or found.phase not in {"playing", "over"}:
@@ -46,7 +46,7 @@ def heard(state: State, now: float) -> State:
     begun = replace(move, stored=replace(move.stored, playing=now))
     fit = frozenset(name for name, servo in state.seen.items() if not servo.latched)
     state = replace(state, on=fit, goals=dict.fromkeys(fit), strength={}, switched=now, unread=state.unread - fit)
-    return replace(state, holding=with_motion(state.holding, begun))
+    return replace(state, leases=with_motion(state.leases, begun))
 
 
 def ending(state: State, told: Stored, now: float) -> tuple[Ending, Reason] | None:
@@ -85,10 +85,10 @@ def left_s(told: Stored, now: float) -> float:
 
 def busy(state: State, now: float) -> Reason | None:
     """Return why nothing else moves, or nothing."""
-    hold = state.holding.hold
-    if hold is None or hold.motion.stored is None:
+    lease = state.leases.live
+    if lease is None or lease.motion.stored is None:
         return None
-    told = hold.motion.stored
+    told = lease.motion.stored
     return Reason("busy", f"busy: the controller plays slot {told.motion.slot} for {left_s(told, now):.1f} s more")
 
 

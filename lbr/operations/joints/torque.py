@@ -10,7 +10,7 @@ from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint
 from lbr.operations.joints.state import NOT_ADOPTED, State, Torque, joint_trouble, position_rad, servos_trouble
 from lbr.operations.leasing.lease import LATE_S, Happened, Reply
-from lbr.operations.leasing.rules import STOP_CAME, dead, latched
+from lbr.operations.leasing.rules import STOP_CAME, latched, not_live
 
 MOST_TOLD = 3
 
@@ -104,16 +104,16 @@ def _form(state: State, event: Torque, now: float) -> Reason | None:
 
 
 def _holder(state: State, event: Torque) -> Reason | None:
-    hold, lease = state.holding.hold, event.command.lease
-    if hold is not None and (lease == hold.lease or (event.source == hold.source and not lease)):
+    live, lease = state.leases.live, event.command.lease
+    if live is not None and (lease == live.id or (event.source == live.source and not lease)):
         return None
     if lease:
-        return dead(state.holding, lease)
-    return Reason("held", f"held by {hold.source}; stop it first") if hold is not None else None
+        return not_live(state.leases, lease)
+    return Reason("held", f"held by {live.source}; stop it first") if live is not None else None
 
 
 def _rest(state: State, event: Torque, now: float) -> Reason | None:
-    held = state.holding
+    held = state.leases
     if held.estop:
         return latched(held)
     if not event.received > held.stopped:

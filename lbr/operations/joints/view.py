@@ -15,27 +15,27 @@ LETS_GO = "the servos hold, and let go slowly unless somebody moves them or swit
 
 def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -> JointsState:
     """Return every joint out of the newest sweep, who moves them, and why they stand still."""
-    hold, servos = state.holding.hold, state.servos
-    move = hold.motion if hold is not None else None
+    lease, servos = state.leases.live, state.servos
+    move = lease.motion if lease is not None else None
     told = move.stored if move is not None else None
     targets = move.under_way() if move is not None else {}
-    why = None if hold is not None else _why_at_rest(state, now)
+    why = None if lease is not None else _why_at_rest(state, now)
     return JointsState(
         sequence=servos.sweep if servos else 0,
         measured_s=servos.measured_s if servos else 0.0,
         moving=move is not None and not (move.stay and move.over),
         phase=servos.phase if servos else "released",
         joints={name: _joint(state, joint, targets.get(name), now) for name, joint in state.body.joints.items()},
-        holder=hold.source if hold else None,
+        holder=lease.source if lease else None,
         goal=move.goal if move else None,
         passed=_passed(move),
         stored=told.motion.slot if told is not None else None,
         left_s=round(stored.left_s(told, now), 2) if told is not None else None,
-        stopped_s=state.holding.stopped if isfinite(state.holding.stopped) else None,
-        stopped_by=state.holding.stopped_by,
+        stopped_s=state.leases.stopped if isfinite(state.leases.stopped) else None,
+        stopped_by=state.leases.stopped_by,
         reason=why.text if why else "",
         code=why.code if why else "",
-        estop=state.holding.estop,
+        estop=state.leases.estop,
         loop=loop,
     )
 
@@ -88,7 +88,7 @@ def _age_s(state: State, servo: ServoState, now: float) -> float | None:
 
 
 def _why_at_rest(state: State, now: float) -> Reason:
-    held = state.holding
+    held = state.leases
     if held.estop:
         return Reason("estop", f"emergency stop: {held.estop_reason or 'no reason given'}")
     if trouble := servos_trouble(state, now):

@@ -1,7 +1,7 @@
 """Borrowing motion: one holder, leases that lapse, offers to senders elsewhere, stops.
 
-Pure, whatever it is that moves, but for `process`, the shell around such a kernel. A kernel keeps a `Holding` in its state
-(`lease.first`), with its own words and, in each `Hold`, its own motion (goal, bounds, whatever it needs); it makes an `Ask`
+Pure, whatever it is that moves, but for `process`, the shell around such a kernel. A kernel keeps a `LeaseTable` in its state
+(`lease.first`), with its own phrasing and, in each `Lease`, its own motion (goal, bounds, whatever it needs); it makes a `LeaseRequest`
 of every command that comes in. Then:
 
 - before every event: `ending.lapse` ends what was not renewed, or `ending.lose_time` everything if the clock went back;
@@ -11,6 +11,6 @@ of every command that comes in. Then:
   `decide.accepted` is the answer, `decide.with_motion` keeps how far the motion has come;
 - `decide.latch` for the emergency stop, and `ending.end` for a motion that is over by itself or by a fault.
 
-All return the new holding and what is to be said of it: each `Ended` is a hold whose motion is over, so that the kernel
+All return the new lease table and what is to be said of it: each `Ended` is a lease whose motion is over, so that the kernel
 says how its goal ended; `Happened` is for people. Every reason is a `Reason`: a code for programs and a sentence.
 """

@@ -23,7 +23,7 @@ TELLINGS_PER_S = 5.0
 IDLE = Reason("idle", "")
 
 
-class Words(Struct, frozen=True, kw_only=True):
+class Phrasing(Struct, frozen=True, kw_only=True):
     """How a kernel speaks of what it moves: the base, send power 0."""
 
     noun: str
@@ -31,7 +31,7 @@ class Words(Struct, frozen=True, kw_only=True):
     idle: str
 
 
-class Ask(Struct, frozen=True, kw_only=True):
+class LeaseRequest(Struct, frozen=True, kw_only=True):
     """A command as far as leases are concerned; it was sent, or else came in, at `received`.
 
     `what` it asks for, whoever asks, under whichever lease and for how long; `moves` says that it is not standing still.
@@ -75,14 +75,14 @@ class EstopChanged(Struct, frozen=True, kw_only=True):
     reason: str = ""
 
 
-class Hold(Struct, Generic[M], frozen=True, kw_only=True):
+class Lease(Struct, Generic[M], frozen=True, kw_only=True):
     """A live lease, what its holder asked for, and the motion that the kernel made of it.
 
     `said` is when that was asked, `renewed` when the newest that quoted the lease was (NaN: none yet), `changed` when it
     was accepted. `offset_s` is the least that a remote sender's clock was seen to be behind ours.
     """
 
-    lease: str
+    id: str
     source: str
     what: Hashable
     motion: M
@@ -95,7 +95,7 @@ class Hold(Struct, Generic[M], frozen=True, kw_only=True):
     take_over: bool = False
 
 
-class Insisting(Struct, frozen=True, kw_only=True):
+class PersistentSender(Struct, frozen=True, kw_only=True):
     """A source that goes on sending motion when it should not; `how` says so."""
 
     until: float
@@ -110,7 +110,7 @@ class Tally(Struct, frozen=True, kw_only=True):
     untold: int = 0
 
 
-class Holding(Struct, Generic[M], frozen=True, kw_only=True):
+class LeaseTable(Struct, Generic[M], frozen=True, kw_only=True):
     """Who has what moves. `offers` are leases that remote senders have yet to quote.
 
     Whatever was sent at or before `stopped` or `begun` begins nothing any more, nor what had waited at its sender since
@@ -118,27 +118,27 @@ class Holding(Struct, Generic[M], frozen=True, kw_only=True):
     A lease lives for `ttl_s` if its ask says nothing, and is over up to `ahead_s` sooner, so that the motion is too.
     """
 
-    words: Words
+    phrasing: Phrasing
     ttl_s: float
     ahead_s: float = 0.0
-    hold: Hold[M] | None = None
-    offers: tuple[Hold[M], ...] = ()
-    dead: tuple[tuple[str, Reason], ...] = ()
+    live: Lease[M] | None = None
+    offers: tuple[Lease[M], ...] = ()
+    revoked: tuple[tuple[str, Reason], ...] = ()
     stopped: float = -inf
     stopped_by: str = ""
     begun: float = -inf
     halts: Halts = Halts()
     estop: bool = False
     estop_reason: str = ""
-    insisting: Mapping[str, Insisting] = {}
+    persistent: Mapping[str, PersistentSender] = {}
     tally: Tally = Tally()
     reason: Reason = IDLE
 
 
 class Ended(Struct, Generic[M], frozen=True, kw_only=True):
-    """A hold that is over, or an offer: those are not `held`, and moved nothing."""
+    """A lease that is over, or an offer: those are not `held`, and moved nothing."""
 
-    hold: Hold[M]
+    lease: Lease[M]
     how: Ending
     why: Reason
     held: bool = True
@@ -174,29 +174,29 @@ class Reply(Struct, frozen=True, kw_only=True):
     late: bool = False
 
 
-def first(words: Words, ttl_s: float, ahead_s: float = 0.0, *, began: float = -inf) -> "Holding[M]":
+def first(phrasing: Phrasing, ttl_s: float, ahead_s: float = 0.0, *, began: float = -inf) -> "LeaseTable[M]":
     """Return that nobody has it yet. What was not sent after it `began` may have been stopped since, and begins nothing."""
-    idle, halts = Reason("idle", words.idle), Halts(at=began)
-    return Holding(words=words, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=idle)
+    idle, halts = Reason("idle", phrasing.idle), Halts(at=began)
+    return LeaseTable(phrasing=phrasing, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=idle)
 
 
-def offered(holding: Holding[M], lease: str) -> Hold[M] | None:
+def offered(leases: LeaseTable[M], lease_id: str) -> Lease[M] | None:
     """Return the offer that a command quotes, if it still stands at the time of the last event."""
-    return next((offer for offer in holding.offers if offer.lease == lease), None)
+    return next((offer for offer in leases.offers if offer.id == lease_id), None)
 
 
-def confirmed(holding: Holding[M], ask: Ask) -> Hold[M] | None:
+def confirmed(leases: LeaseTable[M], ask: LeaseRequest) -> Lease[M] | None:
     """Return the offer that a command confirms, asking for exactly what was offered."""
-    offer = offered(holding, ask.lease)
+    offer = offered(leases, ask.lease)
     return offer if offer is not None and offer.what == ask.what else None
 
 
-def quoted(holding: Holding[M], ask: Ask) -> Hold[M] | None:
-    """Return the hold or the offer whose lease a command quotes."""
-    known = (holding.hold, *holding.offers)
-    return next((hold for hold in known if hold is not None and hold.lease == ask.lease), None) if ask.lease else None
+def quoted(leases: LeaseTable[M], ask: LeaseRequest) -> Lease[M] | None:
+    """Return the lease or the offer whose lease a command quotes."""
+    known = (leases.live, *leases.offers)
+    return next((lease for lease in known if lease is not None and lease.id == ask.lease), None) if ask.lease else None
 
 
-def streams(hold: Hold[M], ask: Ask) -> bool:
+def streams(lease: Lease[M], ask: LeaseRequest) -> bool:
     """Say whether a sender asks anew, and has never quoted the lease that it holds by."""
-    return hold.source == ask.source and isnan(hold.renewed) and not ask.lease
+    return lease.source == ask.source and isnan(lease.renewed) and not ask.lease

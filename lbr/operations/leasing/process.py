@@ -13,7 +13,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Received
 from lbr.capability.kind import STOP
 from lbr.messages.drive import LoopStatistics
-from lbr.operations.leasing.lease import EstopChanged, Happened, Holding, Reply, Result, Setpoint, Stop
+from lbr.operations.leasing.lease import EstopChanged, Happened, LeaseTable, Reply, Result, Setpoint, Stop
 from lbr.operations.statistics import Beat, LoopMeter
 
 Answers = Mapping[str, Any] | None
@@ -24,7 +24,7 @@ class Lending(Protocol):
     """What is needed of a kernel's state."""
 
     @property
-    def holding(self) -> Holding[Any]:
+    def leases(self) -> LeaseTable[Any]:
         """Who has what moves."""
 
 
@@ -133,7 +133,7 @@ class Lender(Capability[S], Generic[S, L]):
     def listen(self) -> None:
         """Take in what arrived."""
         estop = self.ctx.estop
-        if estop.engaged != self._state.holding.estop:
+        if estop.engaged != self._state.leases.estop:
             self.happen(EstopChanged(engaged=estop.engaged, reason=estop.reason))
         if self.driver:
             self._watch_driver(self.driver)
@@ -195,8 +195,8 @@ class Lender(Capability[S], Generic[S, L]):
 
     def _watch_holder(self) -> None:
         """End the motion of a capability whose process is gone; of others only the lease tells."""
-        hold = self._state.holding.hold
-        holder = hold.source if hold is not None else ""
+        lease = self._state.leases.live
+        holder = lease.source if lease is not None else ""
         alive = bool(holder) and self.ctx.alive(holder)
         if holder and holder == self._alive_holder and not alive:
             self.happen(self.holder_gone(holder))

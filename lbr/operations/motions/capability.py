@@ -22,7 +22,7 @@ from lbr.messages.joints import (
     motions_of,
 )
 from lbr.messages.leases import CommandReply
-from lbr.operations.leasing.lease import Ask
+from lbr.operations.leasing.lease import LeaseRequest
 from lbr.operations.leasing.process import Lender, new_goal, said_by
 from lbr.operations.motions import MotionsSettings
 from lbr.operations.motions.follower import Follower
@@ -154,8 +154,8 @@ class Motions(Lender[MotionsSettings, State]):
 
     def _capture(self, command: CaptureCommand, source: str) -> str:
         """Write the pose of now down; raise InputError if it is not known."""
-        if self._state.hold is not None:
-            raise InputError(f"'{self._state.hold.motion.programme.motion.name}' is being played; stop it first")
+        if self._state.lease is not None:
+            raise InputError(f"'{self._state.lease.motion.programme.motion.name}' is being played; stop it first")
         newest = self.ctx.latest("joints")
         if newest is None or not newest.age_s(self.ctx.clock()) <= OLDEST_S:
             raise InputError("joints operation has not told for a while where the joints are; see /report/joints")
@@ -206,8 +206,8 @@ class Motions(Lender[MotionsSettings, State]):
             self.ctx.publish("state", state)
 
 
-def _ask(call: Call, command: PlayCommand) -> Ask:
-    return Ask(
+def _ask(call: Call, command: PlayCommand) -> LeaseRequest:
+    return LeaseRequest(
         what=(command.motion, command.times, command.speed, command.mirror),
         moves=True,
         lease=command.lease,

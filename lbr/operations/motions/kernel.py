@@ -8,9 +8,9 @@ from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import MAX_FRAMES
 from lbr.messages.leases import refused
-from lbr.operations.leasing import decide as leases
+from lbr.operations.leasing import decide as leasing
 from lbr.operations.leasing import ending, rules
-from lbr.operations.leasing.lease import Ended, Ending, EstopChanged, Happened, Hold, Result, Stop, confirmed
+from lbr.operations.leasing.lease import Ended, Ending, EstopChanged, Happened, Lease, Result, Stop, confirmed
 from lbr.operations.motions.state import (
     Answer,
     Event,
@@ -45,10 +45,10 @@ ENDINGS: dict[str, Ending] = {"stopped": "stopped", "superseded": "superseded"}
 def decide(state: State, event: Event, now: float) -> Decision:
     """Return the state after an event and what is to be said; whatever is over by `now` ends before the event counts."""
     if now >= state.clock:
-        held, said = ending.lapse(state.holding, now)
+        held, said = ending.lapse(state.leases, now)
     else:
-        held, said = ending.lose_time(state.holding, BACK, state.clock, now)
-    state, outputs = _told(replace(state, holding=held, clock=now), said, now)
+        held, said = ending.lose_time(state.leases, BACK, state.clock, now)
+    state, outputs = _told(replace(state, leases=held, clock=now), said, now)
     state, more = _handle(state, event, now)
     state, fed = _feed(state, now)
     return state, outputs + more + fed
@@ -61,12 +61,12 @@ def _handle(state: State, event: Event, now: float) -> Decision:
             state, outputs = _play(state, event, now)
             decision = state, ended + outputs
         case Stop():
-            held, said = leases.stop(state.holding, event, now)
-            state, outputs = _told(replace(state, holding=held), said, now)
-            decision = state, (*outputs, leases.STOPPED)
+            held, said = leasing.stop(state.leases, event, now)
+            state, outputs = _told(replace(state, leases=held), said, now)
+            decision = state, (*outputs, leasing.STOPPED)
         case EstopChanged():
-            held, said = leases.latch(state.holding, event, now)
-            decision = _told(replace(state, holding=held), said, now)
+            held, said = leasing.latch(state.leases, event, now)
+            decision = _told(replace(state, leases=held), said, now)
         case Granted():
             decision = _granted(state, event, now)
         case Lost():
@@ -83,55 +83,55 @@ def _handle(state: State, event: Event, now: float) -> Decision:
 
 
 def _play(state: State, event: Play, now: float) -> Decision:
-    verdict, held, refused = leases.judge(
-        state.holding, event.ask, lambda wanted: _refusal(state, event, now, renewal=wanted == "renewal"), now
+    verdict, held, refused = leasing.judge(
+        state.leases, event.ask, lambda wanted: _refusal(state, event, now, renewal=wanted == "renewal"), now
     )
-    state = replace(state, holding=held)
+    state = replace(state, leases=held)
     if refused:
         return state, refused
     if verdict == "renewal":
-        hold = leases.lent(held, verdict)
-        return state, (leases.accepted(hold, goal=hold.motion.goal),)
+        lease = leasing.lent(held, verdict)
+        return state, (leasing.accepted(lease, goal=lease.motion.goal),)
     assert event.programme is not None, "the chain refuses what cannot be played"
     playing = Playing(goal=event.new_goal, programme=event.programme, started=now)
     if verdict == "offer":
-        held, said = leases.grant(held, event.ask, verdict, playing, now)
-        state, outputs = _told(replace(state, holding=held), said, now)
-        return state, (*outputs, leases.accepted(leases.lent(held, verdict), goal=playing.goal))
+        held, said = leasing.grant(held, event.ask, verdict, playing, now)
+        state, outputs = _told(replace(state, leases=held), said, now)
+        return state, (*outputs, leasing.accepted(leasing.lent(held, verdict), goal=playing.goal))
     return _begin(state, event, playing, verdict, now)
 
 
 def _refusal(state: State, event: Play, now: float, *, renewal: bool) -> Reason | None:
     """Return why a command is refused, or nothing."""
-    ask, held = event.ask, state.holding
+    ask, held = event.ask, state.leases
     return (
         rules.form(held, ask, now)
-        or _busy(held.hold, ask.lease, take_over=ask.take_over)
+        or _busy(held.live, ask.lease, take_over=ask.take_over)
         or rules.holder(held, ask, now)
         or rules.at_rest(held, ask, now, event.trouble)
         or (None if renewal else event.reason)
     )
 
 
-def _busy(hold: Hold[Playing] | None, lease: str, *, take_over: bool) -> Reason | None:
+def _busy(lease: Lease[Playing] | None, lease_id: str, *, take_over: bool) -> Reason | None:
     """One motion at a time."""
-    if hold is None or lease or take_over:
+    if lease is None or lease_id or take_over:
         return None
-    why = f"busy: '{hold.motion.programme.motion.name}' is played by {hold.source}; stop it, or take over"
+    why = f"busy: '{lease.motion.programme.motion.name}' is played by {lease.source}; stop it, or take over"
     return Reason("busy", why)
 
 
-def _begin(state: State, event: Play, playing: Playing, verdict: leases.Verdict, now: float) -> Decision:
+def _begin(state: State, event: Play, playing: Playing, verdict: leasing.Verdict, now: float) -> Decision:
     """Ask the joints for the first key frames; the answer to whoever plays waits for theirs."""
-    offer = confirmed(state.holding, event.ask)
+    offer = confirmed(state.leases, event.ask)
     if offer is not None:
         playing = replace(playing, goal=offer.motion.goal)
-    before = state.hold
-    held, said = leases.grant(state.holding, event.ask, verdict, playing, now)
-    state, outputs = _told(replace(state, holding=held), said, now, goes_on=True)
-    assert state.hold is not None
+    before = state.lease
+    held, said = leasing.grant(state.leases, event.ask, verdict, playing, now)
+    state, outputs = _told(replace(state, leases=held), said, now, goes_on=True)
+    assert state.lease is not None
     if verdict == "change" and before is not None and before.motion.asked:
-        outputs = (*outputs, Answer(message=refused(leases.ANOTHER)))
+        outputs = (*outputs, Answer(message=refused(leasing.ANOTHER)))
     send = _leg(playing, 0)
     state = _with(state, replace(playing, sent=len(send.frames) or 1), expires=now + ANSWER_S)
     return state, (*outputs, replace(send, asked_s=event.ask.received, take_over=event.ask.take_over))
@@ -152,39 +152,39 @@ def _leg(playing: Playing, start: int) -> Send:
 
 
 def _granted(state: State, event: Granted, now: float) -> Decision:
-    hold = state.hold
-    if hold is None or not (hold.motion.asked or not hold.motion.joints_goal):
+    lease = state.lease
+    if lease is None or not (lease.motion.asked or not lease.motion.joints_goal):
         return state, ()
-    if not hold.motion.asked:
-        return _with(state, replace(hold.motion, joints_goal=event.goal)), ()
-    playing = replace(hold.motion, asked=False, joints_goal=event.goal, started=now)
-    state = _with(state, playing, expires=now + hold.ttl_s)
-    return state, (Answer(message=leases.accepted(hold, event.note, playing.goal).message),)
+    if not lease.motion.asked:
+        return _with(state, replace(lease.motion, joints_goal=event.goal)), ()
+    playing = replace(lease.motion, asked=False, joints_goal=event.goal, started=now)
+    state = _with(state, playing, expires=now + lease.ttl_s)
+    return state, (Answer(message=leasing.accepted(lease, event.note, playing.goal).message),)
 
 
 def _lost(state: State, event: Lost, now: float) -> Decision:
-    hold = state.hold
-    if hold is None:
+    lease = state.lease
+    if lease is None:
         return state, ()
-    state = _with(state, replace(hold.motion, lost=event.why, lost_at=now))
-    return _end(state, "fault", event.why, now) if hold.motion.asked else (state, ())
+    state = _with(state, replace(lease.motion, lost=event.why, lost_at=now))
+    return _end(state, "fault", event.why, now) if lease.motion.asked else (state, ())
 
 
 def _late(state: State, now: float, grace_s: float = GRACE_S) -> Decision:
     """End what lost the joints, if they have not said themselves how."""
-    hold = state.hold
-    if hold is None or not now - hold.motion.lost_at >= grace_s:
+    lease = state.lease
+    if lease is None or not now - lease.motion.lost_at >= grace_s:
         return state, ()
-    lost = hold.motion.lost
+    lost = lease.motion.lost
     assert lost is not None
     return _end(state, "stopped" if lost.code == "stopped" else "fault", lost, now)
 
 
 def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
-    hold = state.hold
-    if hold is None or hold.motion.asked or result.goal != hold.motion.joints_goal:
+    lease = state.lease
+    if lease is None or lease.motion.asked or result.goal != lease.motion.joints_goal:
         return state, ()
-    playing = hold.motion
+    playing = lease.motion
     if result.result != "reached":
         why = heard(result.code, result.reason or result.result, result.cause)
         state = _with(state, replace(playing, lost=why))
@@ -200,15 +200,15 @@ def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
 
 def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
     """End and take back what was asked for before; the joints have stopped by themselves."""
-    held = state.holding
+    held = state.leases
     earlier = tuple(offer for offer in held.offers if not offer.said > event.at)
     held = replace(held, stopped=max(held.stopped, min(event.at, now)))
     held, said = ending.drop_offers(held, earlier, "stopped", event.why)
-    state, outputs = _told(replace(state, holding=held), said, now)
-    hold = state.hold
-    if hold is None or hold.said > event.at:
+    state, outputs = _told(replace(state, leases=held), said, now)
+    lease = state.lease
+    if lease is None or lease.said > event.at:
         return state, outputs
-    state, ended = _end(_with(state, replace(hold.motion, lost=event.why)), "stopped", event.why, now)
+    state, ended = _end(_with(state, replace(lease.motion, lost=event.why)), "stopped", event.why, now)
     return state, outputs + ended
 
 
@@ -222,19 +222,19 @@ def _played(playing: Playing, result: GoalResult, now: float) -> Reason:
 
 
 def _passed(state: State, event: Passed) -> State:
-    hold = state.hold
-    if hold is None or hold.motion.asked or event.goal != hold.motion.joints_goal:
+    lease = state.lease
+    if lease is None or lease.motion.asked or event.goal != lease.motion.joints_goal:
         return state
-    passed = min(max(hold.motion.passed, hold.motion.leg + event.frames), hold.motion.sent)
-    return state if passed == hold.motion.passed else _with(state, replace(hold.motion, passed=passed))
+    passed = min(max(lease.motion.passed, lease.motion.leg + event.frames), lease.motion.sent)
+    return state if passed == lease.motion.passed else _with(state, replace(lease.motion, passed=passed))
 
 
 def _feed(state: State, now: float) -> Decision:
     """Send more key frames while there are any and too few lie ahead."""
-    hold = state.hold
-    if hold is None or hold.motion.asked or hold.motion.lost or not now < hold.expires:
+    lease = state.lease
+    if lease is None or lease.motion.asked or lease.motion.lost or not now < lease.expires:
         return state, ()
-    playing = hold.motion
+    playing = lease.motion
     enough = _ahead_s(playing) >= AHEAD_S or playing.sent - playing.passed > AHEAD_FRAMES
     if playing.sent >= playing.programme.leg_end(playing.leg) or enough:
         return state, ()
@@ -248,8 +248,8 @@ def _ahead_s(playing: Playing) -> float:
 
 
 def _end(state: State, how: Ending, why: Reason, now: float) -> Decision:
-    held, said = ending.end(state.holding, how, why, now)
-    return _told(replace(state, holding=held), said, now)
+    held, said = ending.end(state.leases, how, why, now)
+    return _told(replace(state, leases=held), said, now)
 
 
 def _told(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool = False) -> Decision:
@@ -261,7 +261,7 @@ def _told(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool
 
 
 def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
-    playing = ended.hold.motion
+    playing = ended.lease.motion
     if not ended.held:
         return (_result(ended, now),)
     halt = Halt(why=ended.why.text, lost=ended.how == "lapsed")
@@ -274,7 +274,7 @@ def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
 
 
 def _result(ended: Ended[Playing], now: float) -> Result:
-    playing = ended.hold.motion
+    playing = ended.lease.motion
     elapsed_s = max(0.0, now - playing.started)
     why = ended.why
     message = GoalResult(
@@ -290,7 +290,7 @@ def _result(ended: Ended[Playing], now: float) -> Result:
 
 
 def _with(state: State, playing: Playing, *, expires: float | None = None) -> State:
-    held = leases.with_motion(state.holding, playing)
-    if expires is not None and held.hold is not None:
-        held = replace(held, hold=replace(held.hold, expires=expires))
-    return replace(state, holding=held)
+    held = leasing.with_motion(state.leases, playing)
+    if expires is not None and held.live is not None:
+        held = replace(held, live=replace(held.live, expires=expires))
+    return replace(state, leases=held)

@@ -8,10 +8,21 @@ from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import KeyFrame, StoredMotion
 from lbr.messages.leases import CommandReply
-from lbr.operations.leasing.lease import Ask, EstopChanged, Happened, Hold, Holding, Reply, Result, Stop, Words, first
+from lbr.operations.leasing.lease import (
+    EstopChanged,
+    Happened,
+    Lease,
+    LeaseRequest,
+    LeaseTable,
+    Phrasing,
+    Reply,
+    Result,
+    Stop,
+    first,
+)
 from lbr.operations.motions.programme import Programme
 
-WORDS = Words(noun="the motions", rest="stop, or pause, before playing again", idle="nothing was played yet")
+PHRASING = Phrasing(noun="the motions", rest="stop, or pause, before playing again", idle="nothing was played yet")
 
 
 class Play(Struct, frozen=True, kw_only=True):
@@ -20,7 +31,7 @@ class Play(Struct, frozen=True, kw_only=True):
     `trouble` is why joints operation would not follow, or nothing.
     """
 
-    ask: Ask
+    ask: LeaseRequest
     programme: Programme | None
     new_goal: str
     reason: Reason | None = None
@@ -126,15 +137,15 @@ class Playing(Struct, frozen=True, kw_only=True):
 class State(Struct, frozen=True, kw_only=True):
     """Everything the kernel remembers; `clock` is the time of the last event."""
 
-    holding: Holding[Playing]
+    leases: LeaseTable[Playing]
     clock: float = -inf
 
     @property
-    def hold(self) -> Hold[Playing] | None:
+    def lease(self) -> Lease[Playing] | None:
         """Who plays what."""
-        return self.holding.hold
+        return self.leases.live
 
 
 def first_state(ttl_s: float, began: float = -inf) -> State:
     """Return that nothing is played since it `began`."""
-    return State(holding=first(WORDS, ttl_s, began=began))
+    return State(leases=first(PHRASING, ttl_s, began=began))

@@ -6,10 +6,10 @@ from lbr.operations.motions.state import State
 
 def motions_state(state: State) -> MotionsState:
     """Return what the world may know."""
-    hold = state.hold
-    if hold is None or hold.motion.asked:
-        return MotionsState(playing=False, reason=state.holding.reason.text, code=state.holding.reason.code)
-    playing = hold.motion
+    lease = state.lease
+    if lease is None or lease.motion.asked:
+        return MotionsState(playing=False, reason=state.leases.reason.text, code=state.leases.reason.code)
+    playing = lease.motion
     place = playing.programme.place(playing.passed)
     return MotionsState(
         playing=True,
@@ -19,5 +19,5 @@ def motions_state(state: State) -> MotionsState:
         round=place.round,
         times=playing.programme.times,
         left_s=round(max(0.0, playing.programme.duration_s - (state.clock - playing.started)), 1),
-        holder=hold.source,
+        holder=lease.source,
     )

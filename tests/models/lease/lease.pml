@@ -13,7 +13,7 @@
 #define LATE 3      /* oldest command that moves anything: LATE_S */
 #define LEASE 4     /* ticks that a lease lives without renewal: ttl_s less what it ends ahead */
 #define OFFER 4     /* ticks that an offer waits for its confirmation: ttl_s */
-#define INSIST 3    /* ticks that a sender who insisted has to pause: INSISTING_S */
+#define INSIST 3    /* ticks that a sender who insisted has to pause: PERSISTENT_S */
 #define VALID 2     /* ticks that a setpoint is in force: setpoint_valid_s */
 #define WATCHDOG 3  /* ticks until the controller stops by itself: watchdog_ms */
 #endif

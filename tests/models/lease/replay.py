@@ -237,7 +237,7 @@ class Replay:
     def _compare(self, model: tuple[int, ...]) -> None:
         if self._said:
             raise self._mismatch(f"the drive said {self._said}, the model nothing")
-        hold, driver = self._drive.hold, self._driver
+        hold, driver = self._drive.lease, self._driver
         lives = (
             hold is not None,
             hold is not None and hold.source == SOURCES[1],

@@ -12,7 +12,7 @@ from lbr.drivers.roboteq import RoboteqSettings
 from lbr.operations.drive.kernel import first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.leasing.lease import LATE_S
-from lbr.operations.leasing.rules import INSISTING_S
+from lbr.operations.leasing.rules import PERSISTENT_S
 from tests.support import programs
 
 MODEL = Path(__file__).with_name("lease.pml")
@@ -43,11 +43,11 @@ class Found:
 
 def ticks(tick_s: float) -> dict[str, int]:
     """Return lbr's own times in ticks: each is the first tick at which something is over, `LATE` the last it is not."""
-    ahead_s = min(first_state(DRIVE).holding.ahead_s, DRIVE.ttl_s / 5)
+    ahead_s = min(first_state(DRIVE).leases.ahead_s, DRIVE.ttl_s / 5)
     over_s = {
         "LEASE": DRIVE.ttl_s - ahead_s,
         "OFFER": DRIVE.ttl_s,
-        "INSIST": INSISTING_S,
+        "INSIST": PERSISTENT_S,
         "VALID": ROBOTEQ.setpoint_valid_s,
         "WATCHDOG": ROBOTEQ.watchdog_ms / 1000,
     }

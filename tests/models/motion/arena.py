@@ -316,8 +316,8 @@ class Arena:
 
     def _agrees(self) -> None:
         """Compare what the kernel and the model think of who holds the base, and what that means for the wheels."""
-        hold, held = self.state.hold, self.model.hold
-        if (hold.lease if hold else "") != (held.name if held else ""):
+        hold, held = self.state.lease, self.model.hold
+        if (hold.id if hold else "") != (held.name if held else ""):
             raise self._violation(f"the kernel is held by {hold}, the model by {held and (held.name, held.message)}")
         left, right = self._wheels
         if left or right:
@@ -329,11 +329,11 @@ class Arena:
                 raise self._violation("the motors were told something else than the kernel thinks")
         if self._goals and self._goals != self._running():
             raise self._violation(f"goals that neither run nor ended: {self._goals} and {self._running()}")
-        if self.state.holding.tally.untold == 0 and self._told_holder != (hold.source if hold else ""):
+        if self.state.leases.tally.untold == 0 and self._told_holder != (hold.source if hold else ""):
             raise self._violation(f"the record says that '{self._told_holder}' holds it")
 
     def _running(self) -> set[str]:
-        known = (self.state.hold, *self.state.holding.offers)
+        known = (self.state.lease, *self.state.leases.offers)
         return {hold.motion.goal.goal for hold in known if hold is not None and hold.motion.goal is not None}
 
     def _moves_when_free(self) -> None:

@@ -26,8 +26,8 @@ Decision = tuple[State, Outputs]
 
 def no_lapse(state: State, event: Event, now: float) -> Decision:
     """Leases live for ever."""
-    if state.hold is not None:
-        state = replace(state, holding=replace(state.holding, hold=replace(state.hold, expires=inf)))
+    if state.lease is not None:
+        state = replace(state, leases=replace(state.leases, live=replace(state.lease, expires=inf)))
     return kernel.decide(state, event, now)
 
 
@@ -35,8 +35,8 @@ def resumes_after_reset(state: State, event: Event, now: float) -> Decision:
     """Goes on, when the emergency stop is reset, with what was held before it."""
     after, said = kernel.decide(state, event, now)
     if isinstance(event, EstopChanged):
-        holding = replace(after.holding, hold=state.holding.hold, dead=state.holding.dead)
-        after = replace(after, holding=holding)
+        leases = replace(after.leases, live=state.leases.live, revoked=state.leases.revoked)
+        after = replace(after, leases=leases)
     return after, said
 
 
@@ -83,7 +83,7 @@ def trusts_afar(state: State, event: Event, now: float) -> Decision:
 def forgets_stops(state: State, event: Event, now: float) -> Decision:
     """Stops, and lets what was sent before that begin again."""
     after, said = kernel.decide(state, event, now)
-    forgotten = replace(after, holding=replace(after.holding, stopped=-inf))
+    forgotten = replace(after, leases=replace(after.leases, stopped=-inf))
     return (forgotten if isinstance(event, Stop) else after), said
 
 
@@ -103,11 +103,11 @@ def believes_any_attitude(state: State, event: Event, now: float) -> Decision:
 
 def misses_no_attitude(state: State, event: Event, now: float) -> Decision:
     """Turns on by the last attitude, however old."""
-    course = state.hold.motion if isinstance(event, Tick) and state.hold else None
+    course = state.lease.motion if isinstance(event, Tick) and state.lease else None
     if course and course.goal and course.goal.turn:
         turn = course.goal.turn
         goal = replace(course.goal, turn=replace(turn, heading=replace(turn.heading, seen=now)))
-        state = replace(state, holding=with_motion(state.holding, replace(course, goal=goal)))
+        state = replace(state, leases=with_motion(state.leases, replace(course, goal=goal)))
     return kernel.decide(state, event, now)
 
 

@@ -147,10 +147,10 @@ def replays(n: int, seed: int = 1) -> Count:
 
 def _again(stage: Stage, message: Message, count: Count) -> None:
     count.tried += 1
-    before = stage.arena.state.hold
+    before = stage.arena.state.lease
     reply = _tried(count, stage, message)
     offered = message.remote and not message.lease
-    if (reply is not None and reply.accepted and not offered) or stage.arena.state.hold != before:
+    if (reply is not None and reply.accepted and not offered) or stage.arena.state.lease != before:
         count.problems.append(f"a repetition counted: {message}")
 
 
@@ -171,11 +171,11 @@ def numbered(n: int, seed: int = 1) -> Count:
         sent, ahead_s = (stage.arena.now, nan) if found is None else (found.mono_ns / 1e9, 0.0)
         message = Message("page", 0.5, lease=lease, remote=True, sent=sent, ahead_s=ahead_s)
         count.tried += 1
-        before = stage.arena.state.hold
+        before = stage.arena.state.lease
         reply = _tried(count, stage, message)
         if reply is None or (reply.accepted and found is not None and found.mono_ns <= newest):
             count.problems.append(f"{mono_ns} counted after {newest}")
-        if reply is not None and not reply.accepted and stage.arena.state.hold not in {before, None}:
+        if reply is not None and not reply.accepted and stage.arena.state.lease not in {before, None}:
             count.problems.append(f"{mono_ns} was refused and still changed the hold")
         if reply is not None and reply.accepted and found is not None:
             newest = found.mono_ns

@@ -103,8 +103,8 @@ class Robot:
             self._step()
             if self.results and self.results[-1].goal == name:
                 return self.results[-1]
-            if self._steps % RENEW_STEPS == 0 and self._drive.hold is not None:
-                self._say(replace(asked, lease=self._drive.hold.lease), name)
+            if self._steps % RENEW_STEPS == 0 and self._drive.lease is not None:
+                self._say(replace(asked, lease=self._drive.lease.id), name)
         return None
 
     def _step(self) -> None:

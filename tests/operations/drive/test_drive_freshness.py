@@ -55,7 +55,7 @@ def test_a_take_over_that_was_overtaken_by_a_newer_motion_takes_nothing(bench):
     bench.now += 0.1
     bench.drive(0.5)
     assert not bench.drive(0.5, source="phone", take_over=True, sent=bench.now - 0.05).accepted
-    assert bench.state.hold.source == "console"
+    assert bench.state.lease.source == "console"
 
 
 def test_a_repeated_renewal_does_not_prolong_a_motion(bench):
@@ -83,7 +83,7 @@ def test_an_older_speed_does_not_come_back_after_a_newer_one(bench):
     bench.now += 0.05
     assert bench.drive(0.2, lease=reply.lease).accepted
     assert not bench.drive(0.8, lease=reply.lease, sent=sent).accepted
-    assert bench.state.hold.motion.command.power == 0.2
+    assert bench.state.lease.motion.command.power == 0.2
 
 
 @pytest.mark.parametrize("newest", [0.0, 0.2])
@@ -96,7 +96,7 @@ def test_a_motion_that_a_renewal_has_overtaken_does_not_come_back(bench, newest)
     assert bench.drive(newest, lease=reply.lease).accepted
     overtaken = bench.drive(0.8, lease=reply.lease, sent=sent)
     assert overtaken.reason == "this command came twice, or after a newer one"
-    assert bench.state.hold.motion.command.power == newest
+    assert bench.state.lease.motion.command.power == newest
 
 
 def test_standing_still_is_never_too_late(bench):
@@ -147,7 +147,7 @@ def test_a_flood_of_senders_through_the_emergency_stop_lets_none_of_them_through
         bench.drive(0.5, source=f"stuck {count}")
     bench.estop(False)
     bench.now += 0.1
-    assert len(bench.state.holding.insisting) <= 65
+    assert len(bench.state.leases.persistent) <= 65
     assert not any(bench.drive(0.5, source=f"stuck {count}").accepted for count in range(200))
 
 
@@ -163,7 +163,7 @@ def test_a_motion_from_afar_waits_until_its_lease_is_quoted(bench):
     assert bench.drive_from_afar(0.5, lease=offer.lease).lease == offer.lease
     bench.run(0.1)
     assert bench.wheels != STILL
-    assert bench.state.hold.source == "page"
+    assert bench.state.lease.source == "page"
 
 
 def test_what_was_not_confirmed_in_time_is_dead(bench):
@@ -183,7 +183,7 @@ def test_a_confirmation_may_be_a_put_and_may_change_the_motion(bench):
     offer = bench.drive_from_afar(0.5)
     bench.now += 0.05
     assert bench.drive_from_afar(0.2, 90.0, lease=offer.lease, answerable=False).accepted
-    assert bench.state.hold.motion.command.angle_deg == 90.0
+    assert bench.state.lease.motion.command.angle_deg == 90.0
 
 
 def test_a_bounded_move_starts_its_clock_at_the_confirmation(bench):
@@ -245,7 +245,7 @@ def test_an_offer_ends_with_whatever_ends_a_motion(bench, end, why):
 
 def test_offers_are_few(bench):
     leases = [bench.drive_from_afar(0.5, source=f"page {count}").lease for count in range(20)]
-    assert len(bench.state.holding.offers) == 8
+    assert len(bench.state.leases.offers) == 8
     bench.now += 0.01
     assert not bench.drive_from_afar(0.5, source="page 0", lease=leases[0]).accepted
     assert bench.drive_from_afar(0.5, source="page 19", lease=leases[19]).accepted

@@ -197,7 +197,7 @@ def test_dead_leases_are_remembered_with_their_reason(bench):
     for lease in leases[-31:]:
         bench.drive(0.5, lease=lease)
     assert bench.drive(0.5, lease=leases[-2]).reason == "lease is dead: stopped by phone: enough"
-    assert len(bench.state.holding.dead) == 32
+    assert len(bench.state.leases.revoked) == 32
 
 
 def test_motion_ends_when_nobody_changes_it_for_too_long():

@@ -231,7 +231,7 @@ def test_a_motion_that_it_holds_still_ends():
     reply = bench.drive(0.3, -30)
     bench.see(left=0.3)
     bench.run(1.5, lambda: bench.drive(0.3, -30, lease=reply.lease))
-    assert bench.state.hold is None
+    assert bench.state.lease is None
     assert any("held still for 1 s: something remembered" in text for text in bench.texts)
     assert bench.drive(0.3, -30).reason.startswith("something remembered")
     assert bench.drive(0.3).accepted

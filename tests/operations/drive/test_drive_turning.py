@@ -209,7 +209,7 @@ def test_from_another_machine_a_turn_begins_only_when_its_lease_is_quoted(body):
     assert body.turn(90.0, source="page", remote=True, lease=offer.lease).goal == offer.goal
     go_on(body, offer, 10)
     assert body.wheels != STILL
-    assert body.state.hold.motion.goal.turn.begun_deg == 1001.0, (
+    assert body.state.lease.motion.goal.turn.begun_deg == 1001.0, (
         "it turns from where it began, not from where it was asked"
     )
 
@@ -238,9 +238,9 @@ def test_a_turn_lives_by_its_lease(body):
 
 def test_a_renewal_goes_on_with_the_turn_and_another_command_supersedes_it(body):
     reply = turning(body)
-    begun = body.state.hold.motion.goal.turn.begun_deg
+    begun = body.state.lease.motion.goal.turn.begun_deg
     assert body.turn(90.0, lease=reply.lease).goal == reply.goal
-    assert body.state.hold.motion.goal.turn.begun_deg == begun
+    assert body.state.lease.motion.goal.turn.begun_deg == begun
     body.step()  # what is said in the same moment as a renewal counts as overtaken by it
     changed = body.turn(-45.0, lease=reply.lease)
     assert (changed.accepted, changed.lease, changed.goal != reply.goal) == (True, reply.lease, True)

@@ -64,7 +64,7 @@ def test_positions_are_reached_smoothly_and_the_result_says_so(bench):
     (result,) = bench.results
     assert (result.goal, result.result) == (reply.goal, "reached")
     assert result.elapsed_s == pytest.approx(2.0, abs=2 * DT)
-    assert bench.state.holding.hold is None
+    assert bench.state.leases.live is None
     assert not bench.setpoint.lost
 
 

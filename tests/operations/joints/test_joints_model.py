@@ -71,7 +71,7 @@ class Motion(RuleBasedStateMachine):
         began = before is None or before.torque == 0.0 or before.position_rad is None
         if began or halted:
             allowed = inf
-        elif self.bench.state.holding.hold is None and not self._just_ended():
+        elif self.bench.state.leases.live is None and not self._just_ended():
             allowed = 0.0
         else:
             allowed = joint.speed_rps * max(elapsed_s, 0.0)
@@ -101,18 +101,18 @@ class Motion(RuleBasedStateMachine):
 
     def _ask(self, source, command):
         self._pass()
-        before, offers = self.bench.state.holding.hold, self.bench.state.holding.offers
-        taking = {offer.lease for offer in offers if offer.take_over}
+        before, offers = self.bench.state.leases.live, self.bench.state.leases.offers
+        taking = {offer.id for offer in offers if offer.take_over}
         reply = self.bench.command(source=source, **command)
         self._look()
         if not reply.accepted:
             return
         if before is not None and self.bench.now < before.expires and command.get("lease") != before.lease:
             assert command.get("take_over") or command.get("lease") in taking
-        assert not self.bench.state.holding.estop
+        assert not self.bench.state.leases.estop
         self.leases[source] = reply.lease
-        hold = self.bench.state.holding.hold
-        if hold is not None and hold.lease == reply.lease:
+        hold = self.bench.state.leases.live
+        if hold is not None and hold.id == reply.lease:
             self.renewed = self.bench.now
 
     @rule(
@@ -226,13 +226,13 @@ class Motion(RuleBasedStateMachine):
 
     @invariant()
     def a_holder_has_renewed_in_time(self):
-        hold = self.bench.state.holding.hold
+        hold = self.bench.state.leases.live
         if hold is not None and self.bench.state.clock == self.bench.now:
             assert self.bench.now - self.renewed < hold.ttl_s
 
     @invariant()
     def what_is_stopped_does_not_move(self):
-        if self.bench.state.holding.estop:
+        if self.bench.state.leases.estop:
             assert self.bench.state.move is None
 
     @invariant()

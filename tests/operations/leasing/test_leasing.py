@@ -11,9 +11,19 @@ from lbr.capability.halts import Halts
 from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE
 from lbr.operations.leasing import decide, ending, rules
-from lbr.operations.leasing.lease import Ask, Ended, EstopChanged, Happened, Holding, Stop, Words, confirmed, first
+from lbr.operations.leasing.lease import (
+    Ended,
+    EstopChanged,
+    Happened,
+    LeaseRequest,
+    LeaseTable,
+    Phrasing,
+    Stop,
+    confirmed,
+    first,
+)
 
-WORDS = Words(noun="the hand", rest="pause before moving again", idle="nobody moves it")
+PHRASING = Phrasing(noun="the hand", rest="pause before moving again", idle="nobody moves it")
 TTL_S = 0.3
 
 
@@ -21,7 +31,7 @@ class Hand:
     """The smallest kernel there is: its motion is a word."""
 
     def __init__(self) -> None:
-        self.holding: Holding[str] = first(WORDS, TTL_S, ahead_s=0.01)
+        self.leases: LeaseTable[str] = first(PHRASING, TTL_S, ahead_s=0.01)
         self.now = 100.0
         self.said: list[Ended[str] | Happened] = []
         self._ids = 0
@@ -30,43 +40,43 @@ class Hand:
         """Decide a command; return why it is refused, or nothing."""
         self._ids += 1
         known = {"lease": "", "received": self.now, "new_lease": f"lease{self._ids}"} | more
-        ask = Ask(source=source, what=what, moves=bool(what), **known)
-        self._take(*ending.lapse(self.holding, self.now))
-        verdict, self.holding, replies = decide.judge(self.holding, ask, lambda _: self._refusal(ask), self.now)
+        ask = LeaseRequest(source=source, what=what, moves=bool(what), **known)
+        self._take(*ending.lapse(self.leases, self.now))
+        verdict, self.leases, replies = decide.judge(self.leases, ask, lambda _: self._refusal(ask), self.now)
         if verdict == "stop":
             return self.stop(source)
         if verdict in {"offer", "change", "begin"}:
-            self._take(*decide.grant(self.holding, ask, verdict, what, self.now))
+            self._take(*decide.grant(self.leases, ask, verdict, what, self.now))
         return replies[0].message.reason if replies else ""
 
     def stop(self, source: str = "phone", *, whole: bool = False) -> str:
         event = Stop(source=source, received=self.now, whole=whole)
-        self._take(*decide.stop(self.holding, event, self.now))
+        self._take(*decide.stop(self.leases, event, self.now))
         return ""
 
     def latch(self, *, engaged: bool) -> None:
-        self._take(*decide.latch(self.holding, EstopChanged(engaged=engaged, reason="button"), self.now))
+        self._take(*decide.latch(self.leases, EstopChanged(engaged=engaged, reason="button"), self.now))
 
     def wait(self, seconds: float) -> None:
         self.now += seconds
-        self._take(*ending.lapse(self.holding, self.now))
+        self._take(*ending.lapse(self.leases, self.now))
 
     @property
     def motion(self) -> str:
-        return self.holding.hold.motion if self.holding.hold else ""
+        return self.leases.live.motion if self.leases.live else ""
 
     @property
     def ends(self) -> list[tuple[str, str, bool]]:
-        return [(one.hold.motion, one.how, one.held) for one in self.said if isinstance(one, Ended)]
+        return [(one.lease.motion, one.how, one.held) for one in self.said if isinstance(one, Ended)]
 
-    def _refusal(self, ask: Ask) -> Reason | None:
-        held = self.holding
+    def _refusal(self, ask: LeaseRequest) -> Reason | None:
+        held = self.leases
         return (
             rules.form(held, ask, self.now) or rules.holder(held, ask, self.now) or rules.at_rest(held, ask, self.now)
         )
 
-    def _take(self, held: Holding[str], said: tuple[Ended[str] | Happened, ...]) -> None:
-        self.holding = held
+    def _take(self, held: LeaseTable[str], said: tuple[Ended[str] | Happened, ...]) -> None:
+        self.leases = held
         self.said += said
 
 
@@ -100,7 +110,7 @@ def test_the_same_again_renews_and_another_motion_changes_under_one_lease(hand):
     for what in ("wave", "wave", "clap", "clap"):
         hand.wait(0.2)
         assert hand.ask(what, lease="lease1") == ""
-    assert (hand.motion, hand.holding.hold.lease) == ("clap", "lease1")
+    assert (hand.motion, hand.leases.live.id) == ("clap", "lease1")
     assert hand.ends == [("wave", "superseded", False)]
 
 
@@ -131,8 +141,8 @@ def test_from_afar_nothing_moves_until_the_offer_is_quoted(hand):
 def test_an_offer_that_is_answered_with_something_else_is_superseded(hand):
     hand.ask(remote=True, source="page")
     hand.wait(0.05)
-    ask = Ask(source="page", lease="lease1", what="clap", moves=True, received=hand.now, new_lease="x")
-    assert confirmed(hand.holding, ask) is None
+    ask = LeaseRequest(source="page", lease="lease1", what="clap", moves=True, received=hand.now, new_lease="x")
+    assert confirmed(hand.leases, ask) is None
     hand.ask("clap", remote=True, source="page", lease="lease1")
     assert (hand.motion, hand.ends) == ("clap", [("wave", "superseded", False)])
 
@@ -151,7 +161,7 @@ def test_the_emergency_stop_refuses_all_and_whoever_insisted_has_to_pause(hand):
 
 def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
     hand.ask()
-    hand._take(*ending.lose_time(hand.holding, Reason("clock", "the clock went back"), hand.now, 5.0))
+    hand._take(*ending.lose_time(hand.leases, Reason("clock", "the clock went back"), hand.now, 5.0))
     hand.now = 5.0
     assert not hand.motion
     hand.wait(0.01)
@@ -198,21 +208,21 @@ def test_every_hold_that_began_ends_once_and_no_dead_lease_moves(steps):
                 hand.latch(engaged=what == "latch")
             case _:
                 quoted = f"lease{lease}" if lease else ""
-                before = dict(hand.holding.dead)
+                before = dict(hand.leases.revoked)
                 refused = hand.ask(what, source=source, lease=quoted, take_over=take_over, remote=remote)
                 assert refused or quoted not in before
-        held = hand.holding.hold
-        assert not (hand.holding.estop and held)
-        assert held is None or held.lease not in dict(hand.holding.dead)
-        assert len(hand.holding.offers) <= decide.MOST_OFFERS
+        held = hand.leases.live
+        assert not (hand.leases.estop and held)
+        assert held is None or held.id not in dict(hand.leases.revoked)
+        assert len(hand.leases.offers) <= decide.MOST_OFFERS
     began = [one.data["took"] for one in hand.said if isinstance(one, Happened) and "took" in one.data]
     over = [one for one in hand.said if isinstance(one, Ended) and one.held]
-    untold = hand.holding.tally.untold
-    assert untold or len(began) == len(over) + (hand.holding.hold is not None)
+    untold = hand.leases.tally.untold
+    assert untold or len(began) == len(over) + (hand.leases.live is not None)
 
 
 def test_changes_of_holder_in_a_flood_are_counted_and_not_told(hand):
-    hand.holding = replace(hand.holding, tally=replace(hand.holding.tally, left=1.0, at=hand.now))
+    hand.leases = replace(hand.leases, tally=replace(hand.leases.tally, left=1.0, at=hand.now))
     for _ in range(3):
         hand.ask()
         hand.stop()
@@ -280,7 +290,7 @@ def test_what_waited_changes_no_motion_that_began_meanwhile(hand):
 
 
 def test_what_moves_it_began_anew_since_then(hand):
-    hand.holding = first(WORDS, TTL_S, began=hand.now - 1.0)
+    hand.leases = first(PHRASING, TTL_S, began=hand.now - 1.0)
     assert hand.ask(waited_s=2.0) == f"{STOPPED_SINCE}what moves it began anew"
     assert hand.ask(waited_s=0.5) == ""
 

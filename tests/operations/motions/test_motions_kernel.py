@@ -10,7 +10,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from lbr.messages.codes import MEANINGS, Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand
-from lbr.operations.leasing.lease import Ask, EstopChanged, Reply, Result, Stop
+from lbr.operations.leasing.lease import EstopChanged, LeaseRequest, Reply, Result, Stop
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.programme import programme
 from lbr.operations.motions.state import (
@@ -114,7 +114,7 @@ class Motions(RuleBasedStateMachine):
         known = (motion, times) in PROGRAMMES
         received = self.now + 0.001 - late_s
         quoted = self.leases[max(lease, -len(self.leases))] if lease else ""
-        ask = Ask(
+        ask = LeaseRequest(
             source=source,
             lease=quoted,
             what=(motion, times),
@@ -137,15 +137,15 @@ class Motions(RuleBasedStateMachine):
 
     def die(self):
         """Note the leases that are worth nothing any more, whatever is quoted later."""
-        known = (self.state.hold, *self.state.holding.offers)
-        self.dead |= {one.lease for one in known if one is not None}
+        known = (self.state.lease, *self.state.leases.offers)
+        self.dead |= {one.id for one in known if one is not None}
 
     @rule(source=SOURCES)
     def stop(self, source):
         self.die()
         self.stopped = self.now + 0.001
         outputs = self.happens(Stop(source=source, received=self.stopped))
-        assert self.state.hold is None
+        assert self.state.lease is None
         assert any(isinstance(one, Reply) and one.message.accepted for one in outputs)
 
     @rule(engaged=st.booleans())
@@ -153,14 +153,14 @@ class Motions(RuleBasedStateMachine):
         self.die()
         self.stopped = self.now + 0.001
         self.happens(EstopChanged(engaged=engaged, reason="test"))
-        assert self.state.hold is None
+        assert self.state.lease is None
 
     @rule()
     def joints_were_stopped(self):
         self.die()
         self.stopped = self.now + 0.001
         self.happens(JointsStopped(at=self.stopped, why=Reason("stopped", "stopped by phone")))
-        assert self.state.holding.offers == ()
+        assert self.state.leases.offers == ()
 
     @rule()
     def granted(self):
@@ -170,16 +170,16 @@ class Motions(RuleBasedStateMachine):
 
     @rule()
     def lost(self):
-        self.dead |= {self.state.hold.lease} if self.state.hold is not None else set()
+        self.dead |= {self.state.lease.id} if self.state.lease is not None else set()
         self.happens(Lost(why=Reason("unreachable", "the joints do not answer")))
 
     @rule(how=ENDINGS, ours=st.booleans())
     def joints_ended(self, how, ours):
-        before, sent = self.state.hold, self.sent
+        before, sent = self.state.lease, self.sent
         goal = self.joints_goal if ours else "somebody's"
         self.happens(JointsEnded(result=GoalResult(goal=goal, result=how, reason="so it was", elapsed_s=1.0)))
         if before is not None and not before.motion.asked and ours and goal == before.motion.joints_goal:
-            assert self.state.hold is None or self.sent > sent
+            assert self.state.lease is None or self.sent > sent
 
     @rule(frames=st.integers(0, 300))
     def passed(self, frames):
@@ -190,7 +190,7 @@ class Motions(RuleBasedStateMachine):
         self.now += seconds
         self.happens(Tick())
         if seconds >= 2.0:
-            assert self.state.hold is None
+            assert self.state.lease is None
             assert self.waiting == 0
 
     @rule()
@@ -199,16 +199,16 @@ class Motions(RuleBasedStateMachine):
         self.leases = [""]
         self.happens(Tick())
         self.stopped = self.now
-        assert self.state.hold is None
+        assert self.state.lease is None
 
     @invariant()
     def who_holds_has_the_joints_or_waits_for_them(self):
-        hold = self.state.hold
+        hold = self.state.lease
         assert self.waiting == (hold is not None and hold.motion.asked)
         assert self.borrowed == (hold is not None)
         told = motions_state(self.state)
         assert told.playing == (hold is not None and not hold.motion.asked)
-        assert not (self.state.holding.estop and hold is not None)
+        assert not (self.state.leases.estop and hold is not None)
 
 
 TestMotions = Motions.TestCase

@@ -9,7 +9,7 @@ from lbr.operations.leasing import rules
 
 class ForgetfulDrive(Drive):
     def open(self) -> None:
-        rules.insists = lambda _holding, _source, _now: ""
+        rules.persists = lambda _leases, _source, _now: ""
         super().open()
 
 

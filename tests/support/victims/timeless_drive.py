@@ -11,10 +11,10 @@ from lbr.operations.drive.capability import Drive
 
 class TimelessDrive(Drive):
     def step(self) -> None:
-        holding = self._state.holding
-        if holding.hold is not None:
-            holding = replace(holding, hold=replace(holding.hold, expires=inf))
-            self._state = replace(self._state, holding=holding)
+        leases = self._state.leases
+        if leases.live is not None:
+            leases = replace(leases, live=replace(leases.live, expires=inf))
+            self._state = replace(self._state, leases=leases)
         super().step()
 
 
