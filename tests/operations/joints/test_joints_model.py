@@ -107,7 +107,7 @@ class Motion(RuleBasedStateMachine):
         self._look()
         if not reply.accepted:
             return
-        if before is not None and self.bench.now < before.expires and command.get("lease") != before.lease:
+        if before is not None and self.bench.now < before.expires and command.get("lease") != before.id:
             assert command.get("take_over") or command.get("lease") in taking
         assert not self.bench.state.leases.estop
         self.leases[source] = reply.lease

@@ -55,5 +55,5 @@ class ScriptedServos(Capability):
 
 
 KIND = replace(
-    DYNAMIXEL, name="scripted_servos", entry=ScriptedServos, settings=NoSettings, device="", device_settings={}
+    DYNAMIXEL, name="scripted_servos", entry=ScriptedServos, settings=NoSettings, device="", device_settings={}, rows=()
 )
