@@ -18,7 +18,7 @@ class Setpoint(Protocol):
 
     @property
     def lease(self) -> str:
-        """The lease that it quotes; one without a lease cannot be revoked."""
+        """What tells its lease from others; a setpoint without cannot be revoked."""
 
     @property
     def born(self) -> float:

@@ -6,7 +6,7 @@ from lbr.messages.units import SignedPower
 
 
 class MotorSetpoint(Struct, frozen=True, kw_only=True):
-    """Power of the two wheels, forward positive; valid for 0.1 s, under the lease it quotes."""
+    """Power of the two wheels, forward positive; valid for 0.1 s. `lease` is a mark of the lease it comes by, which cannot be quoted."""
 
     left: SignedPower
     right: SignedPower

@@ -44,7 +44,8 @@ class ServoSetpoint(Struct, frozen=True, kw_only=True):
 
     `lost`: whoever moved them is gone. The driver then does as when setpoints cease: it holds, then lets go slowly.
     `halt` counts the stops: another number than before is to be told to every servo before anything else, and ends
-    what the controller plays. While `stored` is played, `goals` only say which servos may have torque.
+    what the controller plays. While `stored` is played, `goals` only say which servos may have torque. `lease` is a mark
+    of the lease that they come by, which cannot be quoted.
     """
 
     goals: tuple[ServoGoal, ...]

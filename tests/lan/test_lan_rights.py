@@ -139,16 +139,18 @@ def test_what_others_here_send_is_not_sent_again(door: Door):
 def test_what_one_token_commands_no_other_hears(door: Door, name):
     """A lease is good for each client that quotes it."""
     with door.client("phone") as bus, door.client(name) as other:
-        feeds = [wire.Subscription(other, f"lbr/{key}", depth=64) for key in ("**", "drive/command", "*/command")]
+        feeds = [wire.Subscription(other, f"lbr/{key}", depth=512) for key in ("**", "drive/command", "*/command")]
         drives = wire.Subscription(other, "lbr/drive/state", depth=512)
         lease = answer(bus, "lbr/drive/command", TURN)["lease"]
         wire.put(bus, "lbr/drive/command", {**TURN, "lease": lease}, source="afar")
         until(door.moving, what="it moves")
         until(drives.take, what="what may be heard is heard")
         settle(door)
-        heard = [raw.key for feed in feeds for raw in feed.take()]
-    assert "lbr/drive/state" in heard
+        raws = [raw for feed in feeds for raw in feed.take()]
+        heard = [raw.key for raw in raws]
+    assert {"lbr/drive/state", "lbr/motors/setpoint"} <= set(heard)
     assert "lbr/drive/command" not in heard
+    assert not [raw.key for raw in raws if lease.encode() in raw.payload]
 
 
 def test_the_insides_of_the_routers_are_closed(door: Door):

@@ -27,7 +27,7 @@ from lbr.operations.joints.state import (
     first_state,
 )
 from lbr.operations.joints.view import joints_state
-from lbr.operations.leasing.process import Answers, Lender, new_goal, said_by
+from lbr.operations.leasing.process import Answers, Lender, marked, new_goal, said_by
 from lbr.operations.statistics import Beat
 
 STATE_PERIOD_S = 0.1
@@ -58,7 +58,7 @@ class Joints(Lender[JointsSettings, State]):
         super().close()
         self._state = replace(self._state, lost=True)
         if self._state.adopted:
-            self.ctx.publish("setpoint", setpoint(self._state).message)
+            self.ctx.publish("setpoint", marked(setpoint(self._state).message))
 
     def begin(self) -> None:
         """Begin with nothing lent."""

@@ -1,13 +1,16 @@
 """The process around a kernel that lends what moves: emergency stop, driver, holder, what waits, and what is told."""
 
+import hashlib
 import secrets
 from abc import abstractmethod
 from collections import deque
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from math import inf
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Asked, Call, Received
@@ -173,7 +176,7 @@ class Lender(Capability[S], Generic[S, L]):
         """Publish, tell or answer."""
         match output:
             case Setpoint(message=message):
-                self.ctx.publish("setpoint", message)
+                self.ctx.publish("setpoint", marked(message))
             case Result(message=message):
                 self.ctx.publish("result", message)
             case Happened(kind=kind, text=text, level=level, data=data, code=code, about=about):
@@ -214,6 +217,18 @@ def said_by(call: Call) -> dict[str, Any]:
         "waited_s": call.waited_s,
         "answerable": call.answerable,
     }
+
+
+def marked(setpoint: Struct) -> Struct:
+    """Return a setpoint that tells leases apart by marks: many may hear it, and a lease is good for each that quotes it."""
+    lease = getattr(setpoint, "lease", "")
+    return replace(setpoint, lease=mark(lease)) if lease else setpoint
+
+
+@lru_cache(maxsize=16)
+def mark(lease: str) -> str:
+    """Return what stands for a lease where it may be heard; nothing leads back from it."""
+    return hashlib.blake2b(lease.encode(errors="replace"), digest_size=8).hexdigest()
 
 
 def new_goal() -> str:
