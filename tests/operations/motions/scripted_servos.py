@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from msgspec import Struct
 
-from lbr.capability import Capability
+from lbr.capability import Capability, Rows
 from lbr.drivers.dynamixel import KIND as DYNAMIXEL
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServosState, ServoState
@@ -55,5 +55,11 @@ class ScriptedServos(Capability):
 
 
 KIND = replace(
-    DYNAMIXEL, name="scripted_servos", entry=ScriptedServos, settings=NoSettings, device="", device_settings={}, rows=()
+    DYNAMIXEL,
+    name="scripted_servos",
+    entry=ScriptedServos,
+    settings=NoSettings,
+    device="",
+    device_settings={},
+    rows=(Rows(Joint),),
 )
