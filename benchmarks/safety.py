@@ -27,7 +27,7 @@ import msgspec
 from msgspec import Struct
 
 from benchmarks import Measured
-from lbr.capability.tether import PR_SET_PDEATHSIG
+from lbr.capability.die_with_parent import PR_SET_PDEATHSIG
 from tests.scenarios.promises import PROMISES
 from tests.scenarios.schedule import FIGURE_OF, SCENARIOS
 from tests.support.figures import Report, Result, Results

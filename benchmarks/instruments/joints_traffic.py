@@ -93,7 +93,7 @@ class Watched:
         self._last = -1
         self._still = self._unmeasured = self._old = 0
 
-    def take(self, messages: list[wire.Raw]) -> bool:
+    def take(self, messages: list[wire.RawMessage]) -> bool:
         """Take in states; say whether there is still a motion."""
         holder: str | None = "bench"
         for message in messages:

@@ -28,7 +28,7 @@ PLANNED = frozenset({"reached", "interval"})
 Message = Struct | Mapping[str, Any]
 
 
-class Asked(Protocol):
+class PendingReply(Protocol):
     """A question under way."""
 
     def answers(self) -> Mapping[str, Any] | None:
@@ -38,7 +38,7 @@ class Asked(Protocol):
 class Transport(Protocol):
     """By what a client asks: the context of a capability, or `lbr.bus.over_session.OverSession`."""
 
-    def ask(self, request: str, message: Any, timeout_s: float) -> Asked:
+    def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         """Ask by a request port."""
 
     def clock(self) -> float:
@@ -88,7 +88,7 @@ class LeaseClient:
         self._unheard_s = 0.0
         self._lost: tuple[Reason, float] | None = None
         self._results: dict[str, GoalResult] = {}
-        self._asked: list[tuple[Asked, bool]] = []
+        self._asked: list[tuple[PendingReply, bool]] = []
         self._taking = transport.ask(target.motion, first or {}, ANSWER_S) if given is None else None
 
     @property
@@ -130,7 +130,7 @@ class LeaseClient:
         if self.renewal_due or (self.holds and message != self._last):
             self.send(message)
 
-    def send(self, message: Message, *, vital: bool = True) -> Asked | None:
+    def send(self, message: Message, *, vital: bool = True) -> PendingReply | None:
         """Renew or change the motion; None if too much waits for answers, and nothing was sent.
 
         If what is not `vital` is refused, the motion goes on as it was.
@@ -150,14 +150,14 @@ class LeaseClient:
         if len(self._results) > MOST_RESULTS:
             self._results.pop(next(iter(self._results)))
 
-    def release(self, why: str, *, lost: bool = False) -> Asked | None:
+    def release(self, why: str, *, lost: bool = False) -> PendingReply | None:
         """Halt what was borrowed, if it is still ours to halt or may become so; `lost`: its sender is gone."""
         if self.ended is not None:
             return None
         self.ended = Reason("cancelled", why)
         return self._halt(why, lost=lost)
 
-    def _take(self, taking: Asked) -> None:
+    def _take(self, taking: PendingReply) -> None:
         answers = taking.answers()
         if answers is None:
             return
@@ -173,7 +173,7 @@ class LeaseClient:
         else:
             self.accepted, self._goal, self._unheard_s = reply, reply.goal, 0.0
 
-    def _read(self, asked: Asked, now: float, *, vital: bool) -> None:
+    def _read(self, asked: PendingReply, now: float, *, vital: bool) -> None:
         for reply in (asked.answers() or {}).values():
             if not isinstance(reply, CommandReply):
                 continue
@@ -201,7 +201,7 @@ class LeaseClient:
         ):
             self.ended, self.silent = Reason("unreachable", self._target.silent), True
 
-    def _halt(self, why: str, *, lost: bool = False) -> Asked | None:
+    def _halt(self, why: str, *, lost: bool = False) -> PendingReply | None:
         if not self._target.halt:
             return None
         stop = StopCommand(reason=why[:LONGEST_REASON], lost=lost)

@@ -6,7 +6,7 @@ from typing import Any
 
 from lbr.bus import wire
 from lbr.bus.codec import Decoder
-from lbr.bus.lease_client import Asked
+from lbr.bus.lease_client import PendingReply
 from lbr.bus.session import Session
 from lbr.errors import MalformedError
 from lbr.messages.leases import CommandReply
@@ -30,19 +30,19 @@ class OverSession:
         self._keys = keys
         self._wake = wake
 
-    def ask(self, request: str, message: Any, timeout_s: float) -> Asked:
+    def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         """Ask; the answer is a `CommandReply`."""
         payload = wire.encode(message)
         key = self._keys[request]
         return _Question(
-            wire.Question(self._session, key, payload, timeout_s=timeout_s, source=self._source, wake=self._wake)
+            wire.PendingQuery(self._session, key, payload, timeout_s=timeout_s, source=self._source, wake=self._wake)
         )
 
 
 class _Question:
     _decoder = Decoder(CommandReply)
 
-    def __init__(self, question: wire.Question) -> None:
+    def __init__(self, question: wire.PendingQuery) -> None:
         self._question = question
         self._name = question.key.split("/")[-2]
 

@@ -12,7 +12,7 @@ from lbr.bus import wire
 from lbr.errors import BusError
 
 
-def survey(session: zenoh.Session, key: str, *, source: str, timeout_s: float = 2.0) -> list[wire.Raw]:
+def survey(session: zenoh.Session, key: str, *, source: str, timeout_s: float = 2.0) -> list[wire.RawMessage]:
     """Ask everybody behind a key expression, and return every answer."""
     try:
         replies = session.get(

@@ -24,7 +24,7 @@ MAX_WAITING_COMMANDS = 64
 encode = msgspec.json.Encoder().encode
 
 
-class Raw(msgspec.Struct, frozen=True, gc=False):
+class RawMessage(msgspec.Struct, frozen=True, gc=False):
     """A message as it came in: its bytes, its attachment and the key it was published on."""
 
     key: str
@@ -33,11 +33,11 @@ class Raw(msgspec.Struct, frozen=True, gc=False):
     arrived: float
 
 
-def raw(sample: zenoh.Sample) -> Raw:
+def raw(sample: zenoh.Sample) -> RawMessage:
     """Take a sample's bytes out of Zenoh."""
     attachment = sample.attachment
     taken = attachment.to_bytes() if attachment is not None else b""
-    return Raw(str(sample.key_expr), sample.payload.to_bytes(), taken, time.monotonic())
+    return RawMessage(str(sample.key_expr), sample.payload.to_bytes(), taken, time.monotonic())
 
 
 def _leave(err: BaseException) -> None:
@@ -131,11 +131,11 @@ class Subscription:
     def __init__(
         self, session: zenoh.Session, key: str, *, depth: int = 1, wake: Callable[[], None] = lambda: None
     ) -> None:
-        self._slots: deque[Raw] = deque(maxlen=depth)
+        self._slots: deque[RawMessage] = deque(maxlen=depth)
         self._wake = wake
         self._subscriber = session.declare_subscriber(key, direct(self._store))
 
-    def take(self) -> list[Raw]:
+    def take(self) -> list[RawMessage]:
         """Return what arrived since the last call, oldest first."""
         taken = []
         while self._slots:
@@ -151,7 +151,7 @@ class Subscription:
         self._wake()
 
 
-class Waiting:
+class PolledSubscription:
     """The newest `depth` messages of a key, kept by Zenoh until we look: no Python runs when one arrives.
 
     It costs half of what a Subscription does; what it says of a message's arrival is when it was taken.
@@ -161,14 +161,14 @@ class Waiting:
         self._key = key
         self._subscriber = session.declare_subscriber(key, zenoh.handlers.RingChannel(depth))
 
-    def take(self) -> list[Raw]:
+    def take(self) -> list[RawMessage]:
         """Return what arrived since the last call, oldest first."""
-        taken: list[Raw] = []
+        taken: list[RawMessage] = []
         now = time.monotonic()
         while (sample := self._subscriber.try_recv()) is not None:
             attachment = sample.attachment
             stamp = attachment.to_bytes() if attachment is not None else b""
-            taken.append(Raw(self._key, sample.payload.to_bytes(), stamp, now))
+            taken.append(RawMessage(self._key, sample.payload.to_bytes(), stamp, now))
         return taken
 
 
@@ -189,9 +189,9 @@ class Request:
 
     def reply(self, message: Any, source: str) -> None:
         """Answer, once; later answers are ignored."""
-        self.pass_back(encode(message), stamps.make(source, 0))
+        self.forward_reply(encode(message), stamps.make(source, 0))
 
-    def pass_back(self, payload: bytes, attachment: bytes) -> None:
+    def forward_reply(self, payload: bytes, attachment: bytes) -> None:
         """Answer with the bytes of somebody else's answer, once."""
         query, self._query = self._query, None
         if query is None:
@@ -200,7 +200,7 @@ class Request:
             query.reply(self.key, payload, encoding=JSON, attachment=attachment)
 
 
-class Served:
+class QueryServer:
     """A command key: queries and puts queue here, bounded, until our thread answers them."""
 
     def __init__(
@@ -253,7 +253,7 @@ class Served:
         self._wake()
 
 
-class Question:
+class PendingQuery:
     """A query under way; its answers arrive on Zenoh's thread. `attachment` passes on a stamp instead of our own.
 
     `proof` is the token by which we came in at a robot's door: it tells there who asks. `waited_s`: so long it waited here.
@@ -274,7 +274,7 @@ class Question:
     ) -> None:
         user, secret = (proof.user, proof.password.encode()) if proof is not None else ("", b"")
         self.key = key
-        self.replies: list[Raw] = []
+        self.replies: list[RawMessage] = []
         self.done = False
         self._wake = wake
         try:
@@ -313,7 +313,7 @@ def ask(
     sent_s: float | None = None,
     attachment: bytes = b"",
     waited_s: float = 0.0,
-) -> list[Raw]:
+) -> list[RawMessage]:
     """Query a key and wait for all answers; an empty list means that nobody answered in time.
 
     `sent_s` is when what is passed on was said first, so that nobody takes it for fresher than it is, and
@@ -343,11 +343,11 @@ def ask_all(
     source: str,
     timeout_s: float,
     attachment: bytes = b"",
-) -> list[Raw]:
+) -> list[RawMessage]:
     """Query several keys at once and return all answers that come in time; `attachment` instead of a stamp of ours."""
     woken = threading.Event()
     questions = [
-        Question(session, key, payload, timeout_s=timeout_s, source=source, attachment=attachment, wake=woken.set)
+        PendingQuery(session, key, payload, timeout_s=timeout_s, source=source, attachment=attachment, wake=woken.set)
         for key in dict.fromkeys(keys)
     ]
     end = time.monotonic() + timeout_s
@@ -377,7 +377,7 @@ def put(
         raise BusError(f"{key}: {err}") from err
 
 
-def pass_on(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:
+def forward(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:
     """Publish the bytes of somebody else's message at once; lost rather than late."""
     session.put(
         key,
@@ -418,7 +418,7 @@ class Presence:
         self._changed(name, alive)
 
 
-class Constant:
+class StaticReply:
     """A key that answers every query with the same document, made when first asked for."""
 
     def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:
@@ -433,7 +433,7 @@ class Constant:
             query.reply(self._key, self._payload, encoding=JSON)
 
 
-class Answer:
+class ComputedReply:
     """A key that answers every query with what `make` returns at that moment; `make` must be quick and thread-safe."""
 
     def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:

@@ -5,13 +5,12 @@ A capability of your own needs no more than this package: `Kind` to declare it, 
 
 from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability.base import Capability
-from lbr.capability.context import Asked, Call, Context, Device, Received
+from lbr.capability.context import Call, Context, Device, PendingReply, Received
 from lbr.capability.kind import Command, Kind, NoSettings, Rows, names
 from lbr.capability.word import Word
 from lbr.messages.rows import Row
 
 __all__ = [
-    "Asked",
     "Call",
     "Capability",
     "Command",
@@ -21,6 +20,7 @@ __all__ = [
     "LeaseClient",
     "LeaseTarget",
     "NoSettings",
+    "PendingReply",
     "Received",
     "Row",
     "Rows",

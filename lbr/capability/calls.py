@@ -62,7 +62,7 @@ class BusCall:
 class Answers:
     """A question to several capabilities; complete once all have answered or run out of time."""
 
-    def __init__(self, questions: dict[str, wire.Question], decoder: Decoder[Any]) -> None:
+    def __init__(self, questions: dict[str, wire.PendingQuery], decoder: Decoder[Any]) -> None:
         self._questions = questions
         self._decoder = decoder
 
@@ -72,7 +72,7 @@ class Answers:
             return None
         return {name: self._decode(question) for name, question in self._questions.items()}
 
-    def _decode(self, question: wire.Question) -> Any:
+    def _decode(self, question: wire.PendingQuery) -> Any:
         try:
             return self._decoder.decode(question.replies[0].payload) if question.replies else None
         except MalformedError:

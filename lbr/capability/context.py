@@ -50,7 +50,7 @@ class Call(Protocol):
         """Answer `{"accepted": false, "reason": …, "code": …}`; a `Reason` brings its own code."""
 
 
-class Asked(Protocol):
+class PendingReply(Protocol):
     """A question put to every capability wired to a request."""
 
     def answers(self) -> Mapping[str, Any] | None:
@@ -138,7 +138,9 @@ class Context(Protocol[S_co]):
     def targets(self, request: str) -> tuple[str, ...]:
         """Return the names of the capabilities wired to a request."""
 
-    def ask(self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None) -> Asked:
+    def ask(
+        self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None
+    ) -> PendingReply:
         """Ask every capability wired to a request, or `only` some of them; poll the result in later steps.
 
         The loop wakes on answers.

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.capability.config import ProcessConfig
-from lbr.capability.dating import Dates
+from lbr.capability.send_times import SendTimes
 from lbr.errors import MalformedError
 from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply, refused
@@ -29,13 +29,13 @@ class EstopLatch:
         self._again = False
         self._noticed = False
         self._lock = threading.Lock()
-        self._releases = Dates()
+        self._releases = SendTimes()
         self._pressed_ns = self._released_ns = time.monotonic_ns()
         self._session = session.open_client(config.endpoints, config.credentials, certificate=config.certificate)
         self._ack_key = keys.estop_acknowledgement(config.robot, config.name)
         self._presses = wire.Subscription(self._session, keys.estop(config.robot), depth=8, wake=self._press)
         release = keys.estop_release(config.robot, config.name)
-        self._release = wire.Served(self._session, release, wake, puts=False, source=config.name)
+        self._release = wire.QueryServer(self._session, release, wake, puts=False, source=config.name)
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
         """Say whether the device has acknowledged the stop; sent when that changes or when the stop is repeated."""
@@ -91,7 +91,7 @@ def _reason(payload: bytes) -> str | None:
     return request.reason if request.engaged else None
 
 
-def _sent_ns(message: wire.Raw) -> int:
+def _sent_ns(message: wire.RawMessage) -> int:
     """Return when a press was made: one that was long on its way must not undo a release that came after it."""
     return int(stamp.sent_s(stamp.read(message.attachment), message.arrived) * 1e9)
 

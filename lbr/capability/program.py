@@ -29,6 +29,6 @@ KIND = Kind(
     name="exec",
     summary="a program in any language, started without a shell, wired by its environment",
     family="program",
-    entry="lbr.capability.tether:main",
+    entry="lbr.capability.die_with_parent:main",
     settings=ProgramSettings,
 )

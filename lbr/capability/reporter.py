@@ -14,7 +14,7 @@ COUNTS_S = 1.0
 HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
 
 
-def last_words(phase: str, reason: str) -> tuple[int, bytes]:
+def final_report(phase: str, reason: str) -> tuple[int, bytes]:
     """Return the executive's pipe (-1: none), and what another process may write to it before it ends this one."""
     return int(os.environ.get(HEARTBEAT_VARIABLE, "-1")), _encode(Report(phase=phase, reason=reason))
 

@@ -14,11 +14,11 @@ from lbr.bus.codec import Decoder, PictureDecoder
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
 from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Call, Device, EmergencyStop, Received
-from lbr.capability.dating import Dates
 from lbr.capability.estop import EstopLatch, NothingToStop
 from lbr.capability.events import Throttle
 from lbr.capability.kind import STOP, Kind
 from lbr.capability.reporter import Reporter
+from lbr.capability.send_times import SendTimes
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import Code
@@ -47,7 +47,7 @@ class Port:
         self._complain = complain
         self._fresh: deque[Received] = deque(maxlen=max((wire.history for wire in wires), default=1))
         self._next: dict[str, float] = {}
-        self._dates = {wire.key: Dates() for wire in wires}
+        self._dates = {wire.key: SendTimes() for wire in wires}
         self._feeds = [(w, _subscribe(bus, w, wake)) for w in wires]
 
     def take(self) -> list[Received]:
@@ -70,7 +70,7 @@ class Port:
                     self.last = received
                     self._fresh.append(received)
 
-    def _check(self, feed: InputWire, raw: wire.Raw) -> Received | None:
+    def _check(self, feed: InputWire, raw: wire.RawMessage) -> Received | None:
         now = time.monotonic()
         found = stamp.read(raw.attachment)
         source = found.source if found is not None else UNSTAMPED
@@ -150,7 +150,7 @@ class ProcessContext:
         }
         self._commands = {
             name: (
-                wire.Served(self._bus, keys.port(config.robot, config.name, name), wake, source=config.name),
+                wire.QueryServer(self._bus, keys.port(config.robot, config.name, name), wake, source=config.name),
                 Decoder(message),
             )
             for name, message in kind.messages.items()
@@ -213,7 +213,7 @@ class ProcessContext:
         wired = self.config.requests.get(request, {})
         asked = {name: key for name, key in wired.items() if only is None or name in only}
         questions = {
-            name: wire.Question(self._bus, key, payload, timeout_s=timeout_s, source=self.name, wake=self._wake)
+            name: wire.PendingQuery(self._bus, key, payload, timeout_s=timeout_s, source=self.name, wake=self._wake)
             for name, key in asked.items()
         }
         return Answers(questions, Decoder(self._kind.replies.get(request, CommandReply)))
@@ -341,10 +341,10 @@ def _told(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
 
 def _subscribe(
     bus: session.Session, feed: InputWire, wake: Callable[[], None] | None
-) -> wire.Subscription | wire.Waiting:
+) -> wire.Subscription | wire.PolledSubscription:
     """Receive a stream; one that wakes nobody waits within Zenoh."""
     if wake is None:
-        return wire.Waiting(bus, feed.key, depth=feed.history)
+        return wire.PolledSubscription(bus, feed.key, depth=feed.history)
     return wire.Subscription(bus, feed.key, depth=feed.history, wake=wake)
 
 
@@ -364,12 +364,12 @@ def _decode(payload: bytes, decoder: Decoder[Any]) -> Any:
     return decoder.decode(payload or b"{}")
 
 
-def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> list[wire.Constant]:
+def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> list[wire.StaticReply]:
     keyed = {wire.key for wires in config.outputs.values() for wire in wires}
     own = {name: kind.outputs[name] for name in kind.outputs if keys.port(config.robot, config.name, name) in keyed}
     types = {**own, **kind.messages, **kind.setpoints}
     return [
-        wire.Constant(bus, keys.schema(config.robot, config.name, name), partial(_schema, kind, name, message))
+        wire.StaticReply(bus, keys.schema(config.robot, config.name, name), partial(_schema, kind, name, message))
         for name, message in types.items()
     ]
 

@@ -12,7 +12,7 @@ from lbr.commands.options import Whom, json_option, print_json, robot_options
 
 if TYPE_CHECKING:
     from lbr.bus.session import Session
-    from lbr.bus.wire import Raw
+    from lbr.bus.wire import RawMessage
     from lbr.console.rates import Rate
     from lbr.console.topics import Topic
 
@@ -194,7 +194,7 @@ def _known(bus: "Session", robot: str, source: str) -> "list[Topic]":
     return [*topics.catalogue(bus, robot, source), *topics.system_topics()]
 
 
-def _latest(bus: "Session", key: str, known: "list[Topic]", source: str) -> "list[Raw]":
+def _latest(bus: "Session", key: str, known: "list[Topic]", source: str) -> "list[RawMessage]":
     """Ask a stream for its latest message; a command is never asked, because it would do what it is for."""
     from lbr.bus import wire  # noqa: PLC0415
 
@@ -202,7 +202,7 @@ def _latest(bus: "Session", key: str, known: "list[Topic]", source: str) -> "lis
     return wire.ask(bus, key, None, source=source, timeout_s=1.0) if key.partition("/")[2] in streams else []
 
 
-def _print_message(message: "Raw", *, as_json: bool, raw: bool, named: bool) -> None:
+def _print_message(message: "RawMessage", *, as_json: bool, raw: bool, named: bool) -> None:
     if raw:
         out = sys.stdout.buffer
         out.write(message.payload + b"\n")
@@ -266,7 +266,7 @@ def _rate_text(rate: "Rate") -> str:
     return f"{rate.key} from {rate.source}: {', '.join([*parts, f'{rate.bytes_per_s / 1000:.1f} kB/s'])}"
 
 
-def _refusal(raw: "Raw", key: str, source: str) -> str:
+def _refusal(raw: "RawMessage", key: str, source: str) -> str:
     value = _value(raw.payload)
     if not isinstance(value, dict) or value.get("kind") != "refused":
         return ""

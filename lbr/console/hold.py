@@ -63,7 +63,7 @@ class Holder:
         self._wake = threading.Event()
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._questions: list[wire.Question] = []
+        self._questions: list[wire.PendingQuery] = []
         self._thread = threading.Thread(target=self._run, name="hold", daemon=True)
 
     @property
@@ -147,7 +147,7 @@ class Holder:
 
     def _ask_result(self) -> None:
         key, wake = self.hold.result_key, self._wake.set
-        question = wire.Question(self._session, key, b"", timeout_s=SILENCE_S, source=self._source, wake=wake)
+        question = wire.PendingQuery(self._session, key, b"", timeout_s=SILENCE_S, source=self._source, wake=wake)
         self._questions.append(question)
 
     def _answered(self) -> list[bytes]:

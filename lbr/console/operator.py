@@ -257,7 +257,7 @@ class BusOperator:
 
     def _ask(self, line: str, waited_s: float) -> ConsoleResult:
         answered = threading.Event()
-        question = wire.Question(
+        question = wire.PendingQuery(
             self._session,
             keys.console(self.robot, self._role),
             line.encode(),

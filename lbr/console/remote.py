@@ -64,8 +64,8 @@ def enter(endpoint: str, token_file: Path | None) -> Entry:
 
 def role_at(bus: Session, robot: str, source: str) -> Role:
     """Return the most that a robot lets us do, by where it takes our console lines."""
-    asked: dict[Role, wire.Question] = {
-        role: wire.Question(bus, keys.console(robot, role), b"", timeout_s=ROLE_S, source=source)
+    asked: dict[Role, wire.PendingQuery] = {
+        role: wire.PendingQuery(bus, keys.console(robot, role), b"", timeout_s=ROLE_S, source=source)
         for role in reversed(get_args(Role))
     }
     end = time.monotonic() + ROLE_S

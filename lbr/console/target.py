@@ -118,7 +118,7 @@ def _here(running: home.Running) -> Target:
     )
 
 
-def _robot_of(answer: wire.Raw) -> str:
+def _robot_of(answer: wire.RawMessage) -> str:
     try:
         return Decoder(Status).decode(answer.payload).robot
     except MalformedError:

@@ -143,7 +143,7 @@ def _placed(topics: list[Topic], bus: Session, robot: str, source: str) -> list[
     return [topic for topic in placed if not (topic in sent.values() and topic.message in elsewhere)]
 
 
-def _rates(answers: list[wire.Raw]) -> dict[str, float]:
+def _rates(answers: list[wire.RawMessage]) -> dict[str, float]:
     if not answers:
         return {}
     try:

@@ -272,7 +272,7 @@ class Executive:
         self._service = ConsoleService(bus, robot, self.dispatcher, reset=self.estop_reset)
         self._hosts = Hosts(
             {
-                name: wire.Served(bus, keys.host(robot, name), self._main.wake, puts=False, source="executive")
+                name: wire.QueryServer(bus, keys.host(robot, name), self._main.wake, puts=False, source="executive")
                 for name in self._profile.hosts
             },
             version=hosting.version(),
@@ -283,7 +283,7 @@ class Executive:
             present=lambda name: name in self._presence.names,
         )
         self._edits = Edits(
-            wire.Served(bus, keys.edit(robot), self._main.wake, puts=False, source="executive"),
+            wire.QueryServer(bus, keys.edit(robot), self._main.wake, puts=False, source="executive"),
             self._rows,
             Written(self._database.path, robot, self._planned),
             process=self._process,

@@ -16,7 +16,7 @@ from typing import Any
 
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS, Credentials
-from lbr.capability.tether import tethered
+from lbr.capability.die_with_parent import dying_with_parent
 from lbr.database import store
 
 READY_S = 30.0
@@ -101,7 +101,7 @@ def running(profile: str = "lbr-sim", *, edits: Iterable[str] = (), home: Path |
 
 
 def _started(home: Path, profile: str) -> Robot:
-    argv = tethered((sys.executable, "-m", "lbr.cli", "run", profile, "--no-console"))
+    argv = dying_with_parent((sys.executable, "-m", "lbr.cli", "run", profile, "--no-console"))
     said = home / "stderr.txt"
     with said.open("ab") as errors:
         popen = subprocess.Popen(

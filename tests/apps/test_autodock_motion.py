@@ -24,7 +24,7 @@ class FakeDrive:
         self.bus = session.open_client([place])
         self.asked: list[dict[str, Any]] = []
         self.answer = CommandReply(accepted=True, lease="abc", ttl_s=0.6, goal="goal-1")
-        self.served = wire.Served(self.router, "lbr/drive/command", lambda: None)
+        self.served = wire.QueryServer(self.router, "lbr/drive/command", lambda: None)
 
     def serve(self) -> None:
         for request in self.served.take():

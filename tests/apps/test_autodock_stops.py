@@ -25,7 +25,7 @@ class FakeRobot:
         self.stopped_s, self.who = time.monotonic() - 100.0, "phone"
         self.asked, self.own_stops, self.ending = [], 0, None
         keys = ("turn", "command", "stop")
-        self._served = {name: wire.Served(self.router, f"lbr/drive/{name}", lambda: None) for name in keys}
+        self._served = {name: wire.QueryServer(self.router, f"lbr/drive/{name}", lambda: None) for name in keys}
         self._told_at = 0.0
 
     def dock(self, started_s):

@@ -64,7 +64,7 @@ def test_the_robot_of_this_home_hears_it(tmp_path, monkeypatch):
             said.append(codec.decode(request.payload))
             request.reply(CommandReply(accepted=True), "dock")
 
-    served = wire.Served(router, "lbr/dock/heard", answer)
+    served = wire.QueryServer(router, "lbr/dock/heard", answer)
     ended = program(tmp_path, "left")
     assert ended.communicate(timeout=8)[0] == "the dock capability was told: left\n"
     router.close()

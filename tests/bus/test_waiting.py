@@ -12,7 +12,7 @@ def test_what_nobody_is_woken_for_waits_newest_only_oldest_first(tmp_path: Path)
     with session.open_router(session.Router(listen=(endpoint,))) as router:
         stream = wire.Publisher(router, "robot/imu/sample", "imu")
         with session.open_client([endpoint]) as client:
-            waiting = wire.Waiting(client, "robot/imu/sample", depth=3)
+            waiting = wire.PolledSubscription(client, "robot/imu/sample", depth=3)
             assert waiting.take() == []
             heard = until(lambda: stream.put({"n": 0}) and waiting.take(), what="a first message")
             assert heard[-1].payload == b'{"n":0}'

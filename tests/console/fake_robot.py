@@ -32,9 +32,9 @@ class FakeRobot:
         self.blocked: dict[str, threading.Event] = {}
         self._wake: queue.SimpleQueue[bool] = queue.SimpleQueue()
         wake = lambda: self._wake.put(True)  # noqa: E731
-        self._consoles = {role: wire.Served(self.bus, keys.console(ROBOT, role), wake) for role in get_args(Role)}
-        self._command = wire.Served(self.bus, f"{ROBOT}/drive/command", wake)
-        self._stop = wire.Served(self.bus, f"{ROBOT}/drive/stop", wake)
+        self._consoles = {role: wire.QueryServer(self.bus, keys.console(ROBOT, role), wake) for role in get_args(Role)}
+        self._command = wire.QueryServer(self.bus, f"{ROBOT}/drive/command", wake)
+        self._stop = wire.QueryServer(self.bus, f"{ROBOT}/drive/stop", wake)
         self.presses = wire.Subscription(self.bus, keys.estop(ROBOT), depth=8)
         self.results = wire.Publisher(self.bus, f"{ROBOT}/drive/result", "drive")
         self.events = wire.Publisher(self.bus, keys.event(ROBOT), "executive")

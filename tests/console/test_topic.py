@@ -26,10 +26,10 @@ def described(robot):
     schema = {"title": "DriveState", "type": "object", "properties": {}}
     command = {"title": "DriveCommand", "x-role": "operate"}
     served = [
-        wire.Constant(robot.bus, keys.schema(ROBOT, "drive", "state"), lambda: schema),
-        wire.Constant(robot.bus, keys.schema(ROBOT, "drive", "command"), lambda: command),
-        wire.Constant(robot.bus, keys.status(ROBOT), lambda: STATUS),
-        wire.Constant(robot.bus, f"{ROBOT}/drive/state", dict),
+        wire.StaticReply(robot.bus, keys.schema(ROBOT, "drive", "state"), lambda: schema),
+        wire.StaticReply(robot.bus, keys.schema(ROBOT, "drive", "command"), lambda: command),
+        wire.StaticReply(robot.bus, keys.status(ROBOT), lambda: STATUS),
+        wire.StaticReply(robot.bus, f"{ROBOT}/drive/state", dict),
     ]
     over = threading.Event()
 

@@ -7,7 +7,7 @@ from tests.support.robot import Robot, until
 def measured(robot: Robot) -> None:
     """Wait until two more readings have come, so that the drive has had one."""
     readings = wire.Subscription(robot.bus, f"{robot.name}/ranges/readings", depth=4)
-    seen: list[wire.Raw] = []
+    seen: list[wire.RawMessage] = []
 
     def two() -> bool:
         seen.extend(readings.take())

@@ -61,15 +61,15 @@ def acknowledge(bus: session.Session, *, engaged: bool) -> None:
     wire.put(bus, keys.estop_acknowledgement("lbr", "motors"), said, source="motors", urgent=True)
 
 
-def releasing(bus: session.Session) -> wire.Answer:
-    return wire.Answer(bus, keys.estop_release("lbr", "motors"), lambda: {"accepted": True})
+def releasing(bus: session.Session) -> wire.ComputedReply:
+    return wire.ComputedReply(bus, keys.estop_release("lbr", "motors"), lambda: {"accepted": True})
 
 
 def test_a_press_that_bears_the_stamp_of_a_repetition_counts(tmp_path: Path) -> None:
     with keeper(tmp_path) as (robot, bus):
         heard = wire.Subscription(bus, keys.estop("lbr"), depth=64)
         bus.put(keys.estop("lbr"), json.dumps({"engaged": True, "reason": "a ladder"}))
-        repeated: list[wire.Raw] = []
+        repeated: list[wire.RawMessage] = []
         until(lambda: repeated.extend(raw for raw in heard.take() if raw.attachment) or repeated, what="a repetition")
         acknowledge(bus, engaged=True)
         until(lambda: robot.kept.state().acknowledged, what="the motors stand")

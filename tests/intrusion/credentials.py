@@ -115,13 +115,13 @@ def _questions(at: Scene) -> Iterator[str]:
         yield f"the question {key} was answered on {', '.join(sorted(found))}" if found else ""
 
 
-def _ask(bus: session.Session, key: str) -> list[wire.Raw]:
+def _ask(bus: session.Session, key: str) -> list[wire.RawMessage]:
     with suppress(BusError):
         return wire.ask(bus, key, {}, source=MARK, timeout_s=0.4)
     return []
 
 
-def _all(bus: session.Session, key: str) -> list[wire.Raw]:
+def _all(bus: session.Session, key: str) -> list[wire.RawMessage]:
     return probe.survey(bus, key, source=MARK, timeout_s=0.4)
 
 

@@ -195,7 +195,8 @@ def test_what_is_too_large_or_too_much_is_refused_aloud_and_delays_no_stop(door:
         assert not large["accepted"]
         assert answer(bus, "lbr/drive/command", {**TURN, "lease": "x" * 100_000}, timeout_s=0.3) is None
         asked = [
-            wire.Question(bus, "lbr/drive/command", b'{"power": 0}', timeout_s=2.0, source="flood") for _ in range(300)
+            wire.PendingQuery(bus, "lbr/drive/command", b'{"power": 0}', timeout_s=2.0, source="flood")
+            for _ in range(300)
         ]
         assert answer(other, "lbr/drive/stop", {})["accepted"]
         until(lambda: all(question.replies for question in asked), what="each is answered")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
 
-from lbr.capability.tether import tethered
+from lbr.capability.die_with_parent import dying_with_parent
 
 Argv = Sequence["str | PathLike[str]"]
 
@@ -29,4 +29,4 @@ def _argv(argv: Argv, options: Mapping[str, Any]) -> list[str]:
     """
     words = tuple(str(word) for word in argv)
     tied = threading.current_thread() is threading.main_thread() and "user" not in options
-    return tethered(words) if tied else list(words)
+    return dying_with_parent(words) if tied else list(words)

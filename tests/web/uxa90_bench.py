@@ -47,7 +47,7 @@ def shipped() -> SimpleNamespace:
 SHIPPED = shipped()
 
 
-class Asked:
+class PendingReply:
     """A question; `answer` it."""
 
     def __init__(self, request: str, message: Any) -> None:
@@ -77,9 +77,9 @@ class WebContext(FakeContext):
         self.now += 1e-6
         return self.now
 
-    def ask(self, request: str, message: Any, timeout_s: float, **_: Any) -> Asked:
+    def ask(self, request: str, message: Any, timeout_s: float, **_: Any) -> PendingReply:
         del timeout_s
-        self.asked.append(Asked(request, message))
+        self.asked.append(PendingReply(request, message))
         return self.asked[-1]
 
 

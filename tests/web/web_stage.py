@@ -21,7 +21,7 @@ from tests.support.rows import given
 REQUESTS = ("move", "halt", "torque", "play", "stop_motion", "take_control", "edit", "estop_reset")
 
 
-class Asked:
+class PendingReply:
     def __init__(self, name: str, answer: Any) -> None:
         self._answers = {name: answer}
 
@@ -71,9 +71,9 @@ class Stage:
     def targets(self, request: str) -> tuple[str, ...]:
         return ("joints",) if request in self.wired else ()
 
-    def ask(self, request: str, message: Any, timeout_s: float) -> Asked:
+    def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         self.asked.append((request, message))
-        return Asked("joints", self.answer(request, message))
+        return PendingReply("joints", self.answer(request, message))
 
     def event(
         self, kind: str, text: str, *, level: str = "info", data: Any = None, code: str = "", about: str = ""

@@ -8,7 +8,7 @@ import pytest
 from conftest import IDS
 
 from lbr.capability.context import Device
-from lbr.capability.tether import tethered
+from lbr.capability.die_with_parent import dying_with_parent
 
 HOLD_S, RELEASE_S = 0.5, 0.5
 DRIVER = """
@@ -30,7 +30,7 @@ arm.until(lambda: False, "the end")
 def test_a_killed_driver_leaves_servos_that_hold_fade_and_are_let_go(device, deaf):
     assert isinstance(device.device, Device)
     servos = device.twin.servos
-    argv = tethered((sys.executable, "-c", DRIVER, device.device.address))
+    argv = dying_with_parent((sys.executable, "-c", DRIVER, device.device.address))
     process = subprocess.Popen(argv, cwd=__file__.rpartition("/")[0], stdout=subprocess.DEVNULL)
     try:
         wait(lambda: all(servo.torque and servo.felt.position_rad > 0.1 for servo in servos.values()), "motion")

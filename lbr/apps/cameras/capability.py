@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from lbr.apps.cameras import OFF, CamerasSettings
 from lbr.capability.base import Capability
-from lbr.capability.context import Asked, Call, Context
+from lbr.capability.context import Call, Context, PendingReply
 from lbr.messages.camera import CameraPhase, CamerasState, CameraState, SelectCommand, SwitchCommand
 from lbr.messages.leases import CommandReply
 
@@ -23,7 +23,7 @@ class _Selecting:
     call: Call
     wanted: str
     others: list[str]
-    asked: Asked
+    asked: PendingReply
     failures: list[str]
 
 
@@ -89,7 +89,7 @@ class Cameras(Capability[CamerasSettings]):
         asked = self._ask(others, on=False) if others else self._ask([wanted], on=True)
         return _Selecting(call, wanted, others, asked, [])
 
-    def _ask(self, names: list[str], *, on: bool) -> Asked:
+    def _ask(self, names: list[str], *, on: bool) -> PendingReply:
         return self.ctx.ask("switch", SwitchCommand(on=on), ON_S if on else OFF_S, only=names)
 
     def _tell(self) -> None:

@@ -6,7 +6,7 @@ from itertools import chain, repeat
 
 from msgspec import Struct
 
-from lbr.capability.near import near
+from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 from lbr.messages.dance import DanceStep
 
@@ -39,7 +39,7 @@ def choose(steps: Iterable[DanceStep], name: str) -> Choreography:
     if not own:
         known = {step.dance for step in rows}
         raise InputError(
-            f"there are no rows of a dance '{name[:40]}' in choreography; {near(name, known)}", "unknown_name"
+            f"there are no rows of a dance '{name[:40]}' in choreography; {did_you_mean(name, known)}", "unknown_name"
         )
     return Choreography(name, tuple(chain.from_iterable(own)))
 

@@ -2,7 +2,7 @@
 
 from typing import Any, Protocol
 
-from lbr.capability.context import Asked, Received
+from lbr.capability.context import PendingReply, Received
 from lbr.messages.codes import Reason
 from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState
 
@@ -14,7 +14,7 @@ NEAR_THE_END_S = 0.5
 class Asking(Protocol):
     """What is needed of a context."""
 
-    def ask(self, request: str, message: Any, timeout_s: float) -> Asked:
+    def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         """Ask by a request port."""
 
     def clock(self) -> float:

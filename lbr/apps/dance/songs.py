@@ -8,7 +8,7 @@ from typing import Any
 from msgspec import Struct
 
 from lbr.apps.sound import names, wav
-from lbr.capability.near import near
+from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 
 MOST_BYTES = 1_000_000
@@ -32,7 +32,7 @@ def load(music: Path, name: str) -> Song:
     sound, beats = music / f"{name}.wav", music / f"{name}.json"
     if not sound.is_file():
         raise InputError(
-            f"there is no song '{name}' in {music}; {near(name, names.stems(music, '.wav'))}",
+            f"there is no song '{name}' in {music}; {did_you_mean(name, names.stems(music, '.wav'))}",
             "unknown_name",
         )
     if not beats.is_file():

@@ -44,7 +44,7 @@ class Lan(Capability[LanSettings]):
         self._lan = msgspec.json.decode(ctx.config.private, type=LanConfig)
         self._users = _proven(self._lan)
         self._sessions: list[Session] = []
-        self._question: wire.Question | None = None
+        self._question: wire.PendingQuery | None = None
         self._relay: Relay | None = None
         self._too_much: deque[str] = deque(maxlen=64)
         self._doorman = Doorman(LibraryLog(ACCEPTED), ctx.clock)
@@ -149,7 +149,7 @@ class Lan(Capability[LanSettings]):
         if self._passage.broken:
             raise BusError("nothing passes from the robot through the door any more")
         if self._passage.doubtful and self._question is None:
-            self._question = wire.Question(
+            self._question = wire.PendingQuery(
                 self._inside, keys.status(self.ctx.robot), b"", timeout_s=ASKED_S, source=self.ctx.name
             )
         for name, turns in (("relay", self._relay.turns if self._relay else 0), ("doorman", self._doorman.rounds)):

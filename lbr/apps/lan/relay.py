@@ -39,9 +39,9 @@ class Lane:
         puts: bool = False,
     ) -> None:
         self.line = line
-        self.served = wire.Served(inside, key, wake, puts=puts, source=source)
+        self.served = wire.QueryServer(inside, key, wake, puts=puts, source=source)
         self.bucket = Bucket(PER_KEY_HZ, time.monotonic())
-        self.under_way: list[tuple[wire.Request, wire.Question]] = []
+        self.under_way: list[tuple[wire.Request, wire.PendingQuery]] = []
 
 
 class Relay:
@@ -100,9 +100,9 @@ class Relay:
             return
         attachment = stamp.passed_on(request.attachment, self._via, self._who(request))
         if not request.answerable:
-            wire.pass_on(self._bus, request.key, request.payload, attachment)
+            wire.forward(self._bus, request.key, request.payload, attachment)
             return
-        question = wire.Question(
+        question = wire.PendingQuery(
             self._bus,
             request.key,
             request.payload,
@@ -141,7 +141,7 @@ class Relay:
         for request, question in lane.under_way:
             if question.replies:
                 answer = question.replies[0]
-                request.pass_back(answer.payload, answer.attachment)
+                request.forward_reply(answer.payload, answer.attachment)
             elif question.done:
                 self._refuse(lane, request, Reason("unreachable", f"nobody answers on {request.key}"))
             else:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Protocol
 
 from lbr.apps.sound.wav import Wav
-from lbr.capability.tether import tethered
+from lbr.capability.die_with_parent import dying_with_parent
 from lbr.errors import DeviceError
 
 ALSA = "alsa:"
@@ -77,7 +77,7 @@ class _Aplay:
         self._words = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the playback
         try:
             self._popen = subprocess.Popen(
-                tethered(tuple(argv)), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._words
+                dying_with_parent(tuple(argv)), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._words
             )
         except OSError as err:
             self._words.close()

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from lbr.apps.sound import names, wav
 from lbr.apps.sound.wav import Wav
-from lbr.capability.near import near
+from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 
 MOST_RECORDINGS = 200
@@ -34,7 +34,7 @@ def _known(folder: Path, name: str, what: str) -> Wav:
     path = folder / f"{name}.wav"
     if not path.is_file():
         raise InputError(
-            f"there is no {what} '{name}' in {folder}; {near(name, names.stems(folder, '.wav'))}",
+            f"there is no {what} '{name}' in {folder}; {did_you_mean(name, names.stems(folder, '.wav'))}",
             "unknown_name",
         )
     return wav.read(path)

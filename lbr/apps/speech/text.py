@@ -3,7 +3,7 @@
 import unicodedata
 from collections.abc import Iterable
 
-from lbr.capability.near import near
+from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 from lbr.messages.speech import Phrase, SayCommand
 
@@ -36,7 +36,7 @@ def phrase(phrases: Iterable[Phrase], name: str, language: str) -> Phrase:
     if name in names:
         has = ", ".join(sorted(tag for other, tag in known if other == name))
         raise InputError(f"the phrase '{name}' has no text in '{language}'; it has one in {has}")
-    raise InputError(f"there is no phrase '{name[:40]}'; {near(name, names)}", "unknown_name")
+    raise InputError(f"there is no phrase '{name[:40]}'; {did_you_mean(name, names)}", "unknown_name")
 
 
 def to_say(command: SayCommand, phrases: Iterable[Phrase], language: str) -> tuple[str, str]:

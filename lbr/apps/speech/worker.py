@@ -9,7 +9,7 @@ from contextlib import suppress
 import msgspec
 
 from lbr.apps.speech.engine import Answer, Request
-from lbr.capability.tether import tethered
+from lbr.capability.die_with_parent import dying_with_parent
 
 ENGINE = (sys.executable, "-P", "-m", "lbr.apps.speech.engine")
 START_S = 20.0
@@ -87,7 +87,7 @@ class Worker:
         self._heard = b""
         try:
             self._popen = subprocess.Popen(
-                tethered(self._program),
+                dying_with_parent(self._program),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 bufsize=0,

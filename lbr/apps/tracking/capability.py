@@ -13,7 +13,7 @@ from lbr.apps.tracking.gaze import Gaze
 from lbr.apps.tracking.mover import Mover, Neck
 from lbr.apps.tracking.sketch import Sketch, sketch
 from lbr.apps.tracking.vision import check, finder, load
-from lbr.capability import snapshot
+from lbr.capability import picture_files
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Received
 from lbr.errors import InputError
@@ -139,7 +139,7 @@ class Tracking(Capability[TrackingSettings]):
         self._looking = None
         try:
             found = looked.result()
-            path = snapshot.save(self.ctx.home, snapshot.name_now(self.ctx.name), found.picture)
+            path = picture_files.save(self.ctx.home, picture_files.name_now(self.ctx.name), found.picture)
         except InputError as err:
             call.reply(SnapshotReply(accepted=False, reason=str(err), code=err.code))
         else:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from lbr.bus import pictures
-from lbr.capability import snapshot
+from lbr.capability import picture_files
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.drivers.camera import CameraSettings, wish
@@ -150,7 +150,7 @@ class Camera(Capability[CameraSettings]):
                 accepted=False, reason=reason if self._on else f"{self.ctx.name} is off", code="unreachable"
             )
         try:
-            path = snapshot.save(self.ctx.home, name or snapshot.name_now(self.ctx.name), newest.data)
+            path = picture_files.save(self.ctx.home, name or picture_files.name_now(self.ctx.name), newest.data)
         except InputError as err:
             return SnapshotReply(accepted=False, reason=str(err), code=err.code)
         return SnapshotReply(accepted=True, reason=f"saved as {path}", path=str(path))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection
 
-from lbr.capability.reporter import last_words
+from lbr.capability.reporter import final_report
 from lbr.drivers import guard
 from lbr.drivers.servos import ServosSettings
 
@@ -29,7 +29,7 @@ class Guard(guard.Guard):
         settling_s: float = 0.0,
     ) -> None:
         silence_ms = settings.guard_silence_ms
-        fd, last = last_words("hung", f"the servo driver stood still for {silence_ms} ms while a servo had torque")
+        fd, last = final_report("hung", f"the servo driver stood still for {silence_ms} ms while a servo had torque")
 
         def command(pipe: int, driver: int) -> list[str]:
             numbers = (line, pipe, driver, silence_ms, fd)

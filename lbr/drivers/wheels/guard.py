@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from lbr.capability.reporter import last_words
+from lbr.capability.reporter import final_report
 from lbr.drivers import guard
 from lbr.drivers.wheels.contract import GuardStop
 
@@ -16,7 +16,7 @@ class Guard(guard.Guard):
     """Kills a driver that is silent for `silence_ms` while a motor may turn, and writes the stop after its end."""
 
     def __init__(self, line: int, stop: GuardStop, silence_ms: int, clock: Callable[[], float]) -> None:
-        fd, words = last_words("hung", f"the motor driver stood still for {silence_ms} ms while a motor could turn")
+        fd, words = final_report("hung", f"the motor driver stood still for {silence_ms} ms while a motor could turn")
 
         def command(pipe: int, driver: int) -> list[str]:
             numbers = [str(number) for number in (line, pipe, driver, silence_ms)]

@@ -17,9 +17,9 @@ from lbr.bus.codec import Decoder
 from lbr.bus.keys import alive
 from lbr.bus.session import client_settings, leaf_environment
 from lbr.capability.config import NOTHING, ProcessConfig, Report
+from lbr.capability.die_with_parent import dying_with_parent
 from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
-from lbr.capability.tether import tethered
 from lbr.console import wallet
 from lbr.errors import MalformedError
 from lbr.executive.planning.units import Unit
@@ -91,7 +91,7 @@ class Child:
         self, program: ProgramSettings, config: ProcessConfig, log: IO[bytes]
     ) -> "subprocess.Popen[bytes]":
         popen = subprocess.Popen(
-            tethered(program.argv, within=config.home),
+            dying_with_parent(program.argv, within=config.home),
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=log,

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lbr import home
 from lbr.bus.session import leaf_environment
-from lbr.capability.tether import tethered
+from lbr.capability.die_with_parent import dying_with_parent
 from lbr.database.rows import ExternalCommandRow
 from lbr.errors import InputError, LbrError
 from lbr.executive.processes import scheduling
@@ -79,7 +79,7 @@ class ExternalCommands:
         with contextlib.ExitStack() as stack:
             out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
             popen = subprocess.Popen(
-                tethered((*_program(row.argv), *arguments), within=str(home.home())),
+                dying_with_parent((*_program(row.argv), *arguments), within=str(home.home())),
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,

@@ -33,7 +33,7 @@ class Started(Protocol):
 
 
 class Slot:
-    """`reason` is about now; `last_words` is what was said of an end to come; `last_end` how it last ended unasked.
+    """`reason` is about now; `final_report` is what was said of an end to come; `last_end` how it last ended unasked.
 
     `suspect` is the first look at its threads in a silence, `look_at` when to look again, and `usual` the last look at
     how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
@@ -55,7 +55,7 @@ class Slot:
         self.told = ("", "")
         self.settled_at = 0.0
         self.tell_at: float | None = None
-        self.last_words = ""
+        self.final_report = ""
         self.last_end = ""
         self.due_at: float | None = 0.0
         self.kill_at: float | None = None

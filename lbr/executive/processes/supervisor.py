@@ -179,7 +179,7 @@ class Supervisor:
         slot.child = child
         slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
         slot.told, slot.tell_at = ("", ""), None
-        slot.reason = slot.last_words = ""
+        slot.reason = slot.final_report = ""
         slot.phase, slot.said = "starting", None
         if slot.unit.program is not None:
             slot.said = ("ready", "")
@@ -197,7 +197,7 @@ class Supervisor:
             if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
                 slot.said = (report.phase, report.reason)
             elif report.phase in {"failed", "hung"}:
-                slot.last_words = report.reason
+                slot.final_report = report.reason
                 slot.hung = report.phase == "hung"
         if slot.said is not None and self._present(slot.unit.name):
             self._phase(slot, *slot.said)
@@ -239,7 +239,7 @@ class Supervisor:
             slot.kill_at = None
             child.kill()
         elif slot.wanted and not slot.hung and (why := self._why_hung(slot, child, now)):
-            slot.hung, slot.last_words = True, why
+            slot.hung, slot.final_report = True, why
             child.kill()
 
     def _why_hung(self, slot: Slot, child: Started, now: float) -> str:
@@ -301,8 +301,8 @@ class Supervisor:
             return
         end = End.HUNG if slot.hung else End.CLEAN if code == 0 and slot.unit.program is not None else End.CRASHED
         why = (
-            slot.last_words
-            if slot.last_words and end is not End.CLEAN
+            slot.final_report
+            if slot.final_report and end is not End.CLEAN
             else ended_by(code, program=slot.unit.program is not None)
         )
         why += "" if end is End.CLEAN else f"; its log: logs/{slot.unit.config.robot}-{slot.unit.name}.log"

@@ -86,7 +86,7 @@ class Stay:
         self._overview = Overview(self._supervisor)
         self._since = self._heard_at = time.monotonic()
         self._accepted = False
-        self._question: wire.Question | None = None
+        self._question: wire.PendingQuery | None = None
         self._told: HostReport | None = None
         self._ask_at = self._trim_at = -inf
         self._over = ""
@@ -129,7 +129,7 @@ class Stay:
         if not now - self._heard_at < (hosting.LOST_S if self._accepted else ANSWER_S):
             self._unanswered()
 
-    def _report(self, *, leaving: bool = False) -> wire.Question:
+    def _report(self, *, leaving: bool = False) -> wire.PendingQuery:
         events = tuple(self._events)[: hosting.MOST_EVENTS]
         self._told = HostReport(
             agent=self._agent,
@@ -140,7 +140,7 @@ class Stay:
             learnt=tuple(self._learns),
             leaving=leaving,
         )
-        return wire.Question(
+        return wire.PendingQuery(
             self._bus,
             keys.host(self._found.robot, self._host),
             wire.encode(self._told),
@@ -149,7 +149,7 @@ class Stay:
             wake=self._main.wake,
         )
 
-    def _read(self, raw: wire.Raw, now: float) -> None:
+    def _read(self, raw: wire.RawMessage, now: float) -> None:
         try:
             share = _shares.decode(raw.payload)
         except MalformedError as err:

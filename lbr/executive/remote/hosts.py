@@ -21,7 +21,7 @@ _reports = Decoder(HostReport)
 class Host:
     """One machine: its share, and the agent that has it, if there is one."""
 
-    def __init__(self, name: str, served: wire.Served) -> None:
+    def __init__(self, name: str, served: wire.QueryServer) -> None:
         self.name = name
         self.served = served
         self.units: dict[str, Unit] = {}
@@ -43,7 +43,7 @@ class Hosts:
 
     def __init__(
         self,
-        served: Mapping[str, wire.Served],
+        served: Mapping[str, wire.QueryServer],
         *,
         version: str,
         happened: Callable[[str, str, str, str], None],

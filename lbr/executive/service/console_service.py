@@ -93,14 +93,14 @@ class ConsoleService:
         self._stops = Stops(self._result)
         self._bus = bus
         self._robot = robot
-        self._lines: dict[Role, wire.Served] = {}
+        self._lines: dict[Role, wire.QueryServer] = {}
 
     def start(self) -> None:
         """Begin to take lines: on a key for each role, because the bus lets in who has it."""
         self._stops.start()
         for role in get_args(Role):
             key = keys.console(self._robot, role)
-            self._lines[role] = wire.Served(self._bus, key, self._take, puts=False, source="executive")
+            self._lines[role] = wire.QueryServer(self._bus, key, self._take, puts=False, source="executive")
 
     def answer_reset(self, request: wire.Request) -> None:
         """Release the emergency stop for somebody on the bus."""

@@ -108,7 +108,7 @@ class Edits:
 
     def __init__(
         self,
-        served: wire.Served,
+        served: wire.QueryServer,
         rows: Rows,
         write: Callable[[EditCommand], EditReply],
         *,

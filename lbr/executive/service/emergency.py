@@ -68,8 +68,8 @@ class Emergency:
         self._presses = wire.Subscription(self._session, keys.estop(robot), depth=64, wake=self._hear_presses)
         acknowledgements = keys.estop_acknowledgement(robot, "*")
         self._said = wire.Subscription(self._session, acknowledgements, depth=64, wake=self._hear_acknowledgements)
-        self._latest = wire.Answer(self._session, keys.estop(robot), self.state)
-        self._resets = wire.Served(
+        self._latest = wire.ComputedReply(self._session, keys.estop(robot), self.state)
+        self._resets = wire.QueryServer(
             self._session, keys.estop_reset(robot), self._hear_resets, puts=False, source="executive"
         )
 
@@ -218,7 +218,7 @@ class Emergency:
             self._changed.notify_all()
         self._wake()
 
-    def _pressed(self, raw: wire.Raw, now: float) -> None:
+    def _pressed(self, raw: wire.RawMessage, now: float) -> None:
         found = stamp.read(raw.attachment)
         source = found.source if found is not None else "a bus client"
         try:
@@ -242,7 +242,7 @@ class Emergency:
             self._unsaved, self._save_tried, self._save_at = True, False, 0.0
             self._news.append(("estop", "executive", f"emergency stop by {source}: {self._reason}", "error"))
 
-    def _note(self, raw: wire.Raw) -> None:
+    def _note(self, raw: wire.RawMessage) -> None:
         try:
             said = _acknowledgements.decode(raw.payload)
         except MalformedError:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from lbr.capability.tether import tethered
+from lbr.capability.die_with_parent import dying_with_parent
 from lbr.operations.attitude.picture import NOT_INSTALLED, Drawing
 
 LONGEST_S = 60.0
@@ -44,7 +44,7 @@ class Painter:
                 paper.write(msgspec.json.encode(drawing))
                 paper.seek(0)
                 self._process = subprocess.Popen(
-                    tethered((sys.executable, "-P", "-m", MODULE, str(path))),
+                    dying_with_parent((sys.executable, "-P", "-m", MODULE, str(path))),
                     stdin=paper,
                     stdout=subprocess.DEVNULL,
                     stderr=subprocess.PIPE,

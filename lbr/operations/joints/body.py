@@ -5,7 +5,7 @@ from math import degrees, isfinite
 
 from msgspec import Struct
 
-from lbr.capability.near import near
+from lbr.capability.did_you_mean import did_you_mean
 from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint
 
@@ -56,7 +56,7 @@ class Body(Struct, frozen=True):
         if name in self.joints:
             return None
         shown = name[:LONGEST_NAME]
-        return Reason("unknown_name", f"there is no joint {shown!r}; {near(shown, self.joints)}")
+        return Reason("unknown_name", f"there is no joint {shown!r}; {did_you_mean(shown, self.joints)}")
 
     def partner(self, name: str) -> str:
         """Return which joint a mirror shows this one as; nothing if it has none."""

@@ -13,7 +13,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.capability.base import Capability
-from lbr.capability.context import Asked, Call, Received
+from lbr.capability.context import Call, PendingReply, Received
 from lbr.capability.kind import STOP
 from lbr.messages.drive import LoopStatistics
 from lbr.operations.leasing.lease import EstopChanged, Happened, LeaseTable, Reply, Result, Setpoint, Stop
@@ -39,7 +39,7 @@ class Waiting(NamedTuple):
     """A command that waits for others to answer, and what follows; None is that they did not in time."""
 
     call: Call
-    asked: Asked
+    asked: PendingReply
     until: float
     then: Callable[[Answers], None]
 
@@ -147,7 +147,7 @@ class Lender(Capability[S], Generic[S, L]):
             estop.acknowledge(stopped=not why_not, reason=why_not)
 
     def wait_for(
-        self, call: Call, whom: str, ask: Callable[[], Asked], timeout_s: float, then: Callable[[Answers], None]
+        self, call: Call, whom: str, ask: Callable[[], PendingReply], timeout_s: float, then: Callable[[Answers], None]
     ) -> None:
         """Have a command wait until others have answered; commands go on in the order they came."""
         if len(self._waiting) >= MOST_WAITING:

@@ -5,7 +5,7 @@ from math import inf
 from typing import Protocol
 
 from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
-from lbr.capability.context import Asked, Received
+from lbr.capability.context import PendingReply, Received
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
@@ -41,7 +41,7 @@ class Follower:
         self._ctx = ctx
         self._happened = happened
         self._lease: LeaseClient | None = None
-        self._asked: Asked | None = None
+        self._asked: PendingReply | None = None
         self._first: JointsCommand | None = None
         self._wanted: JointsCommand | None = None
         self._passed = ("", 0)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 import msgspec
 from msgspec import Struct
 
-from lbr.capability.near import near
+from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 from lbr.messages.joints import KeyFrame, Motion, PlayCommand, StoredMotion
 
@@ -104,7 +104,9 @@ def programme(motions: Iterable[Motion], command: PlayCommand) -> Programme:
     """Return what a command wants to be played; raise InputError saying why it cannot be."""
     known = {motion.name: motion for motion in motions}
     if command.motion not in known:
-        raise InputError(f"there is no motion '{command.motion[:40]}'; {near(command.motion, known)}", "unknown_name")
+        raise InputError(
+            f"there is no motion '{command.motion[:40]}'; {did_you_mean(command.motion, known)}", "unknown_name"
+        )
     motion = _playable(known[command.motion], command)
     lead_in, lead_out = (_lead(known, motion, name, command) for name in (motion.lead_in, motion.lead_out))
     return Programme(motion, lead_in, lead_out, command.times, command.speed, command.mirror)

@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from lbr.bus.lease_client import ANSWER_S, LeaseClient, LeaseTarget, Transport
-from lbr.capability.context import Asked, Received
+from lbr.capability.context import PendingReply, Received
 from lbr.messages.joints import PlayCommand, TorqueCommand
 from lbr.messages.leases import CommandReply
 from lbr.operations.power import PowerSettings
@@ -37,7 +37,7 @@ class Parking:
         self._until = ctx.clock() + settings.park_s
         self._play = PlayCommand(motion=settings.park_motion or "none")
         self._lease: LeaseClient | None = None
-        self._asked: Asked | None = None
+        self._asked: PendingReply | None = None
         self._ask_at = 0.0
         ctx.take("parked")
         if settings.park_motion and ctx.targets(MOTIONS.motion):

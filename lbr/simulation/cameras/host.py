@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import msgspec
 
-from lbr.capability.tether import tethered
+from lbr.capability.die_with_parent import dying_with_parent
 from lbr.simulation.cameras.orders import LONGEST_BYTES, Begin, Drawing, Order, SetFaults, Watch
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.devices.camera import CameraFaults
@@ -87,7 +87,7 @@ class CameraHost:
         self._drawing = False
         with theirs:
             self._process = subprocess.Popen(
-                tethered((sys.executable, "-P", "-m", "lbr.simulation.cameras", str(theirs.fileno()))),
+                dying_with_parent((sys.executable, "-P", "-m", "lbr.simulation.cameras", str(theirs.fileno()))),
                 stdin=subprocess.DEVNULL,
                 pass_fds=(theirs.fileno(),),
                 env={**os.environ, "LP_NUM_THREADS": "1"},  # Mesa's software renderer would take every core

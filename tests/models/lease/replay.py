@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import inf, nan
 
-from lbr.capability.dating import Dates
+from lbr.capability.send_times import SendTimes
 from lbr.drivers.wheels import arming
 from lbr.drivers.wheels.arming import Arming, Inhibit
 from lbr.messages.drive import DriveCommand
@@ -46,12 +46,12 @@ class Driver:
     state: Arming = field(default_factory=Arming)
     _stepped: float = inf
     _fed: float = -inf
-    _dates: Dates = field(default_factory=Dates)
+    _dates: SendTimes = field(default_factory=SendTimes)
 
     def begin(self, now: float, *, latched: bool) -> None:
         """Begin anew, with zero at the controller."""
         self.up, self.latched, self.turns = True, latched, False
-        self.state, self._stepped, self._fed, self._dates = Arming(since=now), inf, now, Dates()
+        self.state, self._stepped, self._fed, self._dates = Arming(since=now), inf, now, SendTimes()
         self.step(now)
 
     def die(self) -> None:

@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from failures import Fail, fail  # type: ignore[import-not-found]
 
 from lbr.capability.base import Capability
-from lbr.capability.context import Asked, Call, Context
+from lbr.capability.context import Call, Context, PendingReply
 from lbr.capability.kind import Kind
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply
@@ -38,7 +38,7 @@ class FailingApp(Capability[AppSettings]):
         super().__init__(ctx)
         self._go: Go | None = None
         self._lease = ""
-        self._asked: Asked | None = None
+        self._asked: PendingReply | None = None
         self._due = 0.0
 
     def step(self) -> None:

@@ -10,7 +10,7 @@ from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot, answer_of
 from lbr.apps.web.uxa90.counts import joint_rad, strength
 from lbr.apps.web.uxa90.deciding import Turn
-from lbr.bus.lease_client import RENEW_S, Asked, LeaseClient, LeaseTarget
+from lbr.bus.lease_client import RENEW_S, LeaseClient, LeaseTarget, PendingReply
 from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint, JointsCommand
 from lbr.messages.leases import CommandReply
@@ -71,7 +71,7 @@ class Mover:
             if lease.accepted is not None and not (lease.good or lease.ended.code in PLANNED):
                 self._lost(lease.ended.text)
 
-    def release(self, why: str) -> Asked | None:
+    def release(self, why: str) -> PendingReply | None:
         """Give the joints back, where they are, and begin nothing that waits; the answer says that they hold, if any did."""
         self._released = (self._released[0] + 1, why)
         lease, self._lease = self._lease, None
@@ -92,7 +92,7 @@ class Mover:
         return None if lease.accepted is not None else lease.ended
 
     async def _join(self, lease: LeaseClient, command: JointsCommand) -> Reason | None:
-        asked: list[Asked] = []
+        asked: list[PendingReply] = []
         await until(lambda: not lease.holds or _sent(lease, command, asked))
         if not asked:
             return lease.ended or Reason("done", "it has ended")
@@ -118,7 +118,7 @@ def _answered(lease: LeaseClient) -> bool:
     return lease.accepted is not None or lease.ended is not None
 
 
-def _sent(lease: LeaseClient, command: JointsCommand, asked: list[Asked]) -> bool:
+def _sent(lease: LeaseClient, command: JointsCommand, asked: list[PendingReply]) -> bool:
     """Send a command unless too much waits for answers; what is refused leaves the motors that move alone."""
     found = lease.send(command, vital=False)
     asked += [found] if found is not None else []

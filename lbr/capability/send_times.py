@@ -11,7 +11,7 @@ WINDOW_S = 10.0
 MOST_BOOTS = 16
 
 
-class Dates:
+class SendTimes:
     """One stream's. Another machine's clock is read by the quickest message of late: none sent later came sooner.
 
     So what a network held back is old when it comes, and does not pass for new.

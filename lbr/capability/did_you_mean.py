@@ -6,7 +6,7 @@ from collections.abc import Iterable
 MOST_TOLD = 8
 
 
-def near(name: str, known: Iterable[str]) -> str:
+def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return which of the known names may have been meant, or which there are."""
     names = sorted(set(known))
     if not names:

@@ -11,7 +11,7 @@ import sys
 PR_SET_PDEATHSIG = 1
 
 
-def tethered(argv: tuple[str, ...], *, within: str = "") -> list[str]:
+def dying_with_parent(argv: tuple[str, ...], *, within: str = "") -> list[str]:
     """Return the command line that runs `argv` for as long as this process lives, confined to what a home allows.
 
     Without `within` it may do what this process may. To be started from a thread that lives as long as the process,
