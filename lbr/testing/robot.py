@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
 from os import environ
 from pathlib import Path
@@ -77,6 +77,14 @@ class Robot:
             self.popen.kill()
             self.popen.wait()
             raise
+
+
+def until(condition: Callable[[], object], what: str, within_s: float = 8.0) -> None:
+    """Wait until something is so, and fail with `what` it is if that takes too long."""
+    end = time.monotonic() + within_s
+    while not condition():
+        assert time.monotonic() < end, f"not within {within_s:g} s: {what}"
+        time.sleep(0.02)
 
 
 def prepared(home: Path, edits: Iterable[str] = ()) -> Path:

@@ -2,13 +2,13 @@
 
 import os
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
 
 from tests.support import programs
 from tests.support import robot as robots
+from tests.support.packages import of_project
 from tests.support.robot import until
 
 PACKAGE = Path(__file__).resolve().parents[2] / "examples" / "so101"
@@ -18,16 +18,7 @@ MOST_LINES = 1200
 @pytest.fixture
 def installed(tmp_path):
     """The environment in which its modules are on the path, and its entry points are found."""
-    project = tomllib.loads((PACKAGE / "pyproject.toml").read_text())["project"]
-    info = tmp_path / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
-    groups = (
-        f"[{group}]\n" + "".join(f"{name} = {where}\n" for name, where in points.items())
-        for group, points in project["entry-points"].items()
-    )
-    (info / "entry_points.txt").write_text("\n".join(groups))
-    return {**os.environ, "PYTHONPATH": f"{PACKAGE}:{tmp_path}"}
+    return {**os.environ, "PYTHONPATH": of_project(PACKAGE, tmp_path / "site")}
 
 
 @pytest.mark.slow_start

@@ -2,6 +2,7 @@
 
 import os
 import sys
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -85,6 +86,18 @@ def robot_package(
         entry_points={"lbr.robots": f"{name} = {module}:ROBOT"},
         files=files,
     )
+
+
+def of_project(folder: Path, site: Path) -> str:
+    """Install a folder with a project file as `pip install -e` does; return the PYTHONPATH by which it is found."""
+    project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
+    groups = {
+        group: "\n".join(f"{name} = {where}" for name, where in points.items())
+        for group, points in project["entry-points"].items()
+    }
+    needs = project["dependencies"]
+    package(site, project["name"], version=project["version"], requires=needs, entry_points=groups, files={})
+    return os.pathsep.join((str(folder), on_path(site)))
 
 
 def on_path(site: Path) -> str:

@@ -1,0 +1,70 @@
+"""`lbr new`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from lbr.commands.scaffold import What
+
+
+def _place(function: click.decorators.FC) -> click.decorators.FC:
+    named = click.argument("name")
+    into = click.option(
+        "--into",
+        type=click.Path(path_type=Path, file_okay=False),
+        default=".",
+        metavar="FOLDER",
+        help="Where the folder NAME is made; here if left out.",
+    )
+    return named(into(function))
+
+
+@click.group("new")
+def command() -> None:
+    """Write a package of your own that runs at once, in simulation: a robot, a driver or a capability.
+
+    It is a folder NAME with a project file, a module, rows, a launch profile, tests and a page, and yours to change.
+    Nothing that is there is overwritten. Needs no network and no running robot.
+    """
+
+
+@command.command("robot")
+@_place
+def robot(name: str, into: Path) -> int:
+    """Write a robot on two driven wheels.
+
+    It is rows: what is plugged in, what runs, who feeds whom, and a word of its own.
+    """
+    return _write("robot", name, into)
+
+
+@command.command("driver")
+@_place
+def driver(name: str, into: Path) -> int:
+    """Write a driver of a serial device.
+
+    With it come the emulated device, and a test by the checks that every driver has to pass.
+    """
+    return _write("driver", name, into)
+
+
+@command.command("capability")
+@_place
+def capability(name: str, into: Path) -> int:
+    """Write what listens, publishes and answers.
+
+    A capability listens to the range sensors, publishes what is nearest, and has a word on the console.
+    """
+    return _write("capability", name, into)
+
+
+def _write(what: "What", name: str, into: Path) -> int:
+    from lbr.commands import scaffold  # noqa: PLC0415 - kept out of `lbr --help`
+
+    folder = scaffold.write(what, name, into)
+    click.echo(f"wrote {folder}. What to do next:")
+    for line in scaffold.next_steps(what, name, folder):
+        click.echo(f"  {line}")
+    return 0

@@ -1,0 +1,165 @@
+"""What `lbr new` writes: a package out of the templates beside this module, under a name that nothing else has."""
+
+import importlib.util
+import keyword
+import os
+import re
+import shutil
+import string
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from importlib import metadata, resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Literal
+
+from lbr import home, plugins
+from lbr.capability import registry
+from lbr.capability.kind import KindError
+from lbr.database import builtin
+from lbr.errors import InputError
+from lbr.robots.registry import plain
+
+What = Literal["robot", "driver", "capability"]
+GROUPS = {
+    "lbr.robots": "a robot",
+    "lbr.capabilities": "a kind of capability",
+    "lbr.twins": "a type of device",
+    "lbr.faces": "a face",
+}
+LONGEST = 30
+_NAME = re.compile(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*")
+_OURS = {"lbr", "tests", "docs", "executive"}
+"""Names of lbr itself, and of folders beside a package's own."""
+
+
+def write(what: What, name: str, into: Path) -> Path:
+    """Write a package into a folder of that name, whole or not at all; InputError says why not, and what would do."""
+    check_name(what, name)
+    if not into.is_dir():
+        raise InputError(f"there is no folder {into}: make it first, or name another with --into")
+    folder = into / name
+    if folder.exists() or folder.is_symlink():
+        raise InputError(f"{folder} is there already, and stays as it is: choose another name, or --into", "exists")
+    fresh = into / f".{name}.{os.getpid()}"
+    try:
+        try:
+            for path, text in files(what, name):
+                (fresh / path).parent.mkdir(parents=True, exist_ok=True)
+                (fresh / path).write_text(text, encoding="utf-8")
+            fresh.rename(folder)
+        finally:
+            shutil.rmtree(fresh, ignore_errors=True)
+    except OSError as err:
+        raise InputError(f"{folder} cannot be written: {err.strerror or err}") from err
+    return folder
+
+
+def files(what: What, name: str) -> Iterator[tuple[Path, str]]:
+    """Yield the files of a package: where in it, and what is in them."""
+    words = {
+        "name": plain(name),
+        "dash": name.replace("_", "-"),
+        "Class": "".join(part.capitalize() for part in plain(name).split("_")),
+        "requires": _required(metadata.version("lbr")),
+    }
+    for path, text in _templates(resources.files("lbr.commands") / "templates" / "new" / what):
+        place = path.replace("NAME", words["name"]).replace("DASH", words["dash"]).removesuffix(".in")
+        yield Path(place), string.Template(text).substitute(words)
+
+
+def check_name(what: What, name: str) -> None:
+    """Refuse a name that cannot be one, or that is taken; say what would do."""
+    if not _NAME.fullmatch(name) or len(name) > LONGEST:
+        rule = f"small letters, digits and single dashes or underscores, beginning with a letter, {LONGEST} at most"
+        raise InputError(f"'{name}' is no name of a package: {rule}{_hint(what, _near(name))}")
+    for why in _taken(what, plain(name)):
+        raise InputError(f"'{name}' {why}: choose another name{_hint(what, f'my-{name}')}", "exists")
+
+
+def next_steps(what: What, name: str, folder: Path) -> tuple[str, ...]:
+    """Return what to type next, as it works in this shell, and which page to read."""
+    tools, extra = _tools(), "" if importlib.util.find_spec("pytest") is not None else "[test]"
+    shown = f"./{folder}" if not folder.is_absolute() and folder.parts[0] != ".." else str(folder)
+    page = {"robot": "robot_packages", "driver": "drivers", "capability": "capabilities"}[what]
+    return (
+        f"{tools}pip install -e {_quoted(f'{shown}{extra}')}",
+        f"{tools}lbr run {name.replace('_', '-')}-sim",
+        f"{tools}pytest {_quoted(shown)}",
+        f"{shown}/README.md says what each file is, docs/{page}.md of lbr all the rest",
+    )
+
+
+def _hint(what: What, name: str) -> str:
+    """Return a name that would do, as a question; empty if that one would not either."""
+    free = _NAME.fullmatch(name) and len(name) <= LONGEST and not any(_taken(what, plain(name)))
+    return f"; did you mean '{name}'?" if free else ""
+
+
+def _near(name: str) -> str:
+    """Return the nearest that could be a name."""
+    apart = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).lower()
+    return re.sub(r"[^a-z0-9]+", "-", apart).lstrip("-0123456789")[:LONGEST].strip("-")
+
+
+def _taken(what: What, name: str) -> Iterator[str]:
+    """Yield whose name it is already."""
+    if keyword.iskeyword(name):
+        yield "is a word of Python itself"
+    elif name in sys.stdlib_module_names:
+        yield "is a module of Python's own library"
+    elif name in _OURS:
+        yield "is a name of lbr itself"
+    for group, kind in GROUPS.items():
+        known = {plain(one.name): one for one in plugins.every(group)}
+        if name in known:
+            yield f"is {kind} of package '{known[name].package}' already"
+    if (own := registry.user_directory(home.home()) / f"{name}.py").is_file():
+        yield f"is a capability of your own already, in {own}"
+    if what == "capability" and (whose := _word_of(name)):
+        yield f"is a word of the console already, of {whose}"
+    with suppress(ImportError, ValueError):
+        if (spec := importlib.util.find_spec(name)) is not None:
+            yield f"is a module that is installed already, at {spec.origin or 'several places'}"
+
+
+def _word_of(name: str) -> str:
+    """Return what has brought a word of the console; empty if nothing has."""
+    if builtin.taken(name):
+        return "every robot"
+    for kind in plugins.installed(registry.GROUP):
+        with suppress(KindError):
+            if any(
+                word.pattern.strip("/").partition("/")[0] == name for word in registry.find(kind, home.home()).words
+            ):
+                return f"the kind '{kind}'"
+    return ""
+
+
+def _templates(folder: Traversable, at: str = "") -> Iterator[tuple[str, str]]:
+    for one in sorted(folder.iterdir(), key=lambda one: one.name):
+        if one.is_dir():
+            yield from _templates(one, f"{at}{one.name}/")
+        elif one.name.endswith(".in"):
+            yield f"{at}{one.name}", one.read_text(encoding="utf-8")
+
+
+def _required(version: str) -> str:
+    """Return which versions of lbr a package goes with that was begun on this one: until 1.0 each minor one may change."""
+    major, minor = (int(part) for part in version.split(".")[:2])
+    return f"lbr>={major}.{minor},<{major}.{minor + 1}" if major == 0 else f"lbr>={major}.{minor},<{major + 1}"
+
+
+def _tools() -> str:
+    """Return what to write before `pip`, so that it is that of the Python that runs this; nothing where it is on the path."""
+    here = Path(sys.executable).parent
+    if (found := shutil.which("pip")) is not None and Path(found).parent == here:
+        return ""
+    with suppress(ValueError):
+        return f"{here.relative_to(Path.cwd())}/"
+    return f"{here}/"
+
+
+def _quoted(text: str) -> str:
+    return text if re.fullmatch(r"[\w./-]+", text) else "'" + text.replace("'", "'\\''") + "'"
