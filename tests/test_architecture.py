@@ -30,7 +30,7 @@ AROUND = [
 GROUND = {"errors", "messages"}
 BUS = GROUND | {"bus"}
 CAPABILITY = BUS | {"capability", "ownership", "plugins"}
-ROBOTS = {"errors", "plugins", "resources", "robots"}
+ROBOTS = {"errors", "messages", "plugins", "resources", "robots"}
 FLOORS = {
     "errors": {"messages"},
     "messages": {"messages"},
@@ -163,8 +163,10 @@ def circle(sources: dict[str, tuple[str, bool]]) -> list[str]:
 
 
 def floor(module: str) -> str:
-    """The floor of `lbr.drivers.roboteq.protocol` is `drivers`."""
+    """The floor of `lbr.drivers.roboteq.protocol` is `drivers`; what a driver says in messages of its own is for all."""
     parts = module.split(".")
+    if parts[:2] == ["lbr", "drivers"] and parts[3:4] == ["messages"]:
+        return "messages"
     return parts[1] if len(parts) > 1 else ""
 
 
@@ -203,6 +205,8 @@ def test_imports_go_down_only_and_each_library_has_one_owner(path):
     ("module", "source"),
     [
         ("lbr.messages.drive", "from lbr.bus import keys"),
+        ("lbr.drivers.uxa90.messages", "from lbr.drivers.uxa90 import packets"),
+        ("lbr.apps.web.uxa90.work", "from lbr.drivers.uxa90 import packets"),
         ("lbr.bus.wire", "import lbr.capability.kind"),
         ("lbr.drivers.roboteq.capability", "from lbr.operations.drive import KIND"),
         ("lbr.drivers.roboteq.capability", "from lbr.executive.planning import plan"),
@@ -219,6 +223,7 @@ def test_the_check_sees_what_goes_up(module, source):
 
 
 def test_the_check_lets_pass_what_goes_down():
+    assert not forbidden("from lbr.drivers.uxa90.messages import COUNT_RAD", "lbr.apps.web.uxa90.counts")
     source = "from lbr.bus import keys\nfrom lbr.capability import Kind\nimport json\nfrom . import protocol"
     assert not forbidden(source, "lbr.drivers.roboteq.capability")
 
@@ -233,6 +238,53 @@ def test_families_of_devices_and_operations_do_not_import_one_another(path):
         if parts[:2] == place[:2] and len(parts) > 2:
             own = len(place) > 2 and (parts[2] == place[2] or place[2] in FAMILIES.get(parts[2], ()))
             assert own or ".".join(parts[:3]) in shared, f"{module} imports {name} of another family"
+
+
+ROBOT_NAMES = re.compile(r"uxa_?-?90|bioloid|lbr_sim|roboteq|ax-?12", re.IGNORECASE)
+"""Particular robots, and products that they are built of."""
+OF_PRODUCTS = ("lbr.robots", "lbr.drivers", "lbr.simulation.devices", "lbr.apps.web")
+"""Where a package may be one robot's or one product's: its declaration, its driver, what emulates it, its face."""
+
+
+def is_general(module: str) -> bool:
+    """Say whether a module is no part of a package of one robot, product or face."""
+    for place in OF_PRODUCTS:
+        part = module.removeprefix(f"{place}.").partition(".")[0]
+        if (
+            module.startswith(f"{place}.")
+            and part not in FAMILIES
+            and (ROOT.joinpath(*place.split("."), part)).is_dir()
+        ):
+            return False
+    return True
+
+
+@pytest.mark.parametrize("path", [p for p in MODULES if is_general(dotted(p))], ids=dotted)
+def test_no_general_floor_knows_a_particular_robot(path):
+    found = set(ROBOT_NAMES.findall(f"{dotted(path)} {path.read_text()}"))
+    assert not found, f"{dotted(path)} names {', '.join(found)}: that belongs to the robot's package, driver or face"
+
+
+@pytest.mark.parametrize(
+    ("module", "source"),
+    [
+        ("lbr.messages.uxa90", ""),
+        ("lbr.simulation.bioloid.body", ""),
+        ("lbr.apps.web.states", "HEARD = 'what the UXA-90 says'"),
+        ("lbr.drivers.wheels.arming", "if kind == 'roboteq': ..."),
+        ("lbr.console.body", '"""AX-12A servos."""'),
+    ],
+)
+def test_the_check_sees_a_robot_on_a_general_floor(module, source):
+    assert is_general(module)
+    assert ROBOT_NAMES.search(f"{module} {source}")
+
+
+def test_packages_of_one_robot_are_no_general_floor():
+    assert not any(map(is_general, ("lbr.drivers.uxa90.bus", "lbr.apps.web.uxa90.work", "lbr.robots.bioloid")))
+    assert all(
+        map(is_general, ("lbr.drivers.servos.targets", "lbr.apps.web.face", "lbr.drivers.mover", "lbr.robots.robot"))
+    )
 
 
 def test_only_entry_points_name_a_robots_package():

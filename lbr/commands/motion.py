@@ -100,7 +100,7 @@ def import_(
     database: Path | None,
     as_json: bool,
 ) -> int:
-    """Take the motion in FILE: one that 'lbr motion export' wrote, or a factory motion of the UXA-90 (.rbm).
+    """Take the motion in FILE: one that 'lbr motion export' wrote, or one of a robot's maker, which its package reads.
 
     A robot that runs takes it over at once; a motion that is being played is stopped for it. What the file asks of a joint
     beyond its limits is refused, and named.
@@ -141,7 +141,6 @@ def _understood(
 
     from lbr.database import motion_files  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.messages.faces import Motor  # noqa: PLC0415
     from lbr.messages.joints import Joint  # noqa: PLC0415
 
     try:
@@ -150,14 +149,14 @@ def _understood(
         raise InputError(f"{file} cannot be read: {err.strerror}") from err
     notes: list[str] = []
     try:
-        found = motion_files.read(content)
+        found = motion_files.read(content, file.suffix)
         if isinstance(found, motion_files.MotionFile):
             meant = robot or (found.robot if found.robot in opened.robots() else None)
             whose, rows = _one(opened, meant, lambda rows: bool(rows.of(Joint)))
             motion = replace(found.motion, builtin=False)
         else:
-            whose, rows = _one(opened, robot, lambda rows: any(m.layer == motion_files.FACTORY for m in rows.of(Motor)))
-            motion, notes = motion_files.of_rbm(found, rows)
+            whose, rows = _one(opened, robot, found.fits)
+            motion, notes = found.motion(rows)
     except InputError as err:
         raise InputError(f"{file}: {err}") from err
     return whose, replace(motion, name=name or motion.name), rows, notes

@@ -9,7 +9,7 @@ Piece = tuple[int, str, str]
 """Rank (the highest goes first where there is no room), style, text."""
 
 HOT_C = 60.0
-"""From here on a joint's temperature is worth a look; AX-12A servos let go at 70 by themselves."""
+"""From here on a joint's temperature is worth a look; small servos let go at 70 by themselves."""
 _PHASES = {
     "released": ("", "torque off"),
     "following": ("", "holding"),

@@ -18,7 +18,7 @@ class MotorsState(Struct, frozen=True, kw_only=True):
 
     `armed` says that a setpoint would be applied; `reason` says why not. Volts: `voltage_v` is the battery,
     `internal_v` the controller's own supply. Motor currents and encoder counts are signed, forward positive.
-    `faults` are names of controller fault bits (Roboteq manual, `?FF`).
+    `faults` are names of faults that the controller tells, as its driver lists them.
     """
 
     left: float

@@ -9,9 +9,11 @@ from msgspec import Struct
 
 from lbr import plugins
 from lbr.plugins import Plugin, PluginError
+from lbr.robots.motion_file import Formats, MotionFormat
 from lbr.robots.robot import Robot
 
 GROUP = "lbr.robots"
+_SUFFIX = re.compile(r"\.[a-z0-9]{1,10}")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
@@ -63,6 +65,12 @@ def bodies() -> dict[str, Path]:
     return {found.name: found.robot.body for found in every() if found.robot is not None and found.robot.body}
 
 
+def motion_formats() -> Formats:
+    """Return the formats of makers' motion files by suffix; of robots that bring the same, lbr's own has it."""
+    robots = [found.robot for found in every() if found.robot is not None]
+    return {one.suffix: one for robot in reversed(robots) for one in robot.motion_formats}
+
+
 @plugins.remembered
 def _found(point: Plugin) -> Found:
     try:
@@ -95,8 +103,15 @@ def _faults(point: Plugin, robot: Any) -> Iterator[str]:
             yield f"'{field}' is {path}, which is not there"
         elif field == "profiles":
             yield from _misnamed(robot.name, path)
+    yield from _unreadable(robot)
     if robot.rows is None and not point.ours:
         yield "'rows' is missing: the file of SQL that inserts its rows"
+
+
+def _unreadable(robot: Robot) -> Iterator[str]:
+    for one in robot.motion_formats:
+        if not isinstance(one, MotionFormat) or not _SUFFIX.fullmatch(one.suffix) or one.suffix == ".json":
+            yield f"'motion_formats' has {one!r}: each is a MotionFormat(suffix='.abc', …), and none is '.json'"
 
 
 def _taken(point: Plugin, robot: Robot) -> Iterator[str]:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from lbr.robots.motion_file import MotionFormat
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Robot:
@@ -11,7 +13,8 @@ class Robot:
     `name` is the row's, and the entry point's in the group `lbr.robots`. `rows` is a file of SQL that inserts rows of this
     robot, and phrases; a robot without one has its rows in every new database. `profiles` is a folder of launch profiles,
     each called as the robot or with more behind a dash: `my-robot.toml`, `my-robot-sim.toml`. `body` is its MuJoCo
-    description, which the setting `model` of a simulated world names by the robot's name.
+    description, which the setting `model` of a simulated world names by the robot's name. `motion_formats` are its maker's
+    motion files, for `lbr motion import`.
     """
 
     name: str
@@ -19,3 +22,4 @@ class Robot:
     rows: Path | None = None
     profiles: Path | None = None
     body: Path | None = None
+    motion_formats: tuple[MotionFormat, ...] = ()

@@ -1,4 +1,4 @@
-"""What devices can measure of the world and do in it, and how an emulated Roboteq's registers say it."""
+"""What devices can measure of the world and do in it."""
 
 from typing import Literal
 
@@ -66,27 +66,3 @@ class ServoFelt(Struct, frozen=True, kw_only=True):
     position_rad: float
     speed_rps: float = 0.0
     load: float = 0.0
-
-
-class Measured(Struct, frozen=True, kw_only=True):
-    """What the controller knows. Counts, amps and rpm are per channel, in the channel's own sense: positive for a positive command."""
-
-    battery_v: float = 12.6
-    internal_v: float = 12.0
-    output_v: float = 5.0
-    amps_a: tuple[float, float] = (0.0, 0.0)
-    battery_amps_a: tuple[float, float] = (0.0, 0.0)
-    counts: tuple[int, int] = (0, 0)
-    speeds_rpm: tuple[float, float] = (0.0, 0.0)
-    temperature_c: float = 28.0
-
-    def registers(self) -> dict[str, tuple[int, ...]]:
-        """Return what the queries V, A, BA, T and S answer, in the controller's units."""
-        warm = round(self.temperature_c)
-        return {
-            "V": (round(self.internal_v * 10), round(self.battery_v * 10), round(self.output_v * 1000)),
-            "A": tuple(round(amps * 10) for amps in self.amps_a),
-            "BA": tuple(round(amps * 10) for amps in self.battery_amps_a),
-            "T": (warm, warm + 2, warm + 2),
-            "S": tuple(round(speed) for speed in self.speeds_rpm),
-        }

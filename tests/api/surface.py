@@ -15,7 +15,14 @@ from typing import Any
 
 from msgspec import NODEFAULT, Struct, structs
 
-MODULES = ("lbr.capability", "lbr.messages", "lbr.drivers.servos", "lbr.drivers.wheels")
+MODULES = (
+    "lbr.capability",
+    "lbr.messages",
+    "lbr.drivers.servos",
+    "lbr.drivers.uxa90.messages",
+    "lbr.drivers.wheels",
+    "lbr.apps.web.ports",
+)
 PINNED = Path(__file__).with_name("surface.txt")
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 

@@ -8,11 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from lbr.database import motion_files, rbm, store
+from lbr.database import motion_files, store
 from lbr.database.checks import check
 from lbr.database.shipped import shipped
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionStep
+from lbr.robots.motion_file import LARGEST_BYTES, name_from
+from lbr.robots.uxa90 import motion_file, rbm
 
 STAND = (127, 127, 127, 127, 48, 206, 127, 127, 127, 127, 127, 127, 80, 174, 137, 117, 127, 127, 206, 48, 127, 127, 127, 127, 127)  # fmt: skip
 HEADER = ["1", "13", "6012000010005", "someone", "a@b.c", "7", "A: test", "0", "4"]
@@ -56,7 +58,7 @@ def test_nominal_counts_become_angles_of_the_joints_whatever_the_robots_own_zero
     other = {**raw, "joint": [{**row, "zero_rad": row["zero_rad"] + 0.1} for row in raw["joint"]]}
     moved = check(other, "uxa90", columns=columns)
     for known in (rows, moved):
-        motion, notes = motion_files.of_rbm(rbm.parse(NOD), known)
+        motion, notes = motion_file.of_rbm(rbm.parse(NOD), known)
         assert notes == []
         assert motion.name == "a_test"
         stand, first, second = motion.frames
@@ -72,13 +74,13 @@ def test_nominal_counts_become_angles_of_the_joints_whatever_the_robots_own_zero
 
 def test_the_walking_stance_is_the_one_that_the_rows_have(rows):
     stance = (125, 127, 102, 150, 89, 166, 146, 109, 127, 127, 127, 127, 63, 191, 137, 117, 131, 123, 174, 80, 127, 127, 127, 127, 127)  # fmt: skip
-    motion, _ = motion_files.of_rbm(rbm.parse(content((10, 400, dict(enumerate(stance))))), rows)
+    motion, _ = motion_file.of_rbm(rbm.parse(content((10, 400, dict(enumerate(stance))))), rows)
     (shipped,) = [step.positions for step in rows.of(MotionStep) if step.motion == "basic_motion"]
     assert motion.frames[0].positions | motion.frames[1].positions == pytest.approx(shipped, abs=1e-3)
 
 
 def test_a_stretch_of_more_than_a_minute_is_split_on_a_straight_line(rows):
-    motion, _ = motion_files.of_rbm(rbm.parse(content((10, 90_000, {24: 147}))), rows)
+    motion, _ = motion_file.of_rbm(rbm.parse(content((10, 90_000, {24: 147}))), rows)
     assert [frame.duration_s for frame in motion.frames] == [1.0, 45.0, 45.0]
     half, whole = (frame.positions["head_pitch"] for frame in motion.frames[1:])
     assert half == pytest.approx(whole / 2, abs=1e-4)
@@ -88,7 +90,7 @@ def test_scenes_that_do_not_chain_and_other_zeros_are_told(rows):
     broken = (
         NOD.decode().replace(":0:24:150:127:2:0", ":0:24:140:127:2:0").replace(":5:20:30:0:0:206", ":5:20:30:0:0:200")
     )
-    motion, notes = motion_files.of_rbm(rbm.parse(broken.encode()), rows)
+    motion, notes = motion_file.of_rbm(rbm.parse(broken.encode()), rows)
     assert len(motion.frames) == 4
     assert "servo 5 (200, not 206)" in notes[0]
     assert "scene 2 does not begin where the one before ends (head_pitch)" in notes[1]
@@ -119,6 +121,8 @@ def test_what_follows_the_last_scene_is_told():
 def test_bytes_by_chance_are_a_file_or_a_sentence(found):
     with pytest.raises(InputError):
         motion_files.read(found)
+    with pytest.raises(InputError):
+        motion_files.read(found, ".rbm")
 
 
 @given(st.integers(0, len(NOD) - 1), st.binary(max_size=6), st.integers(0, 12))
@@ -142,7 +146,7 @@ def test_joints_beyond_their_limits_are_named_or_clipped(rows):
 
 
 def test_the_fastest_joint_is_the_one_nearest_its_limit(rows):
-    motion, _ = motion_files.of_rbm(rbm.parse(NOD), rows)
+    motion, _ = motion_file.of_rbm(rbm.parse(NOD), rows)
     about = motion_files.summary(motion, rows.of(Joint))
     assert (about.frames, about.duration_s, about.joints) == (3, 1.7, 25)
     assert about.fastest == "head_pitch"
@@ -168,7 +172,7 @@ def test_what_was_exported_is_read_back():
         ),
         (b'{"format": "lbr-motion", "robot": "uxa90", "more": 1}', "more"),
         (b"{" * 5000, "it is no motion"),
-        (b"{" + b" " * rbm.MOST_BYTES, "bytes"),
+        (b"{" + b" " * LARGEST_BYTES, "bytes"),
     ],
 )
 def test_json_that_is_no_motion_is_refused_with_the_reason(content, why):
@@ -187,4 +191,4 @@ def test_json_that_is_no_motion_is_refused_with_the_reason(content, why):
     ],
 )
 def test_a_name_for_a_row_is_made_of_any_text(text, name):
-    assert motion_files.name_from(text) == name
+    assert name_from(text) == name

@@ -8,9 +8,9 @@ from lbr.console.fields import Message
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS
 from lbr.database.store import Database, create
+from lbr.drivers.uxa90.messages import InquireCommand
 from lbr.executive.service.reports import NAMES
 from lbr.messages.joints import MotionRow
-from lbr.messages.uxa90 import InquireCommand
 from tests.docs.pages import ROOT, said
 from tests.support.words import with_words
 

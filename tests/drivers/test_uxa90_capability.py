@@ -7,11 +7,11 @@ import pytest
 from lbr.drivers.servos.bus_thread import READ
 from lbr.drivers.uxa90 import KIND
 from lbr.drivers.uxa90.capability import Uxa90
+from lbr.drivers.uxa90.messages import ConfigureCommand, ControllerState, InquireCommand, TakeControlCommand
 from lbr.drivers.uxa90.packets import position_rad
 from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint, ServosState, StoredPlay
-from lbr.messages.uxa90 import ConfigureCommand, ControllerState, InquireCommand, TakeControlCommand
 from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext, until
 from tests.drivers.uxa90_peers import Board

@@ -8,11 +8,11 @@ import pytest
 from lbr.drivers.uxa90 import packets
 from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.frames import TAKE_CONTROL, Frame
+from lbr.drivers.uxa90.messages import InquireCommand
 from lbr.drivers.uxa90.plausibility import TOLERANCE
 from lbr.drivers.uxa90.poller import Poller
 from lbr.drivers.uxa90.requests import inquiry
 from lbr.drivers.wire import Wire
-from lbr.messages.uxa90 import InquireCommand
 from tests.fuzzing.uxa90_answers import KINDS, Fuzzer, wrong
 
 BYTE_S = 10 / 115_200

@@ -5,12 +5,12 @@ import pytest
 
 from lbr.drivers.uxa90 import frames, packets
 from lbr.drivers.uxa90.bus import Bus
+from lbr.drivers.uxa90.messages import COUNT_RAD, ConfigureCommand, InquireCommand
 from lbr.drivers.uxa90.packets import REGISTERS
 from lbr.drivers.uxa90.plausibility import TOLERANCE
 from lbr.drivers.uxa90.poller import Poller
 from lbr.drivers.uxa90.requests import configuration, inquiry
 from lbr.drivers.wire import Wire
-from lbr.messages.uxa90 import COUNT_RAD, ConfigureCommand, InquireCommand
 from lbr.simulation.devices.uxa90 import Uxa90Faults, Uxa90Row
 from lbr.simulation.devices.uxa90.board import MainBoard
 

@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.simulation.devices.roboteq import RoboteqFaults
-from lbr.simulation.devices.roboteq.device import REBOOT_S, RoboteqDevice
-from lbr.simulation.measured import Measured
+from lbr.simulation.devices.roboteq.device import REBOOT_S, Measured, RoboteqDevice
 from lbr.simulation.wire import BYTE_S
 
 

@@ -139,8 +139,11 @@ class Bench:
         """Have the robot be heard."""
         self.robot.snapshot = Snapshot(
             at=self.ctx.now,
-            joints=Received(joints, None, self.ctx.now, "joints") if joints else None,
-            motions=Received(motions, None, self.ctx.now, "motions") if motions else None,
+            heard={
+                name: Received(message, None, self.ctx.now, name)
+                for name, message in (("joints", joints), ("motions", motions))
+                if message
+            },
         )
 
     def sent(self, request: str = "move") -> list[Any]:

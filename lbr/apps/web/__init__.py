@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr import plugins
+from lbr.apps.web.ports import FacePorts, with_faces
 from lbr.bus.door import LanUser
 from lbr.capability.kind import Kind
 from lbr.capability.word import Word
 from lbr.messages.battery import BatteryState
-from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.drive import DriveState, GoalResult
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
 from lbr.messages.joints import (
@@ -28,7 +28,6 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import EstopResetCommand
 from lbr.messages.units import Name
-from lbr.messages.uxa90 import ControllerState, TakeControlCommand
 from lbr.messages.web import AddressCommand, AddressReply, WebState
 
 _ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]+")
@@ -84,8 +83,37 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         """Return which faces no installed package brings; the server shows the others."""
         there = sorted(plugins.installed("lbr.faces"))
         text = f"there are {', '.join(there) or 'none'}"
-        return tuple(f"faces: no package brings '{name}'; {text}" for name in self.faces if name not in there)
+        missing = tuple(f"faces: no package brings '{name}'; {text}" for name in self.faces if name not in there)
+        return missing + REFUSED
 
+
+_COMMANDS = ("move", "halt", "torque", "play", "stop_motion", "estop_reset")
+PORTS, REFUSED = with_faces(
+    FacePorts(
+        inputs={
+            "joints": JointsState,
+            "motions": MotionsState,
+            "moved": GoalResult,
+            "played": GoalResult,
+            "drive": DriveState,
+            "ranges": Ranges,
+            "battery": BatteryState,
+        },
+        states=("joints", "motions", "drive", "ranges", "battery"),
+        requests={
+            "move": JointsCommand,
+            "halt": StopCommand,
+            "torque": TorqueCommand,
+            "play": PlayCommand,
+            "stop_motion": StopCommand,
+            "edit": EditCommand,
+            "estop_reset": EstopResetCommand,
+        },
+        replies={"edit": EditReply, **dict.fromkeys(_COMMANDS, CommandReply)},
+        rows=(Joint, MotionRow, MotionStep, Motor, Button, LanUser),
+    )
+)
+"""The ports of the server and of all faces that are installed; in REFUSED what is wrong with those of some."""
 
 KIND = Kind(
     name="web",
@@ -94,39 +122,13 @@ KIND = Kind(
     serves=True,
     entry="lbr.apps.web.start:Web",
     settings=WebSettings,
-    inputs={
-        "joints": JointsState,
-        "motions": MotionsState,
-        "moved": GoalResult,
-        "played": GoalResult,
-        "controller": ControllerState,
-        "drive": DriveState,
-        "ranges": Ranges,
-        "battery": BatteryState,
-        "cameras": CameraState,
-        "frames": JpegFrame,
-    },
-    optional=("joints", "motions", "moved", "played", "controller", "drive", "ranges", "battery", "cameras", "frames"),
+    inputs=PORTS.inputs,
+    optional=tuple(PORTS.inputs),
     outputs={"state": WebState},
     commands={"address": AddressCommand, "stop": StopCommand},
-    requests={
-        "move": JointsCommand,
-        "halt": StopCommand,
-        "torque": TorqueCommand,
-        "play": PlayCommand,
-        "stop_motion": StopCommand,
-        "take_control": TakeControlCommand,
-        "edit": EditCommand,
-        "estop_reset": EstopResetCommand,
-    },
-    replies={
-        "address": AddressReply,
-        "edit": EditReply,
-        **dict.fromkeys(
-            ("stop", "move", "halt", "torque", "play", "stop_motion", "take_control", "estop_reset"), CommandReply
-        ),
-    },
+    requests=PORTS.requests,
+    replies={"address": AddressReply, "stop": CommandReply, **PORTS.replies},
     roles={"address": "view"},
-    rows=(Joint, MotionRow, MotionStep, Motor, Button, LanUser),
+    rows=PORTS.rows,
     words=(Word("qr", "address", "Show where phones find the robot, as a QR code"),),
 )

@@ -11,7 +11,7 @@ from lbr import home
 from lbr.apps.http import listening, names
 from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
-from lbr.apps.web import WebSettings
+from lbr.apps.web import PORTS, WebSettings
 from lbr.apps.web.access import Access
 from lbr.apps.web.announce import Announcer
 from lbr.apps.web.application import Gate, application
@@ -24,7 +24,7 @@ from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
-from lbr.apps.web.states import HEARD, States
+from lbr.apps.web.states import States
 from lbr.apps.web.streams import Streams
 from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
@@ -169,7 +169,7 @@ class Web(Capability[WebSettings]):
         """Note the newest states, for whoever asks on the other thread."""
         self._robot.snapshot = Snapshot(
             at=now,
-            **{name: self.ctx.latest(name) for name in HEARD},
+            heard={name: last for name in PORTS.states if (last := self.ctx.latest(name)) is not None},
             faces=self._faces.states(),
         )
         if self._place.open and now >= self._look_at:

@@ -11,7 +11,6 @@ from lbr.capability.context import Context, Received
 from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
 from lbr.messages.joints import Joint, JointsState, Motion, MotionRow, MotionsState, MotionStep, motions_of
-from lbr.messages.uxa90 import ControllerState
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -23,16 +22,36 @@ EDIT_S = 5.0
 
 
 class Snapshot(Struct, frozen=True, kw_only=True):
-    """What was heard last of everything; None where nothing was. `faces` is what each face adds."""
+    """What was heard last of everything, by the input; `faces` is what each face adds."""
 
     at: float
-    joints: Received | None = None
-    motions: Received | None = None
-    controller: Received | None = None
-    drive: Received | None = None
-    ranges: Received | None = None
-    battery: Received | None = None
+    heard: dict[str, Received] = {}
     faces: dict[str, Any] = {}
+
+    @property
+    def joints(self) -> Received | None:
+        """The joints, as they were received last."""
+        return self.heard.get("joints")
+
+    @property
+    def motions(self) -> Received | None:
+        """What is played, as it was received last."""
+        return self.heard.get("motions")
+
+    @property
+    def drive(self) -> Received | None:
+        """The base, as it was received last."""
+        return self.heard.get("drive")
+
+    @property
+    def ranges(self) -> Received | None:
+        """The range sensors, as they were received last."""
+        return self.heard.get("ranges")
+
+    @property
+    def battery(self) -> Received | None:
+        """The battery, as it was received last."""
+        return self.heard.get("battery")
 
     @property
     def is_latched(self) -> bool:
@@ -49,11 +68,6 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     def motions_state(self) -> MotionsState | None:
         """What is played."""
         return self.motions.message if self.motions is not None else None
-
-    @property
-    def controller_state(self) -> ControllerState | None:
-        """The main board."""
-        return self.controller.message if self.controller is not None else None
 
 
 class Robot:

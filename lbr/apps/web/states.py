@@ -3,34 +3,29 @@
 from typing import Any
 
 import msgspec
-from msgspec import Struct
 
+from lbr.apps.web import PORTS
 from lbr.apps.web.robot import Snapshot
-from lbr.messages.battery import BatteryState
-from lbr.messages.drive import DriveState
-from lbr.messages.joints import JointsState, MotionsState
-from lbr.messages.sensing import Ranges
-from lbr.messages.uxa90 import ControllerState
 
-HEARD = ("joints", "motions", "controller", "drive", "ranges", "battery")
-"""The inputs of states; `/state` has each under its name."""
-
-
-class State(Struct, frozen=True, kw_only=True):
-    """What was said last of the robot, null where nothing was or is wired; `age_s` is how old that is now.
+State = msgspec.defstruct(
+    "State",
+    [
+        ("robot", str),
+        *((name, PORTS.inputs[name] | None, None) for name in PORTS.states),
+        ("age_s", dict[str, float], {}),
+        ("faces", dict[str, Any], {}),
+    ],
+    frozen=True,
+    kw_only=True,
+    module=__name__,
+    namespace={
+        "__doc__": """What was said last of the robot, null where nothing was or is wired; `age_s` is how old that is now.
 
     `faces` is what each face adds, such as its jobs.
     """
-
-    robot: str
-    joints: JointsState | None = None
-    motions: MotionsState | None = None
-    controller: ControllerState | None = None
-    drive: DriveState | None = None
-    ranges: Ranges | None = None
-    battery: BatteryState | None = None
-    age_s: dict[str, float] = {}
-    faces: dict[str, Any] = {}
+    },
+)
+"""The inputs of states, each under its name: the server's own, and those that installed faces bring."""
 
 
 class States:
@@ -48,9 +43,9 @@ class States:
             self._of, self._text = snapshot, self._encoder.encode(self.state(snapshot))
         return self._text
 
-    def state(self, snapshot: Snapshot) -> State:
+    def state(self, snapshot: Snapshot) -> msgspec.Struct:
         """Return a snapshot as a message."""
-        heard = {name: last for name in HEARD if (last := getattr(snapshot, name)) is not None}
+        heard = snapshot.heard
         return State(
             robot=self._robot,
             age_s={name: round(last.age_s(snapshot.at), 3) for name, last in heard.items()},

@@ -6,8 +6,14 @@ from msgspec import Meta, field
 
 from lbr.capability.word import Word
 from lbr.drivers.servos import ServosSettings, servos_kind
+from lbr.drivers.uxa90.messages import (
+    ConfigureCommand,
+    ControllerState,
+    InquireCommand,
+    InquireReply,
+    TakeControlCommand,
+)
 from lbr.messages.leases import CommandReply
-from lbr.messages.uxa90 import ConfigureCommand, ControllerState, InquireCommand, InquireReply, TakeControlCommand
 
 Slot = Annotated[int, Meta(ge=1, le=42)]
 

@@ -8,13 +8,13 @@ from lbr.drivers.servos.gate import ended, receive
 from lbr.drivers.uxa90 import Uxa90Settings
 from lbr.drivers.uxa90.commands import Commands
 from lbr.drivers.uxa90.estop import EmergencyStop
+from lbr.drivers.uxa90.messages import ControllerState, TakeControlCommand
 from lbr.drivers.uxa90.session import SILENT_S, Session
 from lbr.drivers.uxa90.stored_motions import Plays
 from lbr.drivers.uxa90.view import MEASURED_S, servo_state, statistics
 from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoPhase, ServoSetpoint, ServosState, StoredPlay
-from lbr.messages.uxa90 import ControllerState, TakeControlCommand
 
 RETAKE_S = 3.0
 BLIND_S = 1.5

@@ -7,11 +7,11 @@ from lbr.capability.context import Call, Context
 from lbr.drivers.servos.bus_thread import READ, STOP
 from lbr.drivers.uxa90 import Uxa90Settings
 from lbr.drivers.uxa90.frames import QUESTIONS, TAKE_CONTROL
+from lbr.drivers.uxa90.messages import ConfigureCommand, InquireCommand, InquireReply
 from lbr.drivers.uxa90.requests import configuration, inquiry
 from lbr.drivers.uxa90.session import Session
 from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply
-from lbr.messages.uxa90 import ConfigureCommand, InquireCommand, InquireReply
 
 PROVEN_S = 1.0
 """A servo that answered so recently proves that packets are passed on."""

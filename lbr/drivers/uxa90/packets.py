@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
 
-from lbr.messages.uxa90 import COUNT_RAD, HIGHEST, LOWEST, MIDDLE
+from lbr.drivers.uxa90.messages import COUNT_RAD, HIGHEST, LOWEST, MIDDLE
 
 HEAD = 0xFF
 HIGHEST_ID = 30

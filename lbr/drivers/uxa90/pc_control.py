@@ -6,7 +6,7 @@ unknown ─take─► taking ─answer, or settled─► pc ─a stored motion, 
 from dataclasses import dataclass, replace
 from math import inf
 
-from lbr.messages.uxa90 import ControllerMode
+from lbr.drivers.uxa90.messages import ControllerMode
 
 HEARD_S = 0.05
 """From the main board's answer to the first packet that it is relied on to pass on."""

@@ -4,9 +4,9 @@ from collections.abc import Callable, Collection
 
 from lbr.drivers.uxa90 import frames, packets
 from lbr.drivers.uxa90.bus import Bus
+from lbr.drivers.uxa90.messages import ConfigureCommand, InquireCommand, InquireReply
 from lbr.drivers.uxa90.packets import ANSWER_BYTES, REGISTERS, Register
 from lbr.drivers.uxa90.session import words
-from lbr.messages.uxa90 import ConfigureCommand, InquireCommand, InquireReply
 
 ASKED_S, WRITTEN_S = 0.1, 0.25
 """How long a register's answer is waited for; to keep one without power takes the servo longer."""

@@ -1,11 +1,23 @@
 """The UXA-90's API, as its phone app and people's scripts have known it, and what was added to it since."""
 
-from lbr.apps.web.face import Face
-from lbr.apps.web.robot import Robot
+from typing import TYPE_CHECKING
+
+from lbr.apps.web.ports import FacePorts
+from lbr.drivers.uxa90.messages import ControllerState, TakeControlCommand
+
+if TYPE_CHECKING:
+    from lbr.apps.web.face import Face
+    from lbr.apps.web.robot import Robot
+
+PORTS = FacePorts(
+    inputs={"controller": ControllerState},
+    states=("controller",),
+    requests={"take_control": TakeControlCommand},
+)
 
 
-def face(robot: Robot) -> Face:
+def face(robot: "Robot") -> "Face":
     """Return the face."""
-    from lbr.apps.web.uxa90.legacy import Uxa90Face  # noqa: PLC0415 - whoever wants a part of it needs no server
+    from lbr.apps.web.uxa90.legacy import Uxa90Face  # noqa: PLC0415 - who wants its ports alone needs no server
 
     return Uxa90Face(robot)

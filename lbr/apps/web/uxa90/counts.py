@@ -2,8 +2,8 @@
 
 from math import ceil, degrees, floor
 
+from lbr.drivers.uxa90.messages import COUNT_RAD, HIGHEST, LOWEST, MIDDLE
 from lbr.messages.joints import Joint
-from lbr.messages.uxa90 import COUNT_RAD, HIGHEST, LOWEST, MIDDLE
 
 STRONGEST, WEAKEST = 0, 4
 _SLACK = 1e-6

@@ -9,9 +9,9 @@ from lbr.apps.web.face import Refused
 from lbr.apps.web.uxa90.answers import MotorData, Number
 from lbr.apps.web.uxa90.counts import allowed, count_of, in_degrees
 from lbr.apps.web.uxa90.number import clamped, nearest, plain, written
+from lbr.drivers.uxa90.messages import HIGHEST, LOWEST
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint
-from lbr.messages.uxa90 import HIGHEST, LOWEST
 
 LARGEST = 1e6
 UNITS = ("raw", "percent", "deg")

@@ -20,10 +20,10 @@ from lbr.apps.web.uxa90.moving import Mover
 from lbr.apps.web.uxa90.number import nearest
 from lbr.apps.web.uxa90.playing import Player
 from lbr.apps.web.uxa90.table import MotorTable
+from lbr.drivers.uxa90.messages import TakeControlCommand
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint
 from lbr.messages.system import Role
-from lbr.messages.uxa90 import TakeControlCommand
 
 TAKE_CONTROL_S = 3.0
 STOOD_STILL_S = 1.0

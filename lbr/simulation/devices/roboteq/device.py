@@ -8,10 +8,11 @@ while the emergency stop is latched, motor commands are answered `+` and remembe
 
 from collections.abc import Callable, Sequence
 
+from msgspec import Struct
+
 from lbr.simulation.ascii_device import AsciiDevice
 from lbr.simulation.devices.roboteq import RoboteqFaults
 from lbr.simulation.devices.roboteq.power_stage import DEFAULT_WATCHDOG_MS, FULL, PowerStage
-from lbr.simulation.measured import Measured
 
 REBOOT_S = 0.5
 
@@ -20,6 +21,30 @@ _HISTORY = 16
 _FACTORY = {"RWD": DEFAULT_WATCHDOG_MS, "MXMD": 0, "ECHOF": 0}
 _LIMITS = {"RWD": 65_000, "MXMD": 2, "ECHOF": 1}
 _IDENTITY = {"FID": "Roboteq v1.8 SDC2130 08/20/2016", "TRN": "RCB500:SDC2130"}
+
+
+class Measured(Struct, frozen=True, kw_only=True):
+    """What the controller knows. Counts, amps and rpm are per channel, in the channel's own sense: positive for a positive command."""
+
+    battery_v: float = 12.6
+    internal_v: float = 12.0
+    output_v: float = 5.0
+    amps_a: tuple[float, float] = (0.0, 0.0)
+    battery_amps_a: tuple[float, float] = (0.0, 0.0)
+    counts: tuple[int, int] = (0, 0)
+    speeds_rpm: tuple[float, float] = (0.0, 0.0)
+    temperature_c: float = 28.0
+
+    def registers(self) -> dict[str, tuple[int, ...]]:
+        """Return what the queries V, A, BA, T and S answer, in the controller's units."""
+        warm = round(self.temperature_c)
+        return {
+            "V": (round(self.internal_v * 10), round(self.battery_v * 10), round(self.output_v * 1000)),
+            "A": tuple(round(amps * 10) for amps in self.amps_a),
+            "BA": tuple(round(amps * 10) for amps in self.battery_amps_a),
+            "T": (warm, warm + 2, warm + 2),
+            "S": tuple(round(speed) for speed in self.speeds_rpm),
+        }
 
 
 class RoboteqDevice(AsciiDevice[RoboteqFaults]):

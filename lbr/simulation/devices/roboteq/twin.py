@@ -4,8 +4,8 @@ from typing import TypeVar
 
 from lbr.capability.context import Device
 from lbr.simulation.devices.roboteq import RoboteqFaults, RoboteqRow
-from lbr.simulation.devices.roboteq.device import RoboteqDevice
-from lbr.simulation.measured import Measured, Sensed
+from lbr.simulation.devices.roboteq.device import Measured, RoboteqDevice
+from lbr.simulation.measured import Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from lbr.errors import InputError
 
-MOST_BYTES = 4 << 20
 MOST_SERVOS = 64
 MOST_SCENES = 5000
 MOST_FRAMES = 100_000
@@ -49,8 +48,6 @@ class RbmFile(NamedTuple):
 
 def parse(content: bytes) -> RbmFile:
     """Return what a file says; InputError names the field that cannot be."""
-    if len(content) > MOST_BYTES:
-        raise InputError(f"it has {len(content)} bytes, and a motion file has {MOST_BYTES} at most")
     fields = _Fields(content.decode("latin-1").strip("\0\r\n\t "))
     fields.whole("format", 0, 999)
     serial = fields.text(fields.whole("length of the serial number", 0, 99), "serial number")

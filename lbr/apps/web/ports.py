@@ -1,0 +1,85 @@
+"""What a face reads and asks beyond what the server has of its own. Light to import: rows are checked by it.
+
+A package declares it in a module of its own, and names it in the group `lbr.face_ports` beside its face:
+
+    PORTS = FacePorts(inputs={"gripper": GripperState}, states=("gripper",), requests={"grip": GripCommand})
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from msgspec import Struct
+
+from lbr import plugins
+from lbr.messages.rows import Row
+from lbr.plugins import PluginError
+
+GROUP = "lbr.face_ports"
+OF_STATE = {"robot", "age_s", "faces"}
+"""What `/state` says besides the inputs."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FacePorts:
+    """Ports of the kind `web`, which has them wherever the package is installed that brings them.
+
+    `states` are the inputs whose newest value is in `/state`, under its name. Who says no type of `replies` is answered
+    by a CommandReply. Each input is optional.
+    """
+
+    inputs: Mapping[str, type[Struct]] = field(default_factory=dict)
+    states: tuple[str, ...] = ()
+    requests: Mapping[str, type[Struct]] = field(default_factory=dict)
+    replies: Mapping[str, type[Struct]] = field(default_factory=dict)
+    rows: tuple[type[Row], ...] = ()
+
+
+def with_faces(own: FacePorts) -> tuple[FacePorts, tuple[str, ...]]:
+    """Return the server's own ports with those of installed faces, and a sentence for each that cannot be had."""
+    found, refused = own, []
+    for name in sorted(plugins.installed(GROUP)):
+        try:
+            found = _with(found, name)
+        except PluginError as err:
+            refused.append(str(err))
+    return found, tuple(refused)
+
+
+def _with(ports: FacePorts, name: str) -> FacePorts:
+    plugin = plugins.installed(GROUP)[name]
+    more = plugin.load()
+    if not isinstance(more, FacePorts):
+        raise PluginError(plugin, f"{plugin.value} is no FacePorts(…)")
+    if why := next(_contradictions(ports, more), None):
+        raise PluginError(plugin, why)
+    return FacePorts(
+        inputs={**ports.inputs, **more.inputs},
+        states=tuple(dict.fromkeys((*ports.states, *more.states))),
+        requests={**ports.requests, **more.requests},
+        replies={**ports.replies, **more.replies},
+        rows=tuple(dict.fromkeys((*ports.rows, *more.rows))),
+    )
+
+
+def _contradictions(ports: FacePorts, more: FacePorts) -> Iterator[str]:
+    """Yield why ports do not go with those that are there: a name stands for one message."""
+    for of, there, new in (
+        ("input", ports.inputs, more.inputs),
+        ("request", ports.requests, more.requests),
+        ("reply", ports.replies, more.replies),
+    ):
+        for name, message in new.items():
+            if not name.isidentifier():
+                yield f"{of} '{name}' is no name: those are of letters, digits and _"
+            if there.get(name, message) is not message:
+                yield f"{of} '{name}' is {message.__name__}, and there is one already, of {there[name].__name__}"
+    if taken := [name for name in more.states if name in OF_STATE]:
+        yield f"states: '{taken[0]}' is what `/state` says itself; choose another name"
+    if lost := [name for name in more.states if name not in more.inputs and name not in ports.inputs]:
+        yield f"states: there is no input '{lost[0]}'"
+    if lost := [name for name in more.replies if name not in more.requests and name not in ports.requests]:
+        yield f"replies: there is no request '{lost[0]}'"
+    tables = {row.TABLE: row for row in ports.rows}
+    for row in more.rows:
+        if tables.get(row.TABLE, row) is not row:
+            yield f"rows: table '{row.TABLE}' is read as {tables[row.TABLE].__name__} already"
