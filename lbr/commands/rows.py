@@ -75,7 +75,7 @@ def _planned(rows: "RobotRows") -> "tuple[Plan | None, tuple[Problem, ...]]":
     from lbr import home  # noqa: PLC0415
     from lbr.executive.planning import planner  # noqa: PLC0415
     from lbr.executive.planning.profile import Profile  # noqa: PLC0415
-    from lbr.executive.planning.site import Site  # noqa: PLC0415
+    from lbr.executive.planning.run_identity import RunIdentity  # noqa: PLC0415
 
-    site = Site(home=str(home.home()), endpoints=(), secret=bytes(32))
+    site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
     return planner.make(rows, Profile(robot=rows.robot.name, simulate=True), site)

@@ -36,12 +36,12 @@ from lbr.executive.planning import joining, machine, planner, wiring
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning import profile as profiles
 from lbr.executive.planning.credentials import bus_certificate, token_key
-from lbr.executive.planning.last_good_copy import Keeper
+from lbr.executive.planning.last_good_copy import LastGoodCopy
 from lbr.executive.planning.live_rows import LiveRows
 from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.watch import RowWatch
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.child import Child
@@ -52,10 +52,10 @@ from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.readiness import readiness
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.processes.supervisor import Supervisor
-from lbr.executive.remote import hosting
-from lbr.executive.remote.hosts import Hosts
+from lbr.executive.remote import host_protocol
+from lbr.executive.remote.remote_hosts import RemoteHosts
 from lbr.executive.service import terminal
-from lbr.executive.service.conditions import Troubles
+from lbr.executive.service.conditions import Conditions
 from lbr.executive.service.console_service import ConsoleService
 from lbr.executive.service.dispatch import DONE, FAILED, Dispatcher
 from lbr.executive.service.edits import Edits, Written
@@ -123,10 +123,10 @@ class Executive:
         self._status_due = 0.0
         self._ready = False
         self._failed: AbstractSet[str] = frozenset()
-        self._troubles = Troubles(self._happened)
-        self._keeper = Keeper(database.path, self._troubles.tell)
+        self._troubles = Conditions(self._happened)
+        self._keeper = LastGoodCopy(database.path, self._troubles.tell)
         self._recent: list[Event] = []
-        self._site = Site(
+        self._site = RunIdentity(
             home=str(home.home()),
             endpoints=(core_endpoint(profile.robot),),
             secret=secrets.token_bytes(32),
@@ -270,12 +270,12 @@ class Executive:
         }
         self.dispatcher = Dispatcher(self, bus, namespace)
         self._service = ConsoleService(bus, robot, self.dispatcher, reset=self.estop_reset)
-        self._hosts = Hosts(
+        self._hosts = RemoteHosts(
             {
                 name: wire.QueryServer(bus, keys.host(robot, name), self._main.wake, puts=False, source="executive")
                 for name in self._profile.hosts
             },
-            version=hosting.version(),
+            version=host_protocol.version(),
             happened=self._happened,
             learnt=self._rows.learnt,
             begun=self._begun_elsewhere,
@@ -442,7 +442,7 @@ class Executive:
         if not self._hosts.restart(name):
             self._supervisor.restart(name)
 
-    def _start(self, unit: Unit) -> Child | None:
+    def _start(self, unit: ProcessSpec) -> Child | None:
         place = self._doors.place(unit)
         if place is None:
             return None

@@ -11,7 +11,7 @@ import pytest
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.child import Child
 from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper
@@ -113,7 +113,9 @@ class Stage:
             estop=estop,
             release_key=KEY,
         )
-        unit = Unit(name="probe", kind="probe", family="app", moves=True, restart="never", needs=(), config=config)
+        unit = ProcessSpec(
+            name="probe", kind="probe", family="app", moves=True, restart="never", needs=(), config=config
+        )
         with open_log(self.home / "log.txt") as log:
             self.child = Child(unit, config, log, self.reaper.mark(guarded=unit.guarded))
         return self

@@ -15,7 +15,7 @@ from lbr.errors import BusError
 from lbr.executive.planning import planner
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
+from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.processes import doors as module
 from lbr.executive.processes.doors import Doors, core_endpoint
 from tests.support.robot import until
@@ -57,14 +57,14 @@ class Opened:
 
 
 @pytest.fixture
-def site(home: Path, monkeypatch: pytest.MonkeyPatch) -> Site:
+def site(home: Path, monkeypatch: pytest.MonkeyPatch) -> RunIdentity:
     monkeypatch.setenv("LBR_HOME", str(home))
     monkeypatch.setattr(module, "SETTLED_S", 0.02)
-    return Site(home=str(home), endpoints=(core_endpoint("lbr"),), secret=b"s" * 32)
+    return RunIdentity(home=str(home), endpoints=(core_endpoint("lbr"),), secret=b"s" * 32)
 
 
 @pytest.fixture
-def found(home: Path, site: Site) -> tuple[Plan, Plan]:
+def found(home: Path, site: RunIdentity) -> tuple[Plan, Plan]:
     """The shipped plan, and one in which what fed the drive has other rights, and so has the drive."""
     with store.Database.open(home / "robot.db") as database:
         rows = database.load("lbr")
@@ -82,7 +82,7 @@ def routers() -> Iterator[Routers]:
     made.goes_on.set()
 
 
-def doors_of(plan: Plan, site: Site, routers: Routers) -> Doors:
+def doors_of(plan: Plan, site: RunIdentity, routers: Routers) -> Doors:
     return Doors(plan, site, open_router=routers)  # type: ignore[arg-type]
 
 
@@ -91,7 +91,7 @@ def place(doors: Doors, plan: Plan, name: str = "drive") -> str:
 
 
 def test_rights_that_come_back_find_their_router_and_no_change_opens_more_than_one(
-    site: Site, found: tuple[Plan, Plan], routers: Routers
+    site: RunIdentity, found: tuple[Plan, Plan], routers: Routers
 ) -> None:
     usual, other = found
     with closing(doors_of(usual, site, routers)) as doors:
@@ -109,7 +109,7 @@ def test_rights_that_come_back_find_their_router_and_no_change_opens_more_than_o
 
 
 def test_an_annex_is_closed_when_none_of_its_processes_runs_or_is_to_run(
-    site: Site, found: tuple[Plan, Plan], routers: Routers
+    site: RunIdentity, found: tuple[Plan, Plan], routers: Routers
 ) -> None:
     usual, other = found
     with closing(doors_of(usual, site, routers)) as doors:
@@ -125,7 +125,7 @@ def test_an_annex_is_closed_when_none_of_its_processes_runs_or_is_to_run(
 
 
 def test_who_is_to_come_in_waits_for_a_router_that_does_not_open_and_nobody_else(
-    site: Site, found: tuple[Plan, Plan], routers: Routers, monkeypatch: pytest.MonkeyPatch
+    site: RunIdentity, found: tuple[Plan, Plan], routers: Routers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     usual, other = found
     routers.goes_on.clear()
@@ -140,7 +140,7 @@ def test_who_is_to_come_in_waits_for_a_router_that_does_not_open_and_nobody_else
 
 
 def test_a_router_that_is_refused_is_said_and_tried_again(
-    site: Site, found: tuple[Plan, Plan], routers: Routers, monkeypatch: pytest.MonkeyPatch
+    site: RunIdentity, found: tuple[Plan, Plan], routers: Routers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     usual, other = found
     monkeypatch.setattr(module, "RETRY_S", 0.02)

@@ -14,7 +14,7 @@ from lbr.messages.system import EstopAcknowledgement, EstopState
 from tests.support.robot import until
 
 
-class Keeper:
+class LastGoodCopy:
     """An emergency stop with one mover, `motors`, which the test plays; its loop is turned every millisecond."""
 
     def __init__(self, endpoint: str) -> None:
@@ -46,10 +46,10 @@ class Keeper:
 
 
 @contextmanager
-def keeper(tmp_path: Path) -> Iterator[tuple[Keeper, session.Session]]:
+def keeper(tmp_path: Path) -> Iterator[tuple[LastGoodCopy, session.Session]]:
     endpoint = f"unixsock-stream/{tmp_path}/r.sock"
     with session.open_router(session.Router(listen=(endpoint,))), session.open_client([endpoint]) as bus:
-        kept = Keeper(endpoint)
+        kept = LastGoodCopy(endpoint)
         try:
             yield kept, bus
         finally:

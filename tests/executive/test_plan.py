@@ -10,10 +10,10 @@ from lbr.executive.planning import plan as plans
 from lbr.executive.planning import planner
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
+from lbr.executive.planning.run_identity import RunIdentity
 from tests.support.packages import imported_from, package
 
-SITE = Site(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
+SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 SIMULATED = Profile(robot="lbr", simulate=True)
 REAL = Profile(robot="lbr")
 

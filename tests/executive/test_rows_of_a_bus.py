@@ -1,7 +1,7 @@
 """Which joints a driver, and joints operation, get of a robot with several buses."""
 
 from lbr.drivers.dynamixel import KIND as DRIVER
-from lbr.executive.planning.units import read_by
+from lbr.executive.planning.process_specs import read_by
 from lbr.messages.joints import Joint
 from lbr.operations.joints import KIND as JOINTS
 from lbr.operations.motions import KIND as MOTIONS

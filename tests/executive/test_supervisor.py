@@ -9,7 +9,7 @@ import pytest
 from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.executive.planning.plan import Change
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.starvation import Look, Thread
 from lbr.executive.processes.supervisor import (
     DEGRADED_PATIENCE_S,
@@ -116,7 +116,7 @@ def unit(name, *, needs=(), moves=False, family="app", restart="on-failure", mar
     config = ProcessConfig(
         robot="r", name=name, kind="k", settings=msgspec.Raw(b"{}"), endpoints=(), home="", device=mark
     )
-    return Unit(
+    return ProcessSpec(
         name=name, kind="k", family=family, moves=moves, restart=restart, needs=needs, config=config, program=program
     )
 

@@ -12,9 +12,11 @@ from lbr.database import store
 from lbr.database.rows import GoodFor, TokenRow
 from lbr.executive.planning import planner
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
+from lbr.executive.planning.run_identity import RunIdentity
 
-SITE = Site(home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",))
+SITE = RunIdentity(
+    home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",)
+)
 
 
 @pytest.fixture

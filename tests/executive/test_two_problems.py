@@ -8,9 +8,9 @@ import pytest
 from lbr.database import store
 from lbr.executive.planning import planner
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
+from lbr.executive.planning.run_identity import RunIdentity
 
-SITE = Site(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
+SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 
 
 @pytest.fixture(scope="module")

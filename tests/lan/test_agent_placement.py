@@ -13,12 +13,14 @@ from lbr.executive.planning import planner, rights
 from lbr.executive.planning import profile as profiles
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
-from lbr.executive.remote.hosting import HostReport, HostShare, Placed, mark
-from lbr.executive.remote.hosts import Hosts
+from lbr.executive.planning.run_identity import RunIdentity
+from lbr.executive.remote.host_protocol import HostReport, HostShare, Placed, mark
+from lbr.executive.remote.remote_hosts import RemoteHosts
 from lbr.messages.system import CapabilityStatus, Event
 
-SITE = Site(home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",))
+SITE = RunIdentity(
+    home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",)
+)
 TOKEN = TokenRow(name="operator", role="host", hash=hashed("x"), created_at="2026-01-01T00:00:00.000Z")
 STATE = CapabilityStatus(
     name="dance", kind="dance", phase="ready", pid=7, restarts=0, uptime_s=1.0, reason="", rates_hz={}
@@ -173,7 +175,7 @@ class Executive:
     def __init__(self, plan):
         self.wire, self.told, self.learnt, self.begun, self.now = Wire(), [], [], [], 100.0
         self.present = {"dance"}
-        self.hosts = Hosts(
+        self.hosts = RemoteHosts(
             {"operator": self.wire, "bench": Wire()},
             version="1",
             happened=lambda *about: self.told.append(about),

@@ -13,7 +13,7 @@ from lbr.capability.twins import TwinError
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, DeviceRow, RobotRows
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
+from lbr.executive.planning.run_identity import RunIdentity
 
 
 def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulated: bool) -> list[Problem]:
@@ -72,7 +72,7 @@ def check_devices(
     return problems
 
 
-def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: Site, robot: str) -> str:
+def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: RunIdentity, robot: str) -> str:
     """Return where a device is in this run: its emulated twin's place if it has a twin, the profile's word, or the row's."""
     driver = next((kind for kind in kinds if kind.device == device.type), None)
     emulated = driver.emulated if driver is not None else "tty"

@@ -9,13 +9,13 @@ from lbr.database.rows import RobotRows
 from lbr.database.store import Database
 from lbr.executive.planning import planner
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
+from lbr.executive.planning.run_identity import RunIdentity
 from lbr.robots import registry
 
 
 def judge(rows: RobotRows) -> Iterator[str]:
     """Yield what a start would find wrong with rows, on any machine; what is not installed here is no fault of theirs."""
-    site = Site(home=str(home.home()), endpoints=(), secret=bytes(32))
+    site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
     _, problems = planner.make(rows, Profile(robot=rows.robot.name, only=()), site)
     yield from map(str, problems)
 

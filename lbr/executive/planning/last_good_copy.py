@@ -15,7 +15,7 @@ LOWEST = 19
 NOT_COPIED = "the last good rows are not copied"
 
 
-class Keeper:
+class LastGoodCopy:
     """`trouble` hears why a copy cannot be kept, and then an empty text; from the thread that calls `step`."""
 
     def __init__(self, path: Path, trouble: Callable[[str, str], None]) -> None:

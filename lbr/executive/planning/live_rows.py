@@ -12,9 +12,9 @@ from lbr.console.verbs import Vocabulary
 from lbr.database.store import Database, RowKey
 from lbr.errors import LbrError
 from lbr.executive.planning import plan as plans
-from lbr.executive.planning.last_good_copy import Keeper
+from lbr.executive.planning.last_good_copy import LastGoodCopy
 from lbr.executive.planning.plan import Change, Plan
-from lbr.executive.planning.units import read_by
+from lbr.executive.planning.process_specs import read_by
 from lbr.executive.planning.watch import RowWatch
 from lbr.executive.planning.wiring import least_roles
 from lbr.messages.faces import EditCommand
@@ -43,7 +43,7 @@ class LiveRows:
         self,
         database: Database,
         watch: RowWatch,
-        keeper: Keeper,
+        keeper: LastGoodCopy,
         *,
         happened: Happened,
         take_over: Callable[[Change], None],

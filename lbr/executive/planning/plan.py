@@ -8,19 +8,19 @@ from msgspec.structs import replace
 
 from lbr.capability.kind import STOP, Kind
 from lbr.database.rows import RobotRows
-from lbr.executive.planning.units import Unit, commands_of, streams_of, with_learnt
+from lbr.executive.planning.process_specs import ProcessSpec, commands_of, streams_of, with_learnt
 
 
 class Plan(Struct, frozen=True, kw_only=True):
     """What should run, in start order, and the rows it came from, with the verbs that kinds bring."""
 
     robot: str
-    units: dict[str, Unit]
+    units: dict[str, ProcessSpec]
     kinds: dict[str, Kind]
     rows: RobotRows
 
     @property
-    def here(self) -> dict[str, Unit]:
+    def here(self) -> dict[str, ProcessSpec]:
         """Return what runs on the robot's own host."""
         return {name: unit for name, unit in self.units.items() if not unit.config.host}
 

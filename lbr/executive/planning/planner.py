@@ -21,9 +21,9 @@ from lbr.executive.planning import machine, placement, rights, words
 from lbr.executive.planning.devices import check_device_settings, check_devices
 from lbr.executive.planning.machine import Machine
 from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.process_specs import LAN, unit, with_lan
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
-from lbr.executive.planning.units import LAN, unit, with_lan
+from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.wiring import EXECUTIVE, check_channels, check_verbs
 
 Find = Callable[[str, Path], Kind]
@@ -31,7 +31,7 @@ Find = Callable[[str, Path], Kind]
 
 
 def make(
-    rows: RobotRows, profile: Profile, site: Site, on: Machine = machine.ANY, *, find: Find = registry.find
+    rows: RobotRows, profile: Profile, site: RunIdentity, on: Machine = machine.ANY, *, find: Find = registry.find
 ) -> tuple[Plan | None, tuple[Problem, ...]]:
     """Return the plan, or None and everything that is wrong with the rows, and on this machine."""
     known = cache(partial(_find, find, Path(site.home)))
@@ -72,7 +72,9 @@ def make(
     return replace(plan, units=units), ()
 
 
-def with_tokens(plan: Plan, tokens: tuple[TokenRow, ...], profile: Profile, site: Site, on: Machine) -> Plan | None:
+def with_tokens(
+    plan: Plan, tokens: tuple[TokenRow, ...], profile: Profile, site: RunIdentity, on: Machine
+) -> Plan | None:
     """Return the plan with other tokens and nothing else, whatever has become of the files of its kinds meanwhile."""
     kinds = {kind.name: kind for kind in plan.kinds.values()}
     made, _ = make(replace(plan.rows, tokens=tokens), profile, site, on, find=lambda name, _home: kinds[name])

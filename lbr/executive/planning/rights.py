@@ -5,10 +5,10 @@ from collections.abc import Iterable
 from lbr.bus import keys
 from lbr.bus.access import Rights
 from lbr.executive.planning.plan import Plan
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 
 
-def of_unit(plan: Plan, unit: Unit) -> dict[str, Rights]:
+def of_unit(plan: Plan, unit: ProcessSpec) -> dict[str, Rights]:
     """Return the users that a process needs on the bus, and what each may do: what its rows wire, and no more."""
     users = {unit.name: _of_process(plan, unit)}
     if unit.lan is not None:
@@ -16,7 +16,7 @@ def of_unit(plan: Plan, unit: Unit) -> dict[str, Rights]:
     return users
 
 
-def of_guest(plan: Plan, unit: Unit) -> Rights:
+def of_guest(plan: Plan, unit: ProcessSpec) -> Rights:
     """Return what a process on another machine may do at the door there."""
     return _of_process(plan, unit)
 
@@ -56,7 +56,7 @@ def _taken(plan: Plan) -> Iterable[str]:
     return sorted((declared | running) - set(plan.streams()))
 
 
-def _of_process(plan: Plan, unit: Unit) -> Rights:
+def _of_process(plan: Plan, unit: ProcessSpec) -> Rights:
     config, robot, name = unit.config, plan.robot, unit.name
     outputs = tuple(wire.key for wires in config.outputs.values() for wire in wires)
     inputs = tuple(wire.key for wires in config.wiring.values() for wire in wires)
@@ -76,7 +76,7 @@ def _of_process(plan: Plan, unit: Unit) -> Rights:
     )
 
 
-def _of_lan(plan: Plan, unit: Unit) -> Rights:
+def _of_lan(plan: Plan, unit: ProcessSpec) -> Rights:
     """Return what may come in from other machines without passing the relay: looking, and stopping.
 
     So may what processes say that run there, but for what they ask of others: that is relayed.

@@ -17,7 +17,7 @@ from lbr.executive.planning.kinds import KindsBeside
 from lbr.executive.planning.machine import Machine
 from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
+from lbr.executive.planning.run_identity import RunIdentity
 
 UNKNOWN_VERSION = -1
 NEVER = datetime.max.replace(tzinfo=UTC)
@@ -42,7 +42,9 @@ class News(Struct, frozen=True):
 class RowWatch:
     """Compares what the database says with what was planned last; cheap to call five times a second."""
 
-    def __init__(self, database: Database, profile: Profile, site: Site, machine: Callable[[int], Machine]) -> None:
+    def __init__(
+        self, database: Database, profile: Profile, site: RunIdentity, machine: Callable[[int], Machine]
+    ) -> None:
         """Watch rows for a machine that has `machine(n)` when n of the robot's processes run on it."""
         self._database = database
         self._machine = machine

@@ -22,7 +22,7 @@ from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
 from lbr.console import wallet
 from lbr.errors import MalformedError
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.reaper import Mark
 
@@ -34,7 +34,7 @@ _reports = Decoder(Report)
 class Child:
     """A running process: capability or program; `mark` makes it known to the reaper."""
 
-    def __init__(self, unit: Unit, config: ProcessConfig, log: IO[bytes], mark: Mark) -> None:
+    def __init__(self, unit: ProcessSpec, config: ProcessConfig, log: IO[bytes], mark: Mark) -> None:
         self.unit = unit
         self.endpoint = next(iter(config.endpoints), "")
         self._mark = mark

@@ -26,8 +26,8 @@ from lbr.bus.access import TOOLS, Credentials, Rights
 from lbr.errors import BusError
 from lbr.executive.planning import rights
 from lbr.executive.planning.plan import Plan
-from lbr.executive.planning.site import Site
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
+from lbr.executive.planning.run_identity import RunIdentity
 
 EXECUTIVE, ANNEX = "@executive", "@annex"
 CORE = "core"
@@ -56,7 +56,7 @@ def inside_endpoint(robot: str, name: str) -> str:
     return f"unixsock-stream/{home.socket_path(robot, f'.{name}')}"
 
 
-class Place(NamedTuple):
+class RouterAddress(NamedTuple):
     """A router that a process comes in at."""
 
     endpoint: str
@@ -66,7 +66,7 @@ class Place(NamedTuple):
 class Annex:
     """A router for the processes of one change; `known` is what each of them may do there."""
 
-    def __init__(self, place: Place, known: dict[str, Users], opened: session.Session) -> None:
+    def __init__(self, place: RouterAddress, known: dict[str, Users], opened: session.Session) -> None:
         self.place = place
         self.known = known
         self.session = opened
@@ -81,7 +81,7 @@ class Doors:
     def __init__(
         self,
         plan: Plan,
-        site: Site,
+        site: RunIdentity,
         wake: Callable[[], None] = lambda: None,
         open_router: Callable[[session.Router], session.Session] = session.open_router,
     ) -> None:
@@ -102,7 +102,7 @@ class Doors:
         self._changed = threading.Condition()
         self._known = dict(self._wanted)
         local = site.router_id("local")
-        self._core = Place(core_endpoint(self._robot), site.router_id(CORE))
+        self._core = RouterAddress(core_endpoint(self._robot), site.router_id(CORE))
         self._open(session.Router(listen=(local_endpoint(self._robot),), id=local, lease_ms=session.HELD_MS))
         self._open(
             self._router(
@@ -126,7 +126,7 @@ class Doors:
             self._plan, self._wanted, self._trouble, self._retry_at = plan, wanted, "", 0.0
             self._changed.notify_all()
 
-    def place(self, unit: Unit) -> Place | None:
+    def place(self, unit: ProcessSpec) -> RouterAddress | None:
         """Return where a process of the plan has its rights, None if that is being opened; BusError if it cannot be."""
         with self._changed:
             found = self._find(unit.name)
@@ -199,7 +199,7 @@ class Doors:
         with self._changed:
             self._settled_at = time.monotonic() + SETTLED_S
 
-    def _find(self, name: str) -> Place | None:
+    def _find(self, name: str) -> RouterAddress | None:
         wanted = self._wanted.get(name)
         if wanted is None or self._known.get(name) == wanted:
             return self._core if wanted is not None else None
@@ -211,7 +211,7 @@ class Doors:
             number, plan = self._opened, self._plan
             self._since = time.monotonic()
         socket = home.socket_path(self._robot, f".{number}")
-        place = Place(f"unixsock-stream/{socket}", self._site.router_id(f"annex {number}"))
+        place = RouterAddress(f"unixsock-stream/{socket}", self._site.router_id(f"annex {number}"))
         router = self._router(
             place,
             _merged(known.values()),
@@ -236,7 +236,7 @@ class Doors:
 
     def _router(
         self,
-        place: Place,
+        place: RouterAddress,
         users: Mapping[str, Rights],
         *,
         links: Mapping[str, Rights],

@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from lbr.capability.config import Report
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.starvation import Look
 from lbr.messages.system import CapabilityPhase
 
@@ -32,14 +32,14 @@ class Started(Protocol):
         """Let go of it after its end."""
 
 
-class Slot:
+class ManagedProcess:
     """`reason` is about now; `final_report` is what was said of an end to come; `last_end` how it last ended unasked.
 
     `suspect` is the first look at its threads in a silence, `look_at` when to look again, and `usual` the last look at
     how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
     """
 
-    def __init__(self, unit: Unit) -> None:
+    def __init__(self, unit: ProcessSpec) -> None:
         self.unit = unit
         self.phase: CapabilityPhase = "waiting"
         self.reason = ""

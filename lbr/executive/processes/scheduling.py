@@ -10,14 +10,14 @@ import errno
 import os
 from pathlib import Path
 
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 
 MOTION = -10
 USUAL = 0
 BACKGROUND = 10
 
 
-def niceness(unit: Unit) -> int:
+def niceness(unit: ProcessSpec) -> int:
     """Return the niceness that a capability should have.
 
     Emulated devices rank with the drivers: real ones answer however busy the machine is. Stops come by what serves.

@@ -13,10 +13,10 @@ from msgspec import Raw
 from lbr.capability.events import Throttle
 from lbr.errors import LbrError
 from lbr.executive.planning.plan import Change
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import starvation as starving
 from lbr.executive.processes.busy import Busy
-from lbr.executive.processes.managed_process import Slot, Started
+from lbr.executive.processes.managed_process import ManagedProcess, Started
 from lbr.executive.processes.restart import HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.processes.scheduling import BACKGROUND, MOTION, niceness
 from lbr.executive.processes.starvation import OTHERS_STRETCH, RUNS_SHARE, SUSPICIOUS_S, Look, verdict
@@ -49,7 +49,7 @@ class Supervisor:
 
     def __init__(
         self,
-        start: Callable[[Unit], Started | None],
+        start: Callable[[ProcessSpec], Started | None],
         happened: Callable[[str, str, str, str], None],
         present: Callable[[str], bool] = lambda _name: True,
         *,
@@ -59,8 +59,8 @@ class Supervisor:
         at_once: int = 1000,
         look: Callable[..., Look] = starving.look,
     ) -> None:
-        self.slots: dict[str, Slot] = {}
-        self._leaving: list[Slot] = []
+        self.slots: dict[str, ManagedProcess] = {}
+        self._leaving: list[ManagedProcess] = []
         self._throttle = Throttle()
         self._start = start
         self._happened = happened
@@ -73,21 +73,21 @@ class Supervisor:
         self._clock = clock
         self._dice = dice or random.Random()
 
-    def adopt(self, units: Mapping[str, Unit], change: Change) -> None:
+    def adopt(self, units: Mapping[str, ProcessSpec], change: Change) -> None:
         """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest alone."""
         for name in (*change.stop, *change.restart):
             self._retire(self.slots.pop(name))
         for name in (*change.restart, *change.start):
-            self.slots[name] = Slot(units[name])
+            self.slots[name] = ManagedProcess(units[name])
         self.slots = {name: self.slots[name] for name in units}
 
     def restart(self, name: str) -> None:
         """Start a capability anew, with its past forgotten."""
         slot = self.slots[name]
         self._retire(slot)
-        self.slots[name] = Slot(slot.unit)
+        self.slots[name] = ManagedProcess(slot.unit)
 
-    def children(self) -> list[tuple[Slot, Started]]:
+    def children(self) -> list[tuple[ManagedProcess, Started]]:
         """Return every process that still runs."""
         slots = {id(slot): slot for slot in (*self.slots.values(), *self._leaving)}
         return [(slot, slot.child) for slot in slots.values() if slot.child is not None]
@@ -96,11 +96,11 @@ class Supervisor:
         """Say whether everything that should run does, or has given up; what is degraded gets a moment to recover."""
         return not self._leaving and all(self._is_settled(slot) for slot in self.slots.values())
 
-    def _is_settled(self, slot: Slot) -> bool:
+    def _is_settled(self, slot: ManagedProcess) -> bool:
         patience_over = self._clock() - slot.started_at > DEGRADED_PATIENCE_S
         return slot.phase in HELD | {"ready"} or (slot.phase == "degraded" and patience_over) or self._held_up(slot)
 
-    def _held_up(self, slot: Slot) -> bool:
+    def _held_up(self, slot: ManagedProcess) -> bool:
         """Say whether it waits for something that will not come by itself."""
         needs = [self.slots[need] for need in slot.unit.needs if need in self.slots]
         lost = [need for need in needs if need.phase in HELD or (need.phase == "waiting" and self._held_up(need))]
@@ -157,7 +157,7 @@ class Supervisor:
             self.step()
             tick(0.02)
 
-    def _may_start(self, slot: Slot) -> bool:
+    def _may_start(self, slot: ManagedProcess) -> bool:
         if any(leaving.unit.name == slot.unit.name for leaving in self._leaving):
             return False
         if niceness(slot.unit) != MOTION and self._starting() >= self._at_once:
@@ -167,7 +167,7 @@ class Supervisor:
     def _starting(self) -> int:
         return sum(slot.phase == "starting" for slot in self.slots.values())
 
-    def _launch(self, slot: Slot, now: float) -> None:
+    def _launch(self, slot: ManagedProcess, now: float) -> None:
         try:
             child = self._start(slot.unit)
         except (OSError, ValueError, LbrError) as err:
@@ -187,7 +187,7 @@ class Supervisor:
                 self._phase(slot, *slot.said)
                 slot.said = None
 
-    def _listen(self, slot: Slot, child: Started, now: float) -> None:
+    def _listen(self, slot: ManagedProcess, child: Started, now: float) -> None:
         for report in child.reports():
             slot.beat_at = now
             if report.counts:
@@ -204,13 +204,13 @@ class Supervisor:
             slot.said = None
 
     @staticmethod
-    def _count(slot: Slot, counts: dict[str, int], now: float) -> None:
+    def _count(slot: ManagedProcess, counts: dict[str, int], now: float) -> None:
         spent = now - slot.counted_at
         if slot.counts and spent > 0:
             slot.rates = {name: round((n - slot.counts.get(name, 0)) / spent, 1) for name, n in counts.items()}
         slot.counts, slot.counted_at = counts, now
 
-    def _phase(self, slot: Slot, phase: str, reason: str) -> None:
+    def _phase(self, slot: ManagedProcess, phase: str, reason: str) -> None:
         if slot.phase == phase and slot.reason == reason:
             return
         now = self._clock()
@@ -224,7 +224,7 @@ class Supervisor:
         elif phase in {"ready", "degraded"}:
             self._tell_phase(slot)
 
-    def _tell_phase(self, slot: Slot) -> None:
+    def _tell_phase(self, slot: ManagedProcess) -> None:
         """Tell how it is, unless that is what was told last."""
         before, slot.told, slot.tell_at = slot.told, (slot.phase, slot.reason), None
         if slot.told == before:
@@ -234,7 +234,7 @@ class Supervisor:
         elif slot.phase == "degraded":
             self._tell("degraded", slot, slot.reason, "warning")
 
-    def _watch(self, slot: Slot, child: Started, now: float) -> None:
+    def _watch(self, slot: ManagedProcess, child: Started, now: float) -> None:
         if slot.kill_at is not None and now >= slot.kill_at:
             slot.kill_at = None
             child.kill()
@@ -242,7 +242,7 @@ class Supervisor:
             slot.hung, slot.final_report = True, why
             child.kill()
 
-    def _why_hung(self, slot: Slot, child: Started, now: float) -> str:
+    def _why_hung(self, slot: ManagedProcess, child: Started, now: float) -> str:
         """Say why a process counts as hung, or nothing; a program is known by its token alone, if it has one."""
         if slot.unit.program is None:
             return f"no heartbeat for {now - slot.beat_at:.1f} s" if self._hangs(slot, child, now) else ""
@@ -253,7 +253,7 @@ class Supervisor:
         missing = f"its liveliness token is missing for {now - slot.beat_at:.1f} s"
         return missing if self._hangs(slot, child, now) else ""
 
-    def _hangs(self, slot: Slot, child: Started, now: float) -> bool:
+    def _hangs(self, slot: ManagedProcess, child: Started, now: float) -> bool:
         """Say whether a silence is a hang; who is not given the processor does not hang."""
         silent_s, patience_s = now - slot.beat_at, _patience_s(slot)
         if not silent_s > SUSPICIOUS_S or now < slot.look_at:
@@ -287,12 +287,12 @@ class Supervisor:
             if before is not None and waited_s > BUSY_SHARE * (now - before.at):
                 self._starved(slot, waited_s, now)
 
-    def _starved(self, slot: Slot, waited_s: float, now: float) -> None:
+    def _starved(self, slot: ManagedProcess, waited_s: float, now: float) -> None:
         text = self._busy.starved(slot.unit.name, waited_s, now)
         if text:
             self._happened("too_busy", MACHINE, text, "warning")
 
-    def _ended(self, slot: Slot, child: Started, code: int, now: float) -> None:
+    def _ended(self, slot: ManagedProcess, child: Started, code: int, now: float) -> None:
         child.close()
         slot.child, slot.kill_at = None, None
         if not slot.wanted:
@@ -310,7 +310,7 @@ class Supervisor:
             slot.deaths = ()
         self._after_end(slot, end, why, now)
 
-    def _after_end(self, slot: Slot, end: End, why: str, now: float) -> None:
+    def _after_end(self, slot: ManagedProcess, end: End, why: str, now: float) -> None:
         decision = decide(slot.unit.restart, end, slot.deaths, now, self._dice.uniform(-1, 1))
         slot.deaths = (*(death for death in slot.deaths if now - death < WINDOW_S), now)
         slot.rates, slot.counts = {}, {}
@@ -326,12 +326,12 @@ class Supervisor:
             self._tell(decision.what if end is End.CLEAN else end.value, slot, slot.reason, level)
         self._tell_dependants(slot)
 
-    def _tell_dependants(self, gone: Slot) -> None:
+    def _tell_dependants(self, gone: ManagedProcess) -> None:
         for slot in self.slots.values():
             if gone.unit.name in slot.unit.needs and slot.phase in RUNNING:
                 self._tell("need_lost", slot, f"'{gone.unit.name}', which it needs, has {gone.reason}", "warning")
 
-    def _retire(self, slot: Slot) -> None:
+    def _retire(self, slot: ManagedProcess) -> None:
         slot.wanted = False
         slot.due_at = None
         if slot.child is None:
@@ -352,20 +352,20 @@ class Supervisor:
         times += [_look_due(slot) for slot, _ in self.children() if slot.unit.program is None and slot.wanted]
         return max(0.0, min((due - now for due in times), default=1.0))
 
-    def _tell(self, kind: str, slot: Slot, text: str, level: str) -> None:
+    def _tell(self, kind: str, slot: ManagedProcess, text: str, level: str) -> None:
         if not self._throttle.take(f"{slot.unit.name} {kind}", self._clock()):
             return
         self._happened(kind, slot.unit.name, text, level)
 
 
-def _look_due(slot: Slot) -> float:
+def _look_due(slot: ManagedProcess) -> float:
     """Return when its silence, if it lasts, is looked at next."""
     if slot.suspect is None or slot.suspect.at < slot.beat_at:
         return slot.beat_at + SUSPICIOUS_S + WAY_S
     return max(slot.beat_at + _patience_s(slot), slot.look_at)
 
 
-def _patience_s(slot: Slot) -> float:
+def _patience_s(slot: ManagedProcess) -> float:
     patience = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}
     waits = niceness(slot.unit) == BACKGROUND  # such a one runs when others leave it time
     usual = HANG_MOVER_S if slot.unit.moves else HANG_PROGRAM_S if waits else HANG_S

@@ -27,7 +27,7 @@ from lbr.errors import BusError
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.reaper import Reaper
-from lbr.executive.remote.agent_session import Stay
+from lbr.executive.remote.agent_session import AgentSession
 
 AGAIN_S = 0.5
 CLOSE_S = 0.3
@@ -93,7 +93,9 @@ class Agent:
         where = f"{socket.gethostname()[:40]}, pid {os.getpid()}"
         bus = session.open_client(found.endpoints, found.credentials, certificate=found.certificate)
         try:
-            stay = Stay(bus, found, self._host, self._main, self._reaper, agent=self._id, where=where, say=self._tell)
+            stay = AgentSession(
+                bus, found, self._host, self._main, self._reaper, agent=self._id, where=where, say=self._tell
+            )
             return stay.run(lambda: self._stopping)
         finally:
             self._close(bus)

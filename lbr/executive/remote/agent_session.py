@@ -20,19 +20,19 @@ from lbr.console.target import Target
 from lbr.errors import BusError, MalformedError
 from lbr.executive.planning import machine
 from lbr.executive.planning import plan as plans
-from lbr.executive.planning.units import Unit, with_learnt
+from lbr.executive.planning.process_specs import ProcessSpec, with_learnt
 from lbr.executive.processes.child import Child
 from lbr.executive.processes.logs import open_log, trim_all
 from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.processes.supervisor import Supervisor
-from lbr.executive.remote import hosting
-from lbr.executive.remote.hosting import HostReport, HostShare, Learnt, Placed
+from lbr.executive.remote import host_protocol
+from lbr.executive.remote.host_protocol import HostReport, HostShare, Learnt, Placed
 from lbr.executive.service.overview import Overview
 from lbr.messages.system import EstopState, Event, Status
 
 ANSWER_S = 1.0
-TAKEN_S = hosting.GONE_S + 1.0
+TAKEN_S = host_protocol.GONE_S + 1.0
 """An agent that died is forgotten by then, and this one takes its place."""
 END_S, LOST_END_S = 2.5, 0.5
 """How long the processes have to end; without contact they can only wait for what does not come."""
@@ -43,7 +43,7 @@ _latches = Decoder(EstopState)
 _statuses = Decoder(Status)
 
 
-class Stay:
+class AgentSession:
     """Supervises a host's share on this machine; lives on the thread of `main`."""
 
     def __init__(
@@ -68,7 +68,7 @@ class Stay:
         self._say = say
         self._source = f"agent {host}"
         self._home = str(home.home())
-        self._version = hosting.version()
+        self._version = host_protocol.version()
         self._mark = ""
         self._placed: dict[str, Placed] = {}
         self._events: deque[Event] = deque(maxlen=MOST_WAITING)
@@ -103,7 +103,7 @@ class Stay:
                     trim_all(home.home() / "logs")
                     if why := self._reaper.step():
                         self._say(f"the process that ends what is left over cannot be started: {why}")
-                self._wait(max(0.0, min(due, self._ask_at - now if self._question is None else hosting.REPORT_S)))
+                self._wait(max(0.0, min(due, self._ask_at - now if self._question is None else host_protocol.REPORT_S)))
         finally:
             self._supervisor.shut_down(self._wait, limit_s=LOST_END_S if self._over else END_S)
             self._reaper.rest()
@@ -118,7 +118,7 @@ class Stay:
             self._over = f"contact with robot '{self._found.robot}' is lost"
             return
         if self._question is None and now >= self._ask_at:
-            self._ask_at = now + hosting.REPORT_S
+            self._ask_at = now + host_protocol.REPORT_S
             self._question = self._report()
         question = self._question
         if question is not None and question.replies:
@@ -126,11 +126,11 @@ class Stay:
             self._read(question.replies[0], now)
         elif question is not None and question.done:
             self._question = None
-        if not now - self._heard_at < (hosting.LOST_S if self._accepted else ANSWER_S):
+        if not now - self._heard_at < (host_protocol.LOST_S if self._accepted else ANSWER_S):
             self._unanswered()
 
     def _report(self, *, leaving: bool = False) -> wire.PendingQuery:
-        events = tuple(self._events)[: hosting.MOST_EVENTS]
+        events = tuple(self._events)[: host_protocol.MOST_EVENTS]
         self._told = HostReport(
             agent=self._agent,
             where=self._where,
@@ -203,7 +203,7 @@ class Stay:
     def _leave(self) -> None:
         """Say that the share has ended here; nobody waits long for it."""
         question = self._report(leaving=True)
-        until = time.monotonic() + hosting.REPORT_S
+        until = time.monotonic() + host_protocol.REPORT_S
         while not (question.replies or question.done) and time.monotonic() < until:
             self._main.wait(until - time.monotonic(), ())
 
@@ -221,7 +221,7 @@ class Stay:
         units = {name: one.unit for name, one in new.items()}
         self._supervisor.adopt(units, change)
 
-    def _start(self, unit: Unit) -> Child:
+    def _start(self, unit: ProcessSpec) -> Child:
         if _size(registry.fingerprint(unit.kind, Path(self._home))) != _size(unit.fingerprint):
             raise BusError(f"{self._home}/capabilities/{unit.kind}.py is not the file that the robot has; copy it here")
         config = replace(
@@ -236,7 +236,7 @@ class Stay:
 
     def _latch(self) -> EstopState:
         answers = wire.ask(
-            self._bus, keys.estop(self._found.robot), None, source=self._source, timeout_s=hosting.REPORT_S
+            self._bus, keys.estop(self._found.robot), None, source=self._source, timeout_s=host_protocol.REPORT_S
         )
         if not answers:
             raise BusError("the robot does not say whether its emergency stop is latched")
@@ -249,7 +249,7 @@ class Stay:
 
     def _happened(self, kind: str, subject: str, text: str, level: str) -> None:
         self._say(f"{subject}: {text}")
-        event = Event(kind=kind, subject=subject, text=text[: hosting.LONGEST_TEXT], level=level)  # type: ignore[arg-type]
+        event = Event(kind=kind, subject=subject, text=text[: host_protocol.LONGEST_TEXT], level=level)  # type: ignore[arg-type]
         self._events.append(event)
 
     def _learnt(self, name: str, rows: dict[str, Raw]) -> None:

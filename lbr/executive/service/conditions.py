@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 
-class Troubles:
-    """`happened(kind, subject, text, level)` hears every change; only for the executive's own thread."""
+class Conditions:
+    """What hinders the executive now. `happened(kind, subject, text, level)` hears every change; only for the executive's own thread."""
 
     def __init__(self, happened: Callable[[str, str, str, str], None]) -> None:
         self._happened = happened

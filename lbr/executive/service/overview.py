@@ -2,7 +2,7 @@
 
 import psutil
 
-from lbr.executive.processes.managed_process import Slot
+from lbr.executive.processes.managed_process import ManagedProcess
 from lbr.executive.processes.supervisor import Supervisor
 from lbr.messages.system import CapabilityStatus
 
@@ -21,7 +21,7 @@ class Overview:
         self._meters = {pid: meter for pid, meter in self._meters.items() if pid in pids}
         return tuple(self._one(name, slot, now) for name, slot in slots.items())
 
-    def _one(self, name: str, slot: Slot, now: float) -> CapabilityStatus:
+    def _one(self, name: str, slot: ManagedProcess, now: float) -> CapabilityStatus:
         cpu, memory, nice = self._read(slot.child.pid) if slot.child is not None else (None, None, None)
         return CapabilityStatus(
             name=name,

@@ -15,7 +15,7 @@ import msgspec
 from lbr.bus import session, wire
 from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
 from lbr.capability.context import Device
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import Unit
 from lbr.executive.processes.child import Child
 from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper

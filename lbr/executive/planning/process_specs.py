@@ -20,14 +20,14 @@ from lbr.database.rows import CapabilityRow, ChannelRow, RobotRows
 from lbr.executive.planning.credentials import token_secret
 from lbr.executive.planning.devices import device_address
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.site import Site
+from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.messages.rows import Row, RowSet, row_set, with_rows
 
 LAN = "lan"
 
 
-class Unit(Struct, frozen=True, kw_only=True):
+class ProcessSpec(Struct, frozen=True, kw_only=True):
     """One process of the plan; two equal units need no restart. `lan` is for the door to other machines alone."""
 
     name: str
@@ -55,9 +55,9 @@ def unit(
     rows: RobotRows,
     channels: list[ChannelRow],
     profile: Profile,
-    site: Site,
+    site: RunIdentity,
     running: set[str],
-) -> Unit:
+) -> ProcessSpec:
     """Return the process of a capability row, wired by `channels` to those that run."""
     kind = kinds[row.name]
     robot, host = rows.robot.name, profile.host_of(row.name)
@@ -91,7 +91,7 @@ def unit(
         rows={read.row.TABLE: _read(read, settings, rows, site) for read in kind.reads},
         release_key=site.seal(keys.estop_release(robot, row.name)),
     )
-    return Unit(
+    return ProcessSpec(
         name=row.name,
         kind=row.kind,
         family=kind.family,
@@ -106,13 +106,13 @@ def unit(
 
 
 def with_lan(
-    unit: Unit,
-    units: Mapping[str, Unit],
+    unit: ProcessSpec,
+    units: Mapping[str, ProcessSpec],
     kinds: Mapping[str, Kind],
     rows: RobotRows,
-    site: Site,
+    site: RunIdentity,
     rights: Mapping[str, Rights],
-) -> Unit:
+) -> ProcessSpec:
     """Return the unit; the door to other machines gets to know whom it may let in, and to what.
 
     `rights` are those of the processes that run on other machines.
@@ -150,7 +150,7 @@ def with_lan(
     return replace(unit, lan=config)
 
 
-def with_learnt(unit: Unit, rows: Mapping[str, msgspec.Raw]) -> Unit:
+def with_learnt(unit: ProcessSpec, rows: Mapping[str, msgspec.Raw]) -> ProcessSpec:
     """Return a unit that has these rows already, by table, as far as it reads such."""
     return replace(unit, config=replace(unit.config, rows=with_rows(unit.config.rows, rows)))
 
@@ -165,25 +165,25 @@ def _fits(column: Any, setting: Any) -> bool:
     return column == setting or "" in (column, setting)
 
 
-def commands_of(unit: Unit, kind: Kind) -> tuple[str, ...]:
+def commands_of(unit: ProcessSpec, kind: Kind) -> tuple[str, ...]:
     """Return what a unit can be asked for."""
     return tuple(unit.program.commands if unit.program is not None else kind.commands)
 
 
-def streams_of(robot: str, units: Iterable[Unit]) -> tuple[str, ...]:
+def streams_of(robot: str, units: Iterable[ProcessSpec]) -> tuple[str, ...]:
     """Return the keys of the streams that units publish under their own names."""
     keyed = ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
     return tuple(sorted({key for unit, key in keyed if key.startswith(f"{robot}/{unit.name}/")}))
 
 
-def _read(read: Read, settings: Any, rows: RobotRows, site: Site) -> RowSet:
+def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity) -> RowSet:
     """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit."""
     if read.row is LanUser:
         return row_set(read.row, _users(rows, site, "web"))
     return row_set(read.row, read_by(read, settings, rows.of(read.row)))
 
 
-def _users(rows: RobotRows, site: Site, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:
+def _users(rows: RobotRows, site: RunIdentity, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:
     """Return who may come in there; whose token is for the other way in is not even known to who opens this one."""
     return tuple(
         LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
@@ -192,7 +192,7 @@ def _users(rows: RobotRows, site: Site, door: Literal["bus", "web"]) -> tuple[La
     )
 
 
-def _guest(host: str, name: str, rows: RobotRows, site: Site) -> Credentials | None:
+def _guest(host: str, name: str, rows: RobotRows, site: RunIdentity) -> Credentials | None:
     """Return how a process on another machine proves itself: void with the token of its host."""
     token = next((one for one in rows.tokens if one.name == host and one.role == "host" and one.lets_in("bus")), None)
     if token is None:
@@ -211,7 +211,7 @@ def _is_setpoint(target: tuple[str, str], kinds: Mapping[str, Kind]) -> bool:
 
 
 def _wiring(
-    name: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: Site, robot: str
+    name: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: RunIdentity, robot: str
 ) -> dict[str, tuple[InputWire, ...]]:
     wires: dict[str, tuple[InputWire, ...]] = {}
     for channel in channels:
@@ -232,7 +232,7 @@ def _wiring(
 
 
 def _outputs(
-    name: str, output: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: Site, robot: str
+    name: str, output: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: RunIdentity, robot: str
 ) -> tuple[OutputWire, ...]:
     setpoints = [
         keys.port(robot, *channel.target_end)

@@ -6,7 +6,7 @@ from importlib import metadata
 import msgspec
 from msgspec import Raw, Struct
 
-from lbr.executive.planning.units import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.messages.codes import ReasonCode
 from lbr.messages.system import CapabilityStatus, Event
 
@@ -46,7 +46,7 @@ class HostReport(Struct, frozen=True, kw_only=True):
 class Placed(Struct, frozen=True, kw_only=True):
     """A process of a share; `restarts` is how often somebody has asked for a restart of it."""
 
-    unit: Unit
+    unit: ProcessSpec
     restarts: int = 0
 
 

@@ -9,8 +9,8 @@ from msgspec.structs import replace
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
-from lbr.executive.planning.units import Unit
-from lbr.executive.remote.hosting import GONE_S, TOLD, HostReport, HostShare, Placed, mark
+from lbr.executive.planning.process_specs import ProcessSpec
+from lbr.executive.remote.host_protocol import GONE_S, TOLD, HostReport, HostShare, Placed, mark
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import CapabilityStatus
 
@@ -24,7 +24,7 @@ class Host:
     def __init__(self, name: str, served: wire.QueryServer) -> None:
         self.name = name
         self.served = served
-        self.units: dict[str, Unit] = {}
+        self.units: dict[str, ProcessSpec] = {}
         self.share: tuple[Placed, ...] = ()
         self.mark = ""
         self.agent = self.where = ""
@@ -33,7 +33,7 @@ class Host:
         self.states: dict[str, CapabilityStatus] = {}
 
 
-class Hosts:
+class RemoteHosts:
     """Answers agents, at the key that `served` has for each host, from one thread.
 
     `happened(kind, subject, text, level)` hears what people should know, `learnt(name, rows)` what is to be written down, and
@@ -62,7 +62,7 @@ class Hosts:
         self._ended = False
         self._hosts = {name: Host(name, one) for name, one in served.items()}
 
-    def adopt(self, units: Iterable[Unit]) -> None:
+    def adopt(self, units: Iterable[ProcessSpec]) -> None:
         """Take over a plan's processes; each host gets its share with the answer to its next report."""
         units = tuple(units)
         for host in self._hosts.values():
@@ -159,7 +159,7 @@ class Hosts:
         lost = f"; gone with it: {', '.join(running)}" if running else ""
         self._happened("host_lost", host.name, f"{why}{lost}", level)
 
-    def _status(self, host: Host, unit: Unit) -> CapabilityStatus:
+    def _status(self, host: Host, unit: ProcessSpec) -> CapabilityStatus:
         found = host.states.get(unit.name) if host.agent else None
         if found is not None:
             ready = found.phase not in {"ready", "degraded"} or self._present(unit.name)
@@ -177,7 +177,7 @@ class Hosts:
             host=host.name,
         )
 
-    def _what_to_type(self, name: str, unit: Unit) -> str:
+    def _what_to_type(self, name: str, unit: ProcessSpec) -> str:
         if unit.config.credentials is None:
             return f"waits for host '{name}', which has no token; here, type: lbr token add {name} --role host"
         ways = self._ways()

@@ -7,7 +7,7 @@ from msgspec import Struct
 from lbr.bus.access import Credentials
 
 
-class Site(Struct, frozen=True, kw_only=True):
+class RunIdentity(Struct, frozen=True, kw_only=True):
     """What a plan needs to know of this run: where things are, and the secret its seals and passwords come from.
 
     `listen` are endpoints for other machines that were asked for at the command line.
