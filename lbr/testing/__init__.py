@@ -3,8 +3,8 @@
 `FakeContext` stands for the robot: time is what the test says, what the capability publishes is kept, and what it hears
 and is answered the test decides. `FakeCall` is a command for it.
 
-`lbr.testing.device` plugs in a device's twin, `lbr.testing.driver` checks what every driver has to do on it, and
-`lbr.testing.robot` runs a whole robot for the time of a test.
+`lbr.testing.device` plugs in a device's twin, `lbr.testing.driver` checks what every driver has to do on it,
+`lbr.testing.servos` what every driver of servos has to, and `lbr.testing.robot` runs a whole robot for the time of a test.
 """
 
 from lbr.testing.context import FakeAsked, FakeCall, FakeContext, FakeEstop

@@ -373,7 +373,7 @@ def takes(pid: int, number: int) -> bool:
 
 def test_a_tethered_process_dies_with_its_parent_also_when_it_is_frozen(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    line = "import sys; from subprocess import run; from lbr.capability.die_with_parent import tethered; run(tethered(('/bin/sh', '-c', sys.argv[1])))"
+    line = "import sys; from subprocess import run; from lbr.capability.die_with_parent import dying_with_parent; run(dying_with_parent(('/bin/sh', '-c', sys.argv[1])))"
     parent = programs.start([sys.executable, "-c", line, PIDS])
     (pid,) = until(lambda: pids(tmp_path))
     os.kill(pid, signal.SIGSTOP)

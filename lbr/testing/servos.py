@@ -1,0 +1,386 @@
+"""What every driver of servos has to do, tried on its twin, whose servos turn as they are told.
+
+    @pytest.mark.parametrize("check", lbr.testing.servos.CHECKS)
+    def test_my_servos(check, tmp_path):
+        with lbr.testing.servos.bench(KIND, tmp_path, ids=(1, 2)) as servos:
+            check(servos)
+
+It looks at what the twin's motors do, not at what the driver says of them.
+"""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from math import copysign
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from lbr.capability.context import Device
+from lbr.capability.die_with_parent import dying_with_parent
+from lbr.capability.kind import Kind
+from lbr.capability.registry import find
+from lbr.messages.joints import Joint
+from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
+from lbr.simulation.measured import ServoFelt
+from lbr.simulation.twins import ServoBus, Twin
+from lbr.testing import driver
+from lbr.testing.device import SUPPLY_V, Plugged, plugged
+from lbr.testing.driver import WITHIN_S, DriverBench
+
+HOLD_S = RELEASE_S = 0.5
+MOST_RPS = 0.6
+"""A servo of this bench turns no faster, whatever it is told: also one that knows no speeds can be stopped on its way."""
+AT_RAD = 0.05
+"""What counts as being there: a servo's margin and two degrees more."""
+STOOD_RAD = 0.15
+"""So far a servo may go on after a stop was seen: for a quarter of a second, since the machine may be busy."""
+WATCHED_S = 0.6
+GUARD_S = 8.0
+"""Held, faded and off by then, after the driver was killed."""
+ABSENT = 200
+SOURCE = "joints"
+REACH_RAD = 1.5
+
+
+class Shafts:
+    """The servos' shafts, without weight: one with torque turns to its goal, one without stays where it is.
+
+    It is the `live` of a twin that is plugged in. `begin_rad` is where they are to begin, one a little further than the
+    other, so that none is where a register's default would take it.
+    """
+
+    def __init__(self, ids: Sequence[int], begin_rad: float = 0.2) -> None:
+        self._lock = Lock()
+        self._at = {servo: begin_rad + 0.05 * place for place, servo in enumerate(ids)}
+        self._torque = dict.fromkeys(ids, 0.0)
+        self._now = time.monotonic()
+
+    def __call__(self, twin: Twin, now: float) -> None:
+        """Let time pass: turn what has torque, and have the twin feel where its servos are."""
+        assert isinstance(twin, ServoBus), f"{twin.name}: its twin has neither `drives` nor `feel_servos`"
+        drives = twin.drives(now)
+        with self._lock:
+            passed_s, self._now = now - self._now, now
+            speeds = dict.fromkeys(self._at, 0.0)
+            for servo, at in self._at.items():
+                drive = drives.get(servo)
+                self._torque[servo] = drive.torque if drive is not None else 0.0
+                if drive is None or not drive.torque > 0.0:
+                    continue
+                way = drive.goal_rad - at
+                step = copysign(min(abs(way), min(MOST_RPS, drive.speed_rps or MOST_RPS) * passed_s), way)
+                self._at[servo] = at + step
+                speeds[servo] = step / passed_s if passed_s > 0.0 else 0.0
+            felt = {servo: ServoFelt(position_rad=at, speed_rps=speeds[servo]) for servo, at in self._at.items()}
+        twin.feel_servos(felt, SUPPLY_V, now)
+
+    def push(self, way_rad: float) -> None:
+        """Turn all of them by hand."""
+        with self._lock:
+            self._at = {servo: at + way_rad for servo, at in self._at.items()}
+
+    def at(self) -> dict[int, float]:
+        """Return where each servo is, in radians from its middle."""
+        with self._lock:
+            return dict(self._at)
+
+    def torque(self) -> dict[int, float]:
+        """Return which share of its torque each servo's motor has."""
+        with self._lock:
+            return dict(self._torque)
+
+
+class ServosBench(DriverBench):
+    """A driver of servos beside its twin, and who sends it setpoints: `goals` goes to it at each step, None is silence."""
+
+    def __init__(self, kind: Kind, settings: Mapping[str, Any], device: Plugged, shafts: Shafts) -> None:
+        self.ids = tuple(shafts.at())
+        self.shafts = shafts
+        self.row = {"device": device.device.name, "guard": False, "hold_s": HOLD_S, "release_s": RELEASE_S, **settings}
+        super().__init__(kind, json.dumps(self.row), device, wired={"setpoint": (SOURCE,)}, given=joints(self.ids))
+        self.goals: Callable[[], tuple[ServoGoal, ...]] | None = None
+        self.halts = 0
+
+    def until(self, condition: Callable[[], object], what: str) -> None:
+        """Step until something is so; the setpoint of each moment goes ahead."""
+
+        def sent() -> object:
+            if self.goals is not None:
+                setpoint = ServoSetpoint(goals=self.goals(), halt=self.halts)
+                self.ctx.arrive("setpoint", setpoint, source=SOURCE)
+            return condition()
+
+        super().until(sent, what)
+
+    def steps(self, seconds: float) -> None:
+        """Go on for a while."""
+        end = time.monotonic() + seconds
+        self.until(lambda: time.monotonic() >= end, "time passes")
+
+    def stay(self) -> None:
+        """Want each servo to have torque, and to stay where it is."""
+        self.goals = lambda: tuple(ServoGoal(id=servo) for servo in self.ids)
+
+    def turn(self, way_rad: float) -> None:
+        """Want all servos to go so far from where they are."""
+        goals = tuple(ServoGoal(id=servo, position_rad=at + way_rad) for servo, at in self.shafts.at().items())
+        self.goals = lambda: goals
+
+    def limp(self) -> None:
+        """Want no servo to have torque."""
+        self.goals = lambda: tuple(ServoGoal(id=servo, torque=0.0) for servo in self.ids)
+        self.until(lambda: not any(self.shafts.torque().values()), f"none has torque: {self._torques()}")
+
+    def energised(self) -> None:
+        """Wait until each servo has torque."""
+        self.works()
+        self.stay()
+        self.until(lambda: all(self.shafts.torque().values()), f"all have torque: {self._torques()}")
+
+    def moved_rad(self, since: Mapping[int, float]) -> float:
+        """Return how far the servo is that has gone furthest."""
+        return max(abs(at - since[servo]) for servo, at in self.shafts.at().items())
+
+    @property
+    def state(self) -> ServosState:
+        """What the driver said last."""
+        found = self.ctx.said("state")[-1]
+        assert isinstance(found, ServosState)
+        return found
+
+    def _torques(self) -> str:
+        return ", ".join(f"servo {servo} {torque:g}" for servo, torque in self.shafts.torque().items())
+
+
+def joints(ids: Sequence[int]) -> tuple[Joint, ...]:
+    """Return a joint row for each servo."""
+    return tuple(
+        Joint(name=f"joint_{servo}", device_id=servo, lower_rad=-REACH_RAD, upper_rad=REACH_RAD, speed_rps=3.0)
+        for servo in ids
+    )
+
+
+@contextmanager
+def bench(
+    kind: Kind,
+    folder: Path,
+    *,
+    ids: Sequence[int] = (1, 2),
+    settings: Mapping[str, Any] | None = None,
+    device: Mapping[str, Any] | None = None,
+) -> Iterator[ServosBench]:
+    """Plug in the twin of a kind's device, with servos that turn, and put the driver beside it.
+
+    `settings` are the capability's beside the usual, `device` those of the twin's row.
+    """
+    shafts = Shafts(ids)
+    with plugged(kind.device, folder, settings=dict(device or {}), live=shafts) as found:
+        made = ServosBench(kind, settings or {}, found, shafts)
+        try:
+            yield made
+        finally:
+            made.close()
+
+
+def moves_nothing_when_it_opens(servos: ServosBench) -> None:
+    """Before a setpoint wants it, no servo gets torque; and the driver says truly where each is."""
+    servos.works()
+    began = servos.shafts.at()
+    servos.until(lambda: _told(servos), "each servo's position is told")
+    servos.steps(WATCHED_S)
+    assert not any(servos.shafts.torque().values()), "a servo got torque that nobody wanted"
+    assert servos.moved_rad(began) == 0.0
+    for one in servos.state.servos:
+        true = began[one.id]
+        assert one.position_rad is not None
+        assert abs(one.position_rad - true) < AT_RAD, (
+            f"servo {one.id} is at {true:.3f} rad and the driver says {one.position_rad:.3f}: driver and twin read the "
+            "data sheet in two ways"
+        )
+
+
+def switches_torque_on_where_the_servos_are(servos: ServosBench) -> None:
+    """Torque comes on without a jerk, also after a hand has turned servos that still have a goal of before."""
+    for way_rad in (0.0, 0.4):
+        servos.shafts.push(way_rad)
+        began = servos.shafts.at()
+        servos.works()
+        servos.until(lambda: _true(servos), "the driver says where they are")
+        servos.energised()
+        servos.steps(WATCHED_S)
+        assert all(servos.shafts.torque().values()), "a servo lost its torque again"
+        gone = servos.moved_rad(began)
+        assert gone < AT_RAD, (
+            f"a servo turned by {gone:.3f} rad when it got torque: write where it is as its goal first"
+        )
+        servos.limp()
+
+
+def goes_where_it_is_told(servos: ServosBench) -> None:
+    """Goals are followed to their end, and told truly."""
+    servos.energised()
+    for way_rad in (0.5, -0.8):
+        began = servos.shafts.at()
+        servos.turn(way_rad)
+        servos.until(
+            lambda began=began, way_rad=way_rad: all(  # type: ignore[misc]
+                abs(at - began[servo] - way_rad) < AT_RAD for servo, at in servos.shafts.at().items()
+            ),
+            f"all have turned by {way_rad:g} rad",
+        )
+        servos.until(lambda: _true(servos), "the driver says where they are")
+
+
+def stays_where_it_is_stopped(servos: ServosBench) -> None:
+    """A stop holds each servo where it is, with torque."""
+    servos.energised()
+    began = servos.shafts.at()
+    servos.turn(1.0)
+    servos.until(lambda: servos.moved_rad(began) > 0.2, "they move")
+    servos.stay()
+    servos.halts += 1
+    _stands(servos, "it was stopped")
+
+
+def holds_in_an_emergency_stop(servos: ServosBench) -> None:
+    """Once it has acknowledged, nothing moves, whatever setpoints still come."""
+    servos.energised()
+    began = servos.shafts.at()
+    servos.turn(1.0)
+    servos.until(lambda: servos.moved_rad(began) > 0.2, "they move")
+    servos.ctx.estop.engaged = True
+    servos.until(lambda: any(stopped for stopped, _ in servos.ctx.estop.acknowledged), "the stop is acknowledged")
+    if servos.row.get("on_estop") == "release":
+        assert not any(servos.shafts.torque().values()), "it acknowledged, and a servo has torque"
+        return
+    _stands(servos, "the emergency stop was acknowledged")
+
+
+def lets_go_of_what_nobody_moves(servos: ServosBench) -> None:
+    """When setpoints cease, servos hold for `hold_s`, fade for `release_s`, and then have no torque."""
+    servos.energised()
+    began = servos.shafts.at()
+    servos.turn(1.0)
+    servos.until(lambda: servos.moved_rad(began) > 0.2, "they move")
+    servos.goals, ceased = None, time.monotonic()
+    servos.until(lambda: servos.state.phase != "following", "the silence is noticed")
+    stood = servos.shafts.at()
+    servos.until(lambda: not any(servos.shafts.torque().values()), "all are without torque")
+    _let_go_in_time(servos, ceased, stood)
+
+
+def goes_on_without_a_servo_that_is_absent(servos: ServosBench) -> None:
+    """A joint row whose servo does not answer is named, and holds up none of the others."""
+    servos.ctx.given = joints((*servos.ids, ABSENT))
+    servos.driver = servos.kind.load()(servos.ctx)
+    servos.energised()
+    servos.until(lambda: any(one.id == ABSENT and one.reason for one in servos.state.servos), f"{ABSENT} is missed")
+    said = " ".join(servos.ctx.health)
+    assert f"joint_{ABSENT}" in said, f"nothing names joint_{ABSENT}: {said}"
+    began = servos.shafts.at()
+    servos.turn(0.4)
+    servos.until(lambda: servos.moved_rad(began) > 0.3, "the others move")
+
+
+def is_outlived_by_its_guard(servos: ServosBench) -> None:
+    """When the driver is killed while servos move, its guard holds them where they are, and then takes their torque.
+
+    The driver runs in a process of its own, so the kind is to be installed.
+    """
+    told = {"kind": servos.kind.name, "ids": servos.ids, "row": {**servos.row, "guard": True}}
+    place = {
+        "name": servos.device.device.name,
+        "type": servos.device.device.type,
+        "address": servos.device.device.address,
+    }
+    argv = dying_with_parent((sys.executable, "-m", "lbr.testing.servos", json.dumps({**told, "device": place})))
+    began = servos.shafts.at()
+    process = subprocess.Popen(argv, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    try:
+        end = time.monotonic() + 2.0 * WITHIN_S
+        while servos.moved_rad(began) < 0.2:
+            assert process.poll() is None, f"the driver's process ended: {process.communicate()[1][-1000:]}"
+            assert time.monotonic() < end, "nothing moved"
+            time.sleep(0.005)
+    finally:
+        process.kill()
+        process.communicate()
+    killed = time.monotonic()
+    time.sleep(HOLD_S / 2.0)
+    stood = servos.shafts.at()
+    assert all(servos.shafts.torque().values()), "a servo was let go at once: the guard is to hold it first"
+    end = killed + GUARD_S
+    while any(servos.shafts.torque().values()):
+        assert time.monotonic() < end, f"servos have torque {GUARD_S:g} s after their driver was killed: no guard acted"
+        time.sleep(0.005)
+    _let_go_in_time(servos, killed, stood)
+
+
+CHECKS: tuple[Callable[[ServosBench], None], ...] = (
+    *driver.CHECKS,
+    moves_nothing_when_it_opens,
+    switches_torque_on_where_the_servos_are,
+    goes_where_it_is_told,
+    stays_where_it_is_stopped,
+    holds_in_an_emergency_stop,
+    lets_go_of_what_nobody_moves,
+    goes_on_without_a_servo_that_is_absent,
+    is_outlived_by_its_guard,
+)
+"""All of it, what every driver has to do included."""
+
+
+def _told(servos: ServosBench) -> bool:
+    return bool(servos.state.servos) and all(one.position_rad is not None for one in servos.state.servos)
+
+
+def _true(servos: ServosBench) -> bool:
+    at = servos.shafts.at()
+    return all(
+        one.position_rad is not None and abs(one.position_rad - at[one.id]) < AT_RAD for one in servos.state.servos
+    )
+
+
+def _stands(servos: ServosBench, why: str) -> None:
+    stood = servos.shafts.at()
+    servos.steps(WATCHED_S)
+    gone = servos.moved_rad(stood)
+    assert gone < STOOD_RAD, f"a servo went on by {gone:.3f} rad after {why}"
+    assert all(servos.shafts.torque().values()), f"a servo has no torque after {why}: it is to hold"
+
+
+def _let_go_in_time(servos: ServosBench, since: float, stood: Mapping[int, float]) -> None:
+    passed_s, gone = time.monotonic() - since, servos.moved_rad(stood)
+    assert passed_s > 0.8 * HOLD_S, f"servos were let go after {passed_s:.2f} s, and hold_s is {HOLD_S:g}"
+    assert gone < STOOD_RAD, f"a servo went on by {gone:.3f} rad that nobody moved any more"
+
+
+class _Elsewhere:
+    """The device of a driver in another process than its twin."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+
+
+def _drive_until_killed(told: Mapping[str, Any]) -> None:
+    kind = find(told["kind"], Path("/nonexistent"))
+    shafts = Shafts(told["ids"])
+    servos = ServosBench(kind, told["row"], _Elsewhere(Device(**told["device"], settings={})), shafts)  # type: ignore[arg-type]
+    servos.works()
+    servos.stay()
+    servos.until(lambda: servos.state.phase == "following" and _torque_told(servos), "torque")
+    servos.turn(1.0)
+    while True:
+        servos.steps(WATCHED_S)
+
+
+def _torque_told(servos: ServosBench) -> bool:
+    return all(one.torque for one in servos.state.servos)
+
+
+if __name__ == "__main__":
+    _drive_until_killed(json.loads(sys.argv[1]))
