@@ -206,7 +206,7 @@ def test_imports_go_down_only_and_each_library_has_one_owner(path):
     [
         ("lbr.messages.drive", "from lbr.bus import keys"),
         ("lbr.drivers.uxa90.messages", "from lbr.drivers.uxa90 import packets"),
-        ("lbr.apps.web.uxa90.work", "from lbr.drivers.uxa90 import packets"),
+        ("lbr.apps.web.uxa90.service", "from lbr.drivers.uxa90 import packets"),
         ("lbr.bus.wire", "import lbr.capability.kind"),
         ("lbr.drivers.roboteq.capability", "from lbr.operations.drive import KIND"),
         ("lbr.drivers.roboteq.capability", "from lbr.executive.planning import plan"),
@@ -272,7 +272,7 @@ def test_no_general_floor_knows_a_particular_robot(path):
         ("lbr.simulation.bioloid.body", ""),
         ("lbr.apps.web.states", "HEARD = 'what the UXA-90 says'"),
         ("lbr.drivers.wheels.arming", "if kind == 'roboteq': ..."),
-        ("lbr.console.body", '"""AX-12A servos."""'),
+        ("lbr.console.joint_status", '"""AX-12A servos."""'),
     ],
 )
 def test_the_check_sees_a_robot_on_a_general_floor(module, source):
@@ -281,7 +281,7 @@ def test_the_check_sees_a_robot_on_a_general_floor(module, source):
 
 
 def test_packages_of_one_robot_are_no_general_floor():
-    assert not any(map(is_general, ("lbr.drivers.uxa90.bus", "lbr.apps.web.uxa90.work", "lbr.robots.bioloid")))
+    assert not any(map(is_general, ("lbr.drivers.uxa90.bus", "lbr.apps.web.uxa90.service", "lbr.robots.bioloid")))
     assert all(
         map(is_general, ("lbr.drivers.servos.targets", "lbr.apps.web.face", "lbr.drivers.mover", "lbr.robots.robot"))
     )

@@ -11,7 +11,7 @@ import pytest
 from lbr import home
 from lbr.apps.navcam import access
 from lbr.commands import checks
-from lbr.console import wallet
+from lbr.console import token_store
 from lbr.database.store import create
 from lbr.errors import InputError
 from lbr.executive.planning import credentials
@@ -122,10 +122,10 @@ def test_a_key_that_is_not_ours_alone_is_refused(place, name, use, fault):
 def test_saved_tokens_that_others_may_change_are_refused(place):
     path = place / "credentials" / "robots.json"
     home.write_private(path, b"{}")
-    assert list(wallet.offered("tls/x:1", None)) == []
+    assert list(token_store.offered("tls/x:1", None)) == []
     path.chmod(0o622)
     with pytest.raises(InputError, match=rf"{path} may be changed by others \(mode 0622\)"):
-        list(wallet.offered("tls/x:1", None))
+        list(token_store.offered("tls/x:1", None))
     path.chmod(0o640)
     assert [text for text in doctors_findings() if "could be read by others" in text]
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from concurrent import futures
 from typing import IO
 
-from lbr.console.hold import Ending, Holder
+from lbr.console.lease_keeper import Ending, LeaseKeeper
 from lbr.console.operator import Operator, is_stop, stopped_since
 from lbr.console.printable import one_line
 from lbr.errors import BusError, InputError, LbrError
@@ -156,7 +156,7 @@ class Lines:
             return result.result()
         raise BusError("the console ends; nobody waited for the answer")
 
-    def _hold(self, held: Holder) -> Ending | None:
+    def _hold(self, held: LeaseKeeper) -> Ending | None:
         until = time.monotonic() + self._hold_s if self._hold_s is not None else None
         while held.ending is None and not self.closing:
             self._operator.ear.beat()
@@ -189,7 +189,7 @@ class Lines:
     def _is_over(self, until: float | None, *, ready: bool) -> bool:
         return ready if until is None else not time.monotonic() < until
 
-    def _release(self, held: Holder) -> Ending | None:
+    def _release(self, held: LeaseKeeper) -> Ending | None:
         self._operator.release("the input ended" if self._hold_s is None else f"the {self._hold_s:g} s are over")
         return Ending(good=True, text=f"stopped after {held.elapsed_s:.1f} s")
 

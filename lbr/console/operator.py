@@ -13,8 +13,8 @@ from lbr.bus.access import Credentials
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console.ear import Ear
-from lbr.console.hold import Ending, Holder, stop
-from lbr.console.news import News
+from lbr.console.event_filter import EventFilter
+from lbr.console.lease_keeper import Ending, LeaseKeeper, stop
 from lbr.console.printable import clean
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.errors import BusError, InputError, MalformedError
@@ -74,10 +74,10 @@ class Operator(Protocol):
     def events(self) -> list[Event]:
         """Return the events since the last call."""
 
-    def held(self) -> Holder | None:
+    def held(self) -> LeaseKeeper | None:
         """Return what is being held, None if nothing moves on our behalf."""
 
-    def latest(self) -> Holder | None:
+    def latest(self) -> LeaseKeeper | None:
         """Return what was held last, whether or not it has ended."""
 
     def release(self, why: str = LET_GO) -> None:
@@ -138,9 +138,9 @@ class BusOperator:
         self._submit = submit or self._ask
         self._lock = threading.Lock()
         self._said = 0
-        self._news = News(source)
+        self._news = EventFilter(source)
         self._quiet_until = 0.0
-        self._holder: Holder | None = None
+        self._holder: LeaseKeeper | None = None
         self._latest: _Latest | None = _Latest(streams or session, robot, wake) if listen else None
 
     def submit(self, line: str, waited_s: float = 0.0) -> ConsoleResult:
@@ -183,12 +183,12 @@ class BusOperator:
         """Return the events since the last call that are news to whoever says lines here."""
         return self._news.sifted(self._latest.events()) if self._latest else []
 
-    def held(self) -> Holder | None:
+    def held(self) -> LeaseKeeper | None:
         """Return what is being held."""
         holder = self._holder
         return holder if holder is not None and holder.ending is None else None
 
-    def latest(self) -> Holder | None:
+    def latest(self) -> LeaseKeeper | None:
         """Return what was held last."""
         return self._holder
 
@@ -226,7 +226,7 @@ class BusOperator:
     def _take(self, line: str, turn: int, result: ConsoleResult) -> None:
         if result.hold is None:
             return
-        holder = Holder(
+        holder = LeaseKeeper(
             self._session, result.hold, self._source, self.ear, on_end=lambda ending: self._ended(line, ending)
         )
         with self._lock:

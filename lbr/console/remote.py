@@ -13,9 +13,9 @@ from lbr.bus import keys, session, tokens, wire
 from lbr.bus.access import Credentials
 from lbr.bus.session import Session
 from lbr.bus.tokens import Token
-from lbr.console import wallet
+from lbr.console import token_store
 from lbr.console.printable import shown
-from lbr.console.wallet import Offered
+from lbr.console.token_store import Offered
 from lbr.errors import BusError, InputError
 from lbr.messages.system import Role
 
@@ -48,18 +48,20 @@ def enter(endpoint: str, token_file: Path | None) -> Entry:
     """
     der = certificate_at(endpoint)
     refused = ""
-    for one in wallet.offered(endpoint, token_file):
+    for one in token_store.offered(endpoint, token_file):
         refused = _why_not(endpoint, one, der)
         if not refused:
             if one.typed:
-                wallet.save(endpoint, one.token)
+                token_store.save(endpoint, one.token)
             return _entry(one.token, der)
         if one.typed:
             break
-        if one.saved and wallet.can_ask():
+        if one.saved and token_store.can_ask():
             print(f"lbr: {refused}", file=sys.stderr)
             refused = ""
-    raise RefusedError(refused or f"{shown(endpoint)} wants a token: set {wallet.VARIABLE}, or use --token-file; {HOW}")
+    raise RefusedError(
+        refused or f"{shown(endpoint)} wants a token: set {token_store.VARIABLE}, or use --token-file; {HOW}"
+    )
 
 
 def role_at(bus: Session, robot: str, source: str) -> Role:

@@ -27,14 +27,14 @@ from prompt_toolkit.keys import Keys
 from prompt_toolkit.search import stop_search
 from prompt_toolkit.styles import Style
 
-from lbr.console.above import Above, Screen
-from lbr.console.asking import LET_BE, QUESTION, Question
 from lbr.console.completion import LineCompleter
+from lbr.console.confirmation import LET_BE, QUESTION, Confirmation
 from lbr.console.ear import BEAT_S, STUCK_S, Contact
-from lbr.console.hold import Ending
 from lbr.console.keyboard import CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
+from lbr.console.lease_keeper import Ending
 from lbr.console.operator import BusOperator, is_stop, stopped_since
 from lbr.console.printable import one_line, wrapped
+from lbr.console.prompt_output import PromptOutput, Screen
 from lbr.console.toolbar import CONTACT_S, toolbar
 from lbr.errors import LbrError
 from lbr.messages.system import ConsoleResult, Event
@@ -81,7 +81,7 @@ class Terminal:
         self._under_way: dict[str, float] = {}
         self._completer = LineCompleter()
         self._revision = -1
-        self._question = Question()
+        self._question = Confirmation()
         self._over = threading.Event()
         self._session: PromptSession[str] = PromptSession(
             PROMPT,
@@ -101,7 +101,7 @@ class Terminal:
         self._session.default_buffer.accept_handler = self._accept
         self._stops = 0
         listen(self._session.app.input, heard=self._overheard, flooded=self._flooded)
-        self._above = Above(self._session.app, self._screen)
+        self._above = PromptOutput(self._session.app, self._screen)
         self._lines: queue.SimpleQueue[tuple[float, str]] = queue.SimpleQueue()
 
     def run(self) -> int:

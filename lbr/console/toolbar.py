@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from lbr.console import body
-from lbr.console.body import BAD, DOUBTFUL, GOOD, Piece
-from lbr.console.hold import Holder
+from lbr.console import joint_status
+from lbr.console.joint_status import BAD, DOUBTFUL, GOOD, Piece
+from lbr.console.lease_keeper import LeaseKeeper
 from lbr.console.operator import Telemetry
 from lbr.console.printable import one_line, shown
 from lbr.messages.sensing import Ranges
@@ -16,7 +16,7 @@ SEPARATOR = " | "
 
 
 def toolbar(
-    robot: str, telemetry: Telemetry, held: Holder | None, under_way: Mapping[str, float], columns: int = 1000
+    robot: str, telemetry: Telemetry, held: LeaseKeeper | None, under_way: Mapping[str, float], columns: int = 1000
 ) -> Fragments:
     """Return the bar, cut to `columns` from its least important end; `under_way` are lines without a result yet, and
     for how many seconds."""
@@ -36,9 +36,9 @@ def toolbar(
     if telemetry.ranges is not None:
         pieces.append((6, "", _nearest(telemetry.ranges)))
     if telemetry.joints is not None:
-        pieces += body.joints(telemetry.joints)
+        pieces += joint_status.joints(telemetry.joints)
     if telemetry.power is not None:
-        pieces += body.power(telemetry.power)
+        pieces += joint_status.power(telemetry.power)
     pieces += [(7, "", f"{shown(line)} ({age_s:.0f} s)") for line, age_s in under_way.items()]
     return _joined(_fitting(pieces, columns))
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import pytest
 
 from lbr.apps.dance import KIND
-from lbr.apps.dance.mover import TAKING_POWER
+from lbr.apps.dance.base_client import TAKING_POWER
 from lbr.capability.context import Received
 from lbr.messages.dance import DanceCommand, DanceStep
 from lbr.messages.leases import CommandReply, StopCommand

@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 from prompt_toolkit.completion import CompleteEvent
 from prompt_toolkit.document import Document
 
-from lbr.console.asking import Question
-from lbr.console.body import joints, power
 from lbr.console.completion import LineCompleter
+from lbr.console.confirmation import Confirmation
+from lbr.console.joint_status import joints, power
 from lbr.console.joint_table import lines
 from lbr.console.operator import Telemetry
 from lbr.console.toolbar import toolbar
@@ -135,7 +135,7 @@ def test_joints_and_motions_complete(typed, offered):
     [("y", "/torque/off/all"), (" YES ", "/torque/off/all"), ("", None), ("n", None), ("s", "s"), ("/x/1", "/x/1")],
 )
 def test_only_a_yes_does_it_and_another_line_is_that_line(answer, meant):
-    question = Question()
+    question = Confirmation()
     question.ask(ConsoleResult(code=1, text="", confirm="/torque/off/all"))
     assert question.answer(answer) == meant
     assert not question.open
@@ -144,7 +144,7 @@ def test_only_a_yes_does_it_and_another_line_is_that_line(answer, meant):
 
 def test_a_yes_that_comes_late_is_no_answer():
     now = [0.0]
-    question = Question(lambda: now[0])
+    question = Confirmation(lambda: now[0])
     question.ask(ConsoleResult(code=1, text="", confirm="/torque/off/all"))
     now[0] = 31.0
     assert question.answer("y") == "y"

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 from prompt_toolkit.input.vt100 import Vt100Input
 
-from lbr.console.above import Screen as TerminalScreen
 from lbr.console.keyboard import QUIET_S
 from lbr.console.operator import BusOperator
+from lbr.console.prompt_output import Screen as TerminalScreen
 from lbr.console.terminal import Terminal, describe
 from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import ConsoleResult, Event
@@ -401,7 +401,7 @@ def test_a_terminal_that_is_not_read_can_be_left(robot, screen, leave):
 
 def test_a_reader_who_is_back_sees_a_whole_screen_and_how_much_was_left_out(robot, screen, monkeypatch):
     flood(robot, screen)
-    monkeypatch.setattr("lbr.console.above.KEPT_CHARS", 100)
+    monkeypatch.setattr("lbr.console.prompt_output.KEPT_CHARS", 100)
     for number in range(50):
         screen.terminal._above.print(f"line {number}")
     screen.types("abc")

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.drivers.infrared import KIND, InfraredSettings, decoders
-from lbr.drivers.infrared.heard import Heard
+from lbr.drivers.infrared.recent_signals import RecentSignals
 from lbr.drivers.infrared.records import RecordParser, Scancode, read_event, read_scancode
 from lbr.simulation.devices.infrared import BeamCodes
 
@@ -78,7 +78,7 @@ def test_a_record_no_kernel_writes_is_no_scancode(record):
 
 @given(st.lists(st.tuples(st.sampled_from("ab"), st.floats(0, 100)), max_size=10), st.floats(0, 200))
 def test_a_signal_counts_for_its_time_to_live_after_it_was_seen_last(sights, now):
-    heard = Heard[str](1.5)
+    heard = RecentSignals[str](1.5)
     for signal, seen in sights:
         heard.hear(signal, seen)
     last = {signal: max(seen for other, seen in sights if other == signal) for signal, _ in sights}

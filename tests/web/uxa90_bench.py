@@ -7,7 +7,7 @@ from typing import Any
 from lbr.apps.web import WebSettings
 from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.robot import Robot, Snapshot
-from lbr.apps.web.uxa90.work import Work
+from lbr.apps.web.uxa90.service import Service
 from lbr.capability.context import Received
 from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, Motor
@@ -91,7 +91,7 @@ class Bench:
         self.failed: list[Exception] = []
         self.bridge = Bridge(lambda: None, self.failed.append)
         self.robot = Robot(self.ctx, self.bridge, None, None)
-        self.work = Work(self.robot)
+        self.work = Service(self.robot)
         self.leases = 0
         self.refusal = ""
         self.answered = 0

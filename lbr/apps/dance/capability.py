@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lbr.apps.dance import DanceSettings, metronome, songs
+from lbr.apps.dance.base_client import BaseClient
 from lbr.apps.dance.choreography import Choreography, beat_at, choose
-from lbr.apps.dance.mover import Mover
 from lbr.apps.dance.music import Music
 from lbr.apps.dance.songs import Song
 from lbr.capability.base import Capability
@@ -28,7 +28,7 @@ class _Dance:
 
     song: Song
     choreography: Choreography
-    mover: Mover
+    mover: BaseClient
     call: Call | None
     music: Music | None = None
     beat: int = 0
@@ -84,7 +84,7 @@ class Dance(Capability[DanceSettings]):
         except OSError as err:
             raise InputError(f"{self._music} takes no songs ({err.strerror or err}); check the disk", "failed") from err
         song = songs.load(self._music, command.song)
-        self._dance = _Dance(song, choreography, Mover(self.ctx, choreography.at(0)), call)
+        self._dance = _Dance(song, choreography, BaseClient(self.ctx, choreography.at(0)), call)
 
     def _go_on(self, dance: _Dance) -> None:
         dance.mover.step()

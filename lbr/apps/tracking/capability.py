@@ -10,7 +10,7 @@ from lbr.apps.tracking import TrackingSettings
 from lbr.apps.tracking.control import AHEAD, Angles, Tuning, ahead_again, clamped, follow
 from lbr.apps.tracking.eye import Eye, Look
 from lbr.apps.tracking.gaze import Gaze
-from lbr.apps.tracking.mover import Mover, Neck
+from lbr.apps.tracking.head_client import HeadClient, Neck
 from lbr.apps.tracking.sketch import Sketch, sketch
 from lbr.apps.tracking.vision import check, finder, load
 from lbr.capability import picture_files
@@ -39,7 +39,7 @@ class _Following:
     """What is under way; `call` waits for the answer until the head is ours and the eye sees."""
 
     command: TrackCommand
-    mover: Mover
+    mover: HeadClient
     eye: Eye
     gaze: Gaze
     call: Call | None
@@ -119,7 +119,7 @@ class Tracking(Capability[TrackingSettings]):
         pose = gaze.at(now)
         aim = clamped(pose.angles if pose is not None else AHEAD, self._tuning())
         neck = Neck(settings.yaw_joint, settings.pitch_joint, settings.speed_rps, settings.torque)
-        mover = Mover(self.ctx, neck, aim, call.arrived)
+        mover = HeadClient(self.ctx, neck, aim, call.arrived)
         eye = Eye(partial(finder, settings, command.target), self.ctx.wake)
         self._following = _Following(command, mover, eye, gaze, call, aim, began=now, turned_s=now)
 

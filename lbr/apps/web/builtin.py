@@ -10,6 +10,7 @@ from msgspec import Meta, Struct
 from starlette.responses import Response
 
 from lbr.apps.web import openapi, qr
+from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import (
     HTML,
@@ -24,7 +25,6 @@ from lbr.apps.web.face import (
     text,
 )
 from lbr.apps.web.faces import Faces
-from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.states import State, States
 from lbr.messages.leases import StopCommand
@@ -54,7 +54,7 @@ class EstopAnswer(Struct, frozen=True, kw_only=True):
 class BuiltinRoutes:
     """The server's own routes."""
 
-    def __init__(self, robot: Robot, states: States, place: Place, faces: Faces) -> None:
+    def __init__(self, robot: Robot, states: States, place: AdvertisedAddress, faces: Faces) -> None:
         self._robot = robot
         self._states = states
         self._place = place

@@ -13,6 +13,7 @@ from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
 from lbr.apps.web import PORTS, WebSettings
 from lbr.apps.web.access import Access
+from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
 from lbr.apps.web.application import Gate, application
 from lbr.apps.web.bridge import Bridge
@@ -20,7 +21,6 @@ from lbr.apps.web.builtin import STOPS, BuiltinRoutes
 from lbr.apps.web.faces import Faces
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.login import Login
-from lbr.apps.web.place import Place
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
@@ -59,7 +59,7 @@ class Web(Capability[WebSettings]):
         self._serving: Serving | None = None
         self._streams: Streams | None = None
         self._announcer: Announcer | None = None
-        self._place = Place(ctx.robot, ctx.name, ctx.settings, ctx.settings.port, here=tuple)
+        self._place = AdvertisedAddress(ctx.robot, ctx.name, ctx.settings, ctx.settings.port, here=tuple)
         self._tell_at = self._look_at = 0.0
 
     def open(self) -> None:
@@ -70,7 +70,7 @@ class Web(Capability[WebSettings]):
         except InputError as err:
             row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
             raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
-        self._place = Place(self.ctx.robot, self.ctx.name, settings, sockets[0].getsockname()[1])
+        self._place = AdvertisedAddress(self.ctx.robot, self.ctx.name, settings, sockets[0].getsockname()[1])
         self._bridge.open()
         try:
             self._serving = Serving(self._application(), sockets, tls=self._place.tls, beside=self._beside(sockets[0]))

@@ -6,7 +6,7 @@ from lbr.bus import pictures
 from lbr.capability import picture_files
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
-from lbr.drivers.camera import CameraSettings, wish
+from lbr.drivers.camera import CameraSettings, switch_memory
 from lbr.drivers.camera.capture import Capture
 from lbr.drivers.camera.picture import Picture
 from lbr.drivers.camera.source import open_source
@@ -40,7 +40,7 @@ class Camera(Capability[CameraSettings]):
 
     def __init__(self, ctx: Context[CameraSettings]) -> None:
         super().__init__(ctx)
-        self._on = wish.kept(ctx.home, ctx.robot, ctx.name, otherwise=ctx.settings.on)
+        self._on = switch_memory.kept(ctx.home, ctx.robot, ctx.name, otherwise=ctx.settings.on)
         self._capture: Capture | None = None
         self._switching: _Switching | None = None
         self._newest: Picture | None = None
@@ -84,7 +84,7 @@ class Camera(Capability[CameraSettings]):
 
     def _want(self, *, on: bool) -> None:
         self._on = on
-        wish.keep(self.ctx.home, self.ctx.robot, self.ctx.name, on=on)
+        switch_memory.keep(self.ctx.home, self.ctx.robot, self.ctx.name, on=on)
         self._follow_switch()
 
     def _follow_switch(self) -> None:

@@ -5,8 +5,8 @@ from math import inf
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.drivers.infrared import BEAMS, Beam, InfraredSettings
-from lbr.drivers.infrared.heard import Heard
 from lbr.drivers.infrared.receiver import Receiver
+from lbr.drivers.infrared.recent_signals import RecentSignals
 from lbr.drivers.infrared.records import ANY_PROTOCOL, Scancode
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockSignal
@@ -28,7 +28,7 @@ class Infrared(Capability[InfraredSettings]):
 
     def __init__(self, ctx: Context[InfraredSettings]) -> None:
         super().__init__(ctx)
-        self._heard: Heard[Beam] = Heard(ctx.settings.ttl_s)
+        self._heard: RecentSignals[Beam] = RecentSignals(ctx.settings.ttl_s)
         self._beams = ctx.settings.beams
         self._receiver: Receiver | None = None
         self._retry_at = -inf

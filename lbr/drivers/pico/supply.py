@@ -7,7 +7,7 @@ from typing import Protocol
 from lbr.capability.context import Device
 from lbr.drivers.i2c import Bus, unanswered
 from lbr.drivers.pico import PicoSettings, registers
-from lbr.drivers.pico.sweep import Sweep, items
+from lbr.drivers.pico.readout import Readout, items
 from lbr.messages.power import UpsState
 
 FED_TIMES = 4
@@ -79,8 +79,8 @@ class Supply:
         finally:
             self._bus.close()
 
-    def _begin(self) -> Sweep:
-        return Sweep(list(items(self._settings, self._cell)), self._settings.retries)
+    def _begin(self) -> Readout:
+        return Readout(list(items(self._settings, self._cell)), self._settings.retries)
 
     def _read(self) -> None:
         item = self._sweep.left[0]

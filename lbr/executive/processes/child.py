@@ -20,7 +20,7 @@ from lbr.capability.config import NOTHING, ProcessConfig, Report
 from lbr.capability.die_with_parent import dying_with_parent
 from lbr.capability.program import ProgramSettings
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
-from lbr.console import wallet
+from lbr.console import token_store
 from lbr.errors import MalformedError
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
@@ -164,7 +164,7 @@ class Child:
 
 def _environment(config: ProcessConfig) -> dict[str, str]:
     environment = leaf_environment() if config.private == NOTHING else dict(os.environ)  # the door is a router, no leaf
-    environment.pop(wallet.VARIABLE, None)
+    environment.pop(token_store.VARIABLE, None)
     return environment | {"LBR_HOME": config.home}
 
 

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from lbr.messages.codes import Reason
 from lbr.messages.joints import MAX_FRAMES, JointsCommand, StoredMotion
 from lbr.operations.joints import planning, stored, torque
-from lbr.operations.joints.asked import Asked, asked, empty, named, strengths
+from lbr.operations.joints.request import JointsRequest, asked, empty, named, strengths
 from lbr.operations.joints.state import NOT_ADOPTED, Command, State, joint_trouble, servos_trouble
 from lbr.operations.leasing import rules
 from lbr.operations.leasing.lease import LeaseRequest, quoted
@@ -45,7 +45,7 @@ def asks(state: State, event: Command) -> LeaseRequest:
 
 def command_of(ask: LeaseRequest) -> JointsCommand:
     """Return the motion that is asked for."""
-    assert isinstance(ask.what, Asked)
+    assert isinstance(ask.what, JointsRequest)
     return ask.what.command
 
 

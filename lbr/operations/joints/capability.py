@@ -9,7 +9,7 @@ from lbr.capability.context import Call, Context, Received
 from lbr.messages.joints import Joint, JointsCommand, JointsState, RecoverCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos
-from lbr.operations.joints import asked
+from lbr.operations.joints import request
 from lbr.operations.joints.body import body
 from lbr.operations.joints.kernel import decide
 from lbr.operations.joints.moving import setpoint
@@ -93,7 +93,7 @@ class Joints(Lender[JointsSettings, State]):
             case "command":
                 self.happen(_motion(call, call.message), call)
             case "move":
-                self.happen(_motion(call, asked.of_move(call.message)), call)
+                self.happen(_motion(call, request.of_move(call.message)), call)
             case "torque":
                 self.happen(_torque(call), call)
             case "recover":

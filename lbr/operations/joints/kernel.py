@@ -7,9 +7,9 @@ from msgspec.structs import replace
 from lbr.messages.codes import Reason
 from lbr.operations.joints import moving, planning, servos, stored, torque
 from lbr.operations.joints.acceptance import asks, command_of, refusal
-from lbr.operations.joints.asked import strengths
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint, still, take
 from lbr.operations.joints.move import Move
+from lbr.operations.joints.request import strengths
 from lbr.operations.joints.state import (
     Command,
     Event,

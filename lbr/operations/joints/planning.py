@@ -6,8 +6,8 @@ from msgspec.structs import replace
 
 from lbr.messages.joints import JointsCommand, KeyFrame
 from lbr.operations.joints import trajectory
-from lbr.operations.joints.asked import frames, named
 from lbr.operations.joints.move import Move, Way
+from lbr.operations.joints.request import frames, named
 from lbr.operations.joints.state import REST_S, State, position_rad, unmeasured
 from lbr.operations.joints.trajectory import Trajectory
 

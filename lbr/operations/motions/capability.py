@@ -25,7 +25,7 @@ from lbr.messages.leases import CommandReply
 from lbr.operations.leasing.lease import LeaseRequest
 from lbr.operations.leasing.process import Lender, new_goal, said_by
 from lbr.operations.motions import MotionsSettings
-from lbr.operations.motions.follower import Follower
+from lbr.operations.motions.joints_client import JointsClient
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.pose import key_frame, reach_s
 from lbr.operations.motions.programme import Programme, programme
@@ -89,7 +89,7 @@ class Motions(Lender[MotionsSettings, State]):
     def begin(self) -> None:
         """Begin with nothing lent."""
         super().begin()
-        self._follower = Follower(self.ctx, self.happen)
+        self._follower = JointsClient(self.ctx, self.happen)
         self._player: Call | None = None
         self._reported: MotionsState | None = None
         self._reported_at = -inf

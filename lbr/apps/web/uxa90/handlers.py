@@ -1,4 +1,4 @@
-"""What answers each route, in the capability's loop: from a request to `Work` and rows, and back to an answer."""
+"""What answers each route, in the capability's loop: from a request to `Service` and rows, and back to an answer."""
 
 from typing import Any
 
@@ -8,19 +8,19 @@ from starlette.responses import Response
 from lbr.apps.web import face as web
 from lbr.apps.web.face import Request
 from lbr.apps.web.robot import Robot
-from lbr.apps.web.uxa90 import deciding
+from lbr.apps.web.uxa90 import parsing
 from lbr.apps.web.uxa90.answers import MotionsAnswer
 from lbr.apps.web.uxa90.bodies import MotionRowAnswer, MotorRowAnswer
 from lbr.apps.web.uxa90.editing import Editor
 from lbr.apps.web.uxa90.jobs import JobReply, JobsReply
-from lbr.apps.web.uxa90.work import Work
+from lbr.apps.web.uxa90.service import Service
 from lbr.messages.system import Role
 
 
 class Handlers:
     """What may be asked; plain functions are answered at once, from what nobody changes."""
 
-    def __init__(self, robot: Robot, work: Work) -> None:
+    def __init__(self, robot: Robot, work: Service) -> None:
         self._work = work
         self._editor = Editor(robot, work.motors, work.buttons)
 
@@ -32,7 +32,7 @@ class Handlers:
             _refuse_head(request)
             request.require(role)
 
-        wanted = deciding.flag(query, "measured") if "id" in query or "measured" in query else False
+        wanted = parsing.flag(query, "measured") if "id" in query or "measured" in query else False
         return web.json(await self._work.motor(query, require, measured=wanted))
 
     async def several(self, request: Request) -> Response:
@@ -101,7 +101,7 @@ def _row(answer: MotorRowAnswer | MotionRowAnswer, status: int = 200) -> Respons
     return web.json(answer, status, ETag=f'"{answer.version}"')
 
 
-def _query(request: Request) -> deciding.Query:
+def _query(request: Request) -> parsing.Query:
     found: dict[str, list[str]] = {}
     for name, value in request.query:
         found.setdefault(name, []).append(value)
@@ -112,7 +112,7 @@ def _body(request: Request) -> Any:
     """Return what a body says, whatever that is; refuse none, other kinds of it, and what is no JSON."""
     media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if not request.body:
-        raise web.Refused(400, f"a body is needed: {deciding.EXAMPLE}, as application/json")
+        raise web.Refused(400, f"a body is needed: {parsing.EXAMPLE}, as application/json")
     if media != web.JSON:
         raise web.Refused(400, f"the body must be application/json, not '{media[:60]}'")
     try:

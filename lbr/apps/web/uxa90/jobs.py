@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from lbr.apps.web.face import Refused
 from lbr.apps.web.uxa90.answers import Number
-from lbr.apps.web.uxa90.deciding import Turn
+from lbr.apps.web.uxa90.parsing import Turn
 
 MOST_WAITING = 64
 MOST_REMEMBERED = 256

@@ -8,16 +8,16 @@ from lbr.apps.web.face import Route
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.uxa90 import page, routes
 from lbr.apps.web.uxa90.handlers import Handlers
-from lbr.apps.web.uxa90.work import Work
+from lbr.apps.web.uxa90.service import Service
 
 
 class Uxa90Face(web.Face):
-    """The API of motors and motions (`Work`), and a page to try it."""
+    """The API of motors and motions (`Service`), and a page to try it."""
 
     name = "uxa90"
 
     def __init__(self, robot: Robot) -> None:
-        self._work = Work(robot)
+        self._work = Service(robot)
         self._handlers = Handlers(robot, self._work)
         layer, layers = robot.settings.layer, sorted({motor.layer for motor in robot.motors})
         if layers and layer not in layers:

@@ -36,7 +36,7 @@ class Ending(msgspec.Struct, frozen=True, kw_only=True):
     code: str = ""
 
 
-class Holder:
+class LeaseKeeper:
     """Renews one hold at 10 Hz from a thread of its own, until it ends by itself, is released or dropped.
 
     It ceases and stops the motion once `ear` is deaf: what renews is not what would hear a stop.

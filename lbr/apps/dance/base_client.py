@@ -10,7 +10,7 @@ TAKING_POWER = 0.001
 """No lease is given for standing still; so much moves nothing, and a stop from now on ends what has not begun yet."""
 
 
-class Mover:
+class BaseClient:
     """Holds the base for one dance."""
 
     def __init__(self, ctx: Transport, first: Move) -> None:

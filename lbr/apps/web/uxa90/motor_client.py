@@ -9,7 +9,7 @@ from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot, answer_of
 from lbr.apps.web.uxa90.counts import joint_rad, strength
-from lbr.apps.web.uxa90.deciding import Turn
+from lbr.apps.web.uxa90.parsing import Turn
 from lbr.bus.lease_client import RENEW_S, LeaseClient, LeaseTarget, PendingReply
 from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint, JointsCommand
@@ -23,7 +23,7 @@ MOST_TRIES = 20
 PLANNED = frozenset({"done", "superseded", "cancelled"})
 
 
-class Mover:
+class MotorClient:
     """Borrows the joints for all motors together; everything here is in the capability's loop.
 
     `lost` is told when a move ended by anything but its arrival, or another of ours.

@@ -12,7 +12,7 @@ MOVERS = frozenset({"drive", "joints", "motions"})
 """How an own motion of theirs ended is told by the program that held it."""
 
 
-class News:
+class EventFilter:
     """Sifts events by whose they are and by what `source` was answered within the last seconds; from any thread."""
 
     def __init__(self, source: str, clock: Callable[[], float] = time.monotonic) -> None:

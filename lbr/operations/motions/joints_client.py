@@ -34,7 +34,7 @@ class Context(Transport, Protocol):
         """Return the names of the capabilities wired to a request."""
 
 
-class Follower:
+class JointsClient:
     """The joints. `happened` is told what the kernel needs to know, from within `step`."""
 
     def __init__(self, ctx: Context, happened: Callable[[Event], None]) -> None:

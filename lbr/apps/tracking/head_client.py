@@ -25,7 +25,7 @@ class Neck(NamedTuple):
     torque: float
 
 
-class Mover:
+class HeadClient:
     """Holds the joints for one following, which was asked for at `asked_s`; looking at `first` gives them their strength."""
 
     def __init__(self, ctx: Transport, neck: Neck, first: Angles, asked_s: float) -> None:

@@ -10,14 +10,14 @@ from msgspec.structs import replace
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot
-from lbr.apps.web.uxa90 import deciding
+from lbr.apps.web.uxa90 import parsing
 from lbr.apps.web.uxa90.answers import Measured, MotorAnswer, MotorData, MultiAnswer, MultiPositions, PlayedAnswer
 from lbr.apps.web.uxa90.buttons import ButtonTable, played
 from lbr.apps.web.uxa90.counts import count_of
-from lbr.apps.web.uxa90.deciding import Info, Listing, Move, Turn
 from lbr.apps.web.uxa90.jobs import Jobs
-from lbr.apps.web.uxa90.moving import Mover
+from lbr.apps.web.uxa90.motor_client import MotorClient
 from lbr.apps.web.uxa90.number import nearest
+from lbr.apps.web.uxa90.parsing import Info, Listing, Move, Turn
 from lbr.apps.web.uxa90.playing import Player
 from lbr.apps.web.uxa90.table import MotorTable
 from lbr.drivers.uxa90.messages import TakeControlCommand
@@ -30,7 +30,7 @@ STOOD_STILL_S = 1.0
 """What is due after so long without a round would surprise everybody."""
 
 
-class Work:
+class Service:
     """Everything here is in the capability's loop, but for reading the tables."""
 
     def __init__(self, robot: Robot) -> None:
@@ -38,7 +38,7 @@ class Work:
         self.buttons = ButtonTable(robot.buttons)
         self.jobs = Jobs()
         self._robot = robot
-        self._mover = Mover(robot, self._lost)
+        self._mover = MotorClient(robot, self._lost)
         self._player = Player(robot, self._lost)
         self._stopped_s: float | None = None
         self._looked = False
@@ -72,13 +72,13 @@ class Work:
             "jobs": self.jobs.waiting,
         }
 
-    async def motor(self, query: deciding.Query, require: Callable[[Role], None], *, measured: bool) -> MotorAnswer:
+    async def motor(self, query: parsing.Query, require: Callable[[Role], None], *, measured: bool) -> MotorAnswer:
         """Answer /motor."""
-        wanted = deciding.of_motor(self.motors, query)
+        wanted = parsing.of_motor(self.motors, query)
         if isinstance(wanted, Move):
             require("operate")
-            return await self._move(wanted, deciding.unit_of(query), measured=measured)
-        unit = deciding.unit_of(query)
+            return await self._move(wanted, parsing.unit_of(query), measured=measured)
+        unit = parsing.unit_of(query)
         match wanted:
             case Listing():
                 every = self.motors.motors.values()
@@ -87,9 +87,9 @@ class Work:
             case Info(motor=motor):
                 return MotorAnswer(self._shown(self.motors.data(motor, unit=unit), measured=measured), "getMotorInfo")
 
-    async def several(self, body: Any, query: deciding.Query) -> MultiAnswer:
+    async def several(self, body: Any, query: parsing.Query) -> MultiAnswer:
         """Answer /multimotor."""
-        wanted = deciding.of_motors(self.motors, body, query)
+        wanted = parsing.of_motors(self.motors, body, query)
         job = await self._turn(wanted.turns)
         return MultiAnswer("setMultiMotorsPos", MultiPositions(wanted.echoed), UNSET if job is None else job)
 

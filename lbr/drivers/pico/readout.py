@@ -39,7 +39,7 @@ def items(settings: PicoSettings, cell: registers.Cell | None) -> tuple[Item, ..
 
 
 @dataclass(slots=True)
-class Sweep:
+class Readout:
     """A sweep under way: what comes next, what came, and what did not."""
 
     left: list[Item]

@@ -3,7 +3,7 @@ import threading
 import pytest
 
 from lbr.console.ear import Ear
-from lbr.console.hold import Holder, describe
+from lbr.console.lease_keeper import LeaseKeeper, describe
 from lbr.messages.drive import GoalResult
 from tests.console.fake_robot import wait_for
 
@@ -19,7 +19,7 @@ def hold(client, ended):
     hearing = Ear(clock=lambda: 0.0)
 
     def start(what, ear=hearing):
-        holder = Holder(client, what, "console@here", ear, on_end=ended.append)
+        holder = LeaseKeeper(client, what, "console@here", ear, on_end=ended.append)
         holders.append(holder)
         holder.start()
         return holder

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lbr.apps.web import WebSettings
 
 
-class Place:
+class AdvertisedAddress:
     """Where a server listens at `port`, and which names its certificate adds; `look` again for what the network has changed. From any thread."""
 
     def __init__(

@@ -11,7 +11,7 @@ QUESTION = "Do it? y/N"
 LET_BE = "Nothing was done."
 
 
-class Question:
+class Confirmation:
     """At most one open question; an answer that comes late is none, and is taken for a line of its own."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:

@@ -64,7 +64,7 @@ class PatientRenderer(Renderer):
             super().render(app, layout, is_done)
 
 
-class Above:
+class PromptOutput:
     """Writes text above the prompt of an application; what comes before it runs or after its end is not lost."""
 
     def __init__(self, app: Application[Any], screen: Screen) -> None:

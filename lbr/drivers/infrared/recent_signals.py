@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 K = TypeVar("K", bound=Hashable)
 
 
-class Heard(Generic[K]):
+class RecentSignals(Generic[K]):
     """Remembers when each signal was seen last; times are seconds of one monotonic clock."""
 
     def __init__(self, ttl_s: float) -> None:

@@ -9,7 +9,7 @@ from lbr.messages.joints import JointMove, JointsCommand, KeyFrame
 from lbr.operations.joints.body import Body
 
 
-class Asked(Struct, frozen=True, kw_only=True):
+class JointsRequest(Struct, frozen=True, kw_only=True):
     """The motion itself. What is appended is each time something new, as its `token` says."""
 
     command: JointsCommand
@@ -27,10 +27,10 @@ def of_move(move: JointMove) -> JointsCommand:
     )
 
 
-def asked(command: JointsCommand, token: str) -> Asked:
+def asked(command: JointsCommand, token: str) -> JointsRequest:
     """Return what a command asks for; `token` is one of its own."""
     bare = replace(command, lease="", ttl_s=None, take_over=False, asked_s=None)
-    return Asked(command=bare, token=token if command.append else "")
+    return JointsRequest(command=bare, token=token if command.append else "")
 
 
 def empty(command: JointsCommand) -> bool:
