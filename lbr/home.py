@@ -42,9 +42,19 @@ class Running(Struct, frozen=True, kw_only=True):
 def home() -> Path:
     """Return the home, created for its owner alone if need be; whose it is, is not looked at."""
     try:
-        return _made(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute())
+        return _made(_spoken(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute()))
     except RuntimeError:  # neither HOME nor an account says where
         raise InputError("it is not known where your home directory is: set HOME, or LBR_HOME") from None
+
+
+def _spoken(path: Path) -> Path:
+    """Return a folder that the bus and devices can be told of: in an endpoint, what follows `#` or `?` is no path."""
+    wrong = next((one for one in str(path) if one in "#?\x7f" or one < " " or "\ud800" <= one <= "\udfff"), "")
+    if wrong:
+        raise InputError(
+            f"{str(path)!r} has {wrong!r} in it, which no socket's address may have: choose another folder"
+        )
+    return path
 
 
 def directory(name: str) -> Path:
@@ -64,7 +74,7 @@ def socket_path(robot: str, part: str = "") -> Path:
     if len(str(path)) <= SOCKET_PATH_LIMIT:
         return path
     mark = blake2b(str(path.parent).encode(), digest_size=6).hexdigest()
-    short = Path(tempfile.gettempdir()) / f"lbr-{os.getuid()}-{mark}"
+    short = _spoken(Path(tempfile.gettempdir())) / f"lbr-{os.getuid()}-{mark}"
     return _ours(_made(short)) / f"{robot}{part}.sock"
 
 

@@ -168,3 +168,16 @@ def test_every_command_refuses_a_strangers_log(shared, tmp_path, monkeypatch, wo
     assert f"{log} belongs to user 4321 (mode 0666)" in done.stderr
     assert "Traceback" not in done.stderr
     assert log.read_text() == "edits\n"
+
+
+@pytest.mark.parametrize("name", ["a#b", "a?b", "a\nb", "a\x7fb", "a\udcffb"])
+@pytest.mark.parametrize("variable", ["LBR_HOME", "TMPDIR"])
+def test_a_folder_whose_name_ends_a_sockets_address_is_refused(tmp_path, monkeypatch, variable, name):
+    """What the bus takes for the end of the path would have its sockets made elsewhere, where others may be."""
+    long = tmp_path / ("long" * 25)
+    monkeypatch.setenv("LBR_HOME", str(long / "h"))
+    monkeypatch.setenv(variable, str(tmp_path / name))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    (tmp_path / name).mkdir()
+    with pytest.raises(InputError, match="in it, which no socket's address may have"):
+        home.socket_path("lbr")
