@@ -41,6 +41,7 @@ class Guard:
         self._beat_at = clock()
         self._turning = False
         self._unheard: float | None = None
+        self._listens = False
         watched, self._alive = os.pipe()
         driver = -1
         try:
@@ -48,6 +49,7 @@ class Guard:
             driver = os.pidfd_open(os.getpid())
             self._process = _start(command(watched, driver), (watched, driver, *fds), last_word_s)
             lifeline.wake(watched, self._process.pid)
+            os.write(self._alive, b"z")
         except OSError:
             os.close(self._alive)
             raise
@@ -66,6 +68,12 @@ class Guard:
         """Whether it still watches: it lives, and hears the beats."""
         deaf = self._unheard is not None and self._beat_at - self._unheard > DEAF_S
         return not deaf and self._process.poll() is None
+
+    @property
+    def listens(self) -> bool:
+        """Whether its program runs and has heard its driver: before, a death of the driver is only noticed later."""
+        self._listens = self._listens or (self._process.poll() is None and not _unread(self._alive))
+        return self._listens
 
     def woken(self) -> bool:
         """Return whether it was frozen, and goes on, since the last call."""

@@ -40,10 +40,6 @@ class FeetechBus(ProtocolBus):
         """Return the names of error bits."""
         return table.error_names(error)
 
-    def read_singly(self) -> None:
-        """Do without SYNC READ."""
-        self.together = False
-
     def read_motion(self, servo: int, *, tries: int | None = None) -> Motion | None:
         """Return position, speed and load of one servo."""
         status = self.read(servo, PRESENT, PRESENT_BYTES, tries=tries)
@@ -116,7 +112,8 @@ class FeetechBus(ProtocolBus):
             )
             self.torque_off((servo,))
             return why
-        if not self.put(servo, table.TORQUE_ENABLE, 1) or self.get(servo, table.TORQUE_ENABLE) != 1:
+        self.put(servo, table.TORQUE_ENABLE, 1)  # its acknowledgement may be lost: what is read back counts
+        if self.get(servo, table.TORQUE_ENABLE) != 1:
             self.torque_off((servo,))
             return "does not take its torque"
         return here.position

@@ -41,9 +41,9 @@ class Arm(DriverBench):
         self.goals = tuple(ServoGoal(id=number, **goal) for number in IDS)
 
     def on(self, **goal):
-        """Have every servo under torque, with a goal."""
+        """Have every servo under torque, with a goal, and the driver know of it."""
         self.send(**goal)
-        self.until(lambda: all(self.torques()), "torque")
+        self.until(lambda: all(self.torques()) and self.each(lambda one: one.torque and not one.reason), "torque")
 
     def torques(self):
         return [servo.torque for servo in self.servos.values()]

@@ -111,10 +111,6 @@ class Bus(ProtocolBus):
         """Whether an adapter reads several servos by one request."""
         return self.adapter is not None
 
-    def read_singly(self) -> None:
-        """Do without the adapter's sync read."""
-        self.adapter = None
-
     def read_state(self, servo: int, patience_s: float) -> tuple[Motion | None, SlowState] | None:
         """Return motion, torque, goal, limit and supply of one servo, asked once; None: see `trouble`."""
         status = self.read(servo, STATE_ADDRESS, STATE_BYTES, tries=1, patience_s=patience_s)
@@ -161,7 +157,7 @@ class Bus(ProtocolBus):
         block = goal + table.MOVING_SPEED.encode(speed) + table.TORQUE_LIMIT.encode(limit)
         if not self.write(servo, table.GOAL_POSITION.address, block):
             return "does not take the position where it is for its goal; look at its own angle limits"
-        if not self.put(servo, table.TORQUE_ENABLE, 1):
+        if not self.put(servo, table.TORQUE_ENABLE, 1) and self.get(servo, table.TORQUE_ENABLE) != 1:
             return "does not acknowledge its torque"
         return motion.position
 

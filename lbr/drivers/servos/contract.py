@@ -80,6 +80,8 @@ class Snapshot:
     sweeps_hz: float = 0.0
     states_hz: float = 0.0
     sweep_s: float = 0.0
+    together: bool = False
+    """Whether it was read by one request."""
 
     @property
     def searched(self) -> bool:
@@ -115,9 +117,6 @@ class ServoBus(Protocol):
     @property
     def together(self) -> bool:
         """Whether several servos are read by one request."""
-
-    def read_singly(self) -> None:
-        """Give that up: nothing answers it."""
 
     def read_motion(self, servo: int) -> Motion | None:
         """Return the motion of one servo."""

@@ -5,7 +5,7 @@ A servo that is silent is left out and looked for again, now and then, so that i
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Generic
 
@@ -15,6 +15,9 @@ MISSES = 4
 """So many sweeps in a row without an answer make a servo silent."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
+SINGLY_FIRST_S, SINGLY_MOST_S = 0.5, 30.0
+"""For so long servos are read one by one when all at once gave no answers: a busy machine is late for some sweeps, an
+adapter that cannot do it never answers."""
 WAITING_SHARE = 0.1
 """A sweep begins right after goals were written, so that they do not get into each other's way; it waits so long for them."""
 HASTY_S = 0.001
@@ -66,6 +69,8 @@ class Poller(Generic[B]):
         self._due = -inf
         self._began = 0.0
         self._sync_failures = 0
+        self._singly_until, self._singly_s = -inf, SINGLY_FIRST_S
+        self._singly_told = False
         self._hasty_losses = 0
         self._written = 0
         self._counted_at = -inf
@@ -99,13 +104,14 @@ class Poller(Generic[B]):
         """One transaction between two `yield`s."""
         present = [servo for servo in self._servos.values() if not servo.silent]
         slow = self._next_slow(present)
-        if bus.together:
+        together = bus.together and self._clock() >= self._singly_until
+        if together:
             self._read_together(bus, present)
             yield
         for servo in present:
             if servo is slow:
                 self._read_slow(bus, servo)
-            elif not bus.together:
+            elif not together:
                 self._read_motion(bus, servo)
             else:
                 continue
@@ -115,22 +121,27 @@ class Poller(Generic[B]):
             yield
         if bus.written_all != self._written:
             self._written, self._due = bus.written_all, self._due + self._period_s * WAITING_SHARE
-        self._finish()
+        self._finish(together=bus.together and self._clock() >= self._singly_until)
 
     def _read_together(self, bus: B, present: list[_Servo]) -> None:
         motions = bus.read_together(tuple(servo.id for servo in present)) if present else []
         if bus.cut_short:
             return
         if motions is not None:
-            self._sync_failures = 0
+            if present:
+                self._sync_failures, self._singly_s = 0, SINGLY_FIRST_S
             for servo, motion in zip(present, motions, strict=True):
                 error = None if bus.together_errors else servo.seen.error
                 self._note(servo, motion, "does not answer", error=error)
             return
         self._sync_failures += 1
         if self._sync_failures >= SYNC_READ_FAILURES:
-            bus.read_singly()
-            self._told("sync_read", "reading all servos at once gets no answers; they are read one by one", "warning")
+            self._singly_until = self._clock() + self._singly_s
+            self._singly_s = min(2.0 * self._singly_s, SINGLY_MOST_S)
+            if not self._singly_told:
+                self._singly_told = True
+                text = "reading all servos at once gets no answers; they are read one by one, and that is tried now and then"
+                self._told("sync_read", text, "warning")
 
     def _read_motion(self, bus: B, servo: _Servo) -> None:
         motion = bus.read_motion(servo.id)
@@ -211,7 +222,7 @@ class Poller(Generic[B]):
             :1
         ]
 
-    def _finish(self) -> None:
+    def _finish(self, *, together: bool) -> None:
         now = self._clock()
         if now - self._counted_at >= STATISTICS_S:
             sweeps, states = self._counted
@@ -219,11 +230,12 @@ class Poller(Generic[B]):
             self._rates = ((self.snapshot.sweep + 1 - sweeps) / passed_s, (self._states - states) / passed_s)
             self._counted_at, self._counted = now, (self.snapshot.sweep + 1, self._states)
         servos = {servo.id: servo.seen for servo in self._servos.values()}
-        self.snapshot = Snapshot(self.snapshot.sweep + 1, now, servos, *self._rates, sweep_s=now - self._began)
+        self.snapshot = Snapshot(
+            self.snapshot.sweep + 1, now, servos, *self._rates, sweep_s=now - self._began, together=together
+        )
 
     def _looks_seen(self) -> None:
         """Show at once what was looked at."""
         if not self._looks:
             old = self.snapshot
-            servos = {servo.id: servo.seen for servo in self._servos.values()}
-            self.snapshot = Snapshot(old.sweep, old.ended, servos, old.sweeps_hz, old.states_hz, old.sweep_s)
+            self.snapshot = replace(old, servos={servo.id: servo.seen for servo in self._servos.values()})

@@ -41,6 +41,11 @@ class GuardPost(Generic[S]):
         if self.guard is not None:
             self.guard.beat(turning=turning)
 
+    @property
+    def stands(self) -> bool:
+        """Say whether the guard is there and would act, or the row wants none."""
+        return not self._ctx.settings.guard or (self.guard is not None and self.guard.listens)
+
     def close(self, *, to_act: bool) -> None:
         """Leave the line to the guard, or send it away."""
         if self.guard is not None and to_act:
@@ -89,6 +94,7 @@ class ServoSession(Generic[S, B]):
     def beat(self) -> None:
         """Feed the guard, which is there as soon as a servo was heard."""
         self.post.beat(needed=self.poller.heard > -inf, turning=self.turning)
+        self.targets.guarded = self.post.stands
 
     def judge(self) -> None:
         """Tell of a line that babbles or echoes, now and then."""

@@ -29,7 +29,7 @@ LET_GO = "was let go; switch its torque off, then on"
 
 @dataclass(slots=True)
 class TargetState:
-    """What one servo is to do, and was told. `settled`: when its torque was on the wire; inf while that waits; `aimed`: its goal.
+    """What one servo is to do, and was told. `settled`: when it was told to have torque or none; inf while that waits; `aimed`: its goal.
 
     `blocked` says why it gets no torque before a setpoint had it without. `stays`: its goal is where it was measured;
     `adrift`: it is to be held where it is as soon as that is measured; `found`: when it was first heard, with torque.
@@ -75,6 +75,8 @@ class ServoTargets(Generic[B]):
         self._sending: Future[None] | None = None
         self._sent_at = -inf
         self._faded_at = -inf
+        self.guarded = True
+        """Whether a guard would release the servos if this driver died; before, none gets torque."""
 
     def apply(self, gate: ServoGate, strength: float, snapshot: Snapshot) -> None:
         """Do what follows from the gate's state and from what the servos said last."""
@@ -87,7 +89,8 @@ class ServoTargets(Generic[B]):
         self._freeze([out for out in self._all() if out.on] if halted else found, snapshot)
         self._limit(gate, strength)
         if gate.follows:
-            self._switch_on(gate, snapshot)
+            if self.guarded:
+                self._switch_on(gate, snapshot)
             self._follow(gate, snapshot)
 
     def release(self, why: str) -> None:
@@ -105,7 +108,7 @@ class ServoTargets(Generic[B]):
 
     def unconfirmed(self, snapshot: Snapshot, *, released: bool) -> list[int]:
         """Return the servos that have not yet been read to hold their goal, or to be without torque if `released`."""
-        asked = [out for out in self._all() if out.known and (released or out.on)]
+        asked = [out for out in self._all() if out.known and (released or out.on or out.switching)]
         return [out.id for out in asked if not _confirms(out, snapshot.servos[out.id], released=released)]
 
     def recovered(self, servo: int) -> None:
@@ -226,7 +229,7 @@ class ServoTargets(Generic[B]):
             self._faded_at = now
             for servo, limit in limits.items():
                 self.servos[servo].limit = limit
-            self._submit(limits, lambda bus: bus.write_limits(limits), WRITE)
+            self._thread.submit(lambda bus: bus.write_limits(limits), WRITE)
 
     def _full(self, out: TargetState, goal: ServoGoal) -> int:
         return min(self._model.torque_raw(goal.torque), self._model.most_torque(out.id)) or 1

@@ -42,7 +42,7 @@ def statistics(bus: ServoBus, snapshot: Snapshot) -> BusStatistics:
         corrupt=counts.corrupt,
         retries=counts.retries,
         strays=counts.strays,
-        sync_read=bus.together,
+        sync_read=snapshot.together,
     )
 
 

@@ -1,0 +1,214 @@
+"""What servos are told and how they are read, step by step, with a line that does what the test says."""
+
+import time
+from concurrent.futures import Future
+from types import SimpleNamespace
+
+from lbr.drivers.dynamixel.bus import Bus
+from lbr.drivers.guard import Guard
+from lbr.drivers.servos.contract import Seen, SlowState, Snapshot
+from lbr.drivers.servos.gate import first, receive, tick
+from lbr.drivers.servos.poller import SINGLY_FIRST_S, SYNC_READ_FAILURES, Poller
+from lbr.drivers.servos.targets import ServoTargets
+from lbr.messages.servos import ServoGoal, ServoSetpoint
+from tests.drivers.peers import until
+
+VALID_S = 0.1
+
+
+class Line:
+    """A bus's thread that keeps jobs until the test does them."""
+
+    def __init__(self):
+        self.jobs = []
+
+    def submit(self, job, _priority, _key=None):
+        future = Future()
+        self.jobs.append((job, future))
+        return future
+
+    def work(self, bus):
+        jobs, self.jobs = self.jobs, []
+        for job, future in jobs:
+            if future.set_running_or_notify_cancel():
+                future.set_result(job(bus))
+
+
+class Servo:
+    """A bus of one servo that does as it is told."""
+
+    def __init__(self):
+        self.torque, self.limits = False, []
+
+    def torque_on(self, _servo, _speed, _limit):
+        self.torque = True
+        return 512
+
+    def torque_off(self, _servos):
+        self.torque = False
+
+    def write_limits(self, limits):
+        self.limits.append(limits[1])
+
+    def write_goals(self, goals): ...
+
+    def write_positions(self, goals): ...
+
+
+MODEL = SimpleNamespace(
+    full_torque=1000,
+    latched=lambda _servo, _seen: (),
+    speed_raw=lambda _speed: 100,
+    torque_raw=lambda share: round(share * 1000),
+    most_torque=lambda _servo: 1000,
+    position_raw=lambda _angle: 512,
+    holding_goal=lambda position, _speed, _goal: position,
+)
+
+
+class Bench:
+    def __init__(self):
+        self.now, self.sweep, self.told = 0.0, 0, []
+        self.line, self.bus = Line(), Servo()
+        self.targets = ServoTargets(
+            [1], self.line, lambda: self.now, MODEL, lambda kind, text, level: self.told.append(kind)
+        )
+        self.gate = first(0.0)
+
+    def step(self, *, strength=1.0, follows=True, works=True):
+        self.now += 0.01
+        self.sweep += 1
+        if follows:
+            goals = (ServoGoal(id=1, position_rad=0.0),)
+            self.gate = receive(self.gate, ServoSetpoint(goals=goals, lease="a"), self.now, self.now, VALID_S)
+        self.gate = tick(self.gate, self.now, VALID_S)
+        motion = SimpleNamespace(error=0, position=512, speed=0)
+        slow = SlowState(self.now, self.bus.torque, 512, 100, 1000, 12.0, 30.0)
+        snapshot = Snapshot(self.sweep, self.now, {1: Seen(motion, self.now, slow)})
+        self.targets.apply(self.gate, strength, snapshot)
+        if works:
+            self.line.work(self.bus)
+        return snapshot
+
+    def on(self):
+        while not self.targets.servos[1].on:
+            self.step()
+        self.step()
+        self.told.clear()
+
+
+def test_a_servo_that_loses_its_torque_while_that_fades_is_told():
+    bench = Bench()
+    bench.on()
+    bench.step(strength=0.9, works=False)
+    bench.bus.torque = False
+    for share in (0.8, 0.7, 0.6):
+        bench.step(strength=share, follows=False, works=False)
+    assert bench.told == ["torque_lost"]
+
+
+def test_no_servo_gets_torque_before_the_guard_listens():
+    bench = Bench()
+    bench.targets.guarded = False
+    for _ in range(5):
+        bench.step()
+    assert not bench.bus.torque
+    bench.targets.guarded = True
+    bench.step()
+    assert bench.bus.torque
+
+
+def test_a_servo_that_is_just_getting_torque_has_not_confirmed_a_stop():
+    bench = Bench()
+    for _ in range(3):
+        snapshot = bench.step(works=False)
+    assert bench.targets.turning
+    assert bench.targets.unconfirmed(snapshot, released=False) == [1]
+
+
+def test_a_lost_acknowledgement_takes_no_torque_if_the_servo_says_that_it_has_it():
+    bus = Bus.__new__(Bus)
+    bus.read_motion = lambda _servo: SimpleNamespace(position=512)
+    bus.write = lambda *_: True
+    bus.put = lambda *_: False
+    bus.get = lambda *_: 1
+    assert bus.torque_on(1, 100, 1000) == 512
+    bus.get = lambda *_: 0
+    assert isinstance(bus.torque_on(1, 100, 1000), str)
+
+
+class Deaf:
+    """A bus that reads all servos at once, unless the machine is too busy."""
+
+    together = together_errors = True
+    cut_short = False
+    written_all = 0
+    trouble = ""
+
+    def __init__(self):
+        self.busy, self.asked = True, []
+
+    def read_together(self, servos):
+        self.asked.append("all")
+        return None if self.busy else [self.motion] * len(servos)
+
+    motion = SimpleNamespace(error=0, position=512, speed=0)
+
+    def read_motion(self, _servo):
+        self.asked.append("one")
+        return self.motion
+
+    def read_state(self, _servo, _patience_s):
+        return self.motion, SlowState(0.0, False, 512, 100, 1000, 12.0, 30.0)
+
+
+def test_reading_all_at_once_is_tried_again_after_a_busy_time():
+    bus, now = Deaf(), [0.0]
+    poller = Poller([1, 2], lambda: now[0])
+
+    def sweep():
+        swept = poller.snapshot.sweep
+        while poller.snapshot.sweep == swept:
+            poller.turn(bus)
+        now[0] += 0.01
+
+    for _ in range(SYNC_READ_FAILURES + 2):
+        sweep()
+    bus.asked.clear()
+    sweep()
+    sweep()
+    assert set(bus.asked) == {"one"}
+    assert not poller.snapshot.together
+    bus.busy = False
+    now[0] += SINGLY_FIRST_S
+    sweep()
+    bus.asked.clear()
+    sweep()
+    assert set(bus.asked) == {"all"}
+    assert poller.snapshot.together
+
+
+def test_what_never_answers_is_asked_less_and_less():
+    bus, now = Deaf(), [0.0]
+    poller = Poller([1, 2], lambda: now[0])
+    while now[0] < 60.0:
+        swept = poller.snapshot.sweep
+        while poller.snapshot.sweep == swept:
+            poller.turn(bus)
+        now[0] += 0.05
+    assert bus.asked.count("all") < 0.02 * bus.asked.count("one")
+
+
+def test_a_guard_listens_once_its_program_has_heard_the_driver():
+    def command(program):
+        return lambda pipe, _driver: ["-c", f"import os, time; {program}; time.sleep(30)", str(pipe)]
+
+    hears = Guard(command("import sys; os.read(int(sys.argv[1]), 99)"), (), time.monotonic, 1.0)
+    deaf = Guard(command("pass"), (), time.monotonic, 1.0)
+    try:
+        assert not hears.listens
+        until(lambda: hears.listens, 8.0)
+        assert not deaf.listens
+    finally:
+        hears.dismiss()
+        deaf.dismiss()
