@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from msgspec import Meta, Struct
 
-from lbr.messages.units import Name
+from lbr.messages.units import Name, NameOrNone
 
 Metres = Annotated[float, Meta(ge=-1000.0, le=1000.0, description="metres")]
 Extent = Annotated[float, Meta(gt=0.0, le=10.0, description="metres")]
@@ -68,6 +68,14 @@ class BallReply(Struct, frozen=True, kw_only=True):
 
     accepted: bool
     reason: str = ""
+
+
+class HandRequest(Struct, frozen=True, kw_only=True):
+    """Have a hand move a joint of a humanoid's body there, and hold it: as a person moves a limp one. `gone`: it leaves all."""
+
+    joint: NameOrNone = ""
+    angle_deg: Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees from the joint's zero")] = 0.0
+    gone: bool = False
 
 
 class PictureRequest(Struct, frozen=True, kw_only=True):

@@ -1,4 +1,4 @@
-"""The example of a servo driver outside lbr: its own tests, with the package beside lbr as pip would install it."""
+"""The example of a whole robot outside lbr: its own tests, with the package beside lbr as pip would install it."""
 
 import os
 import sys
@@ -22,7 +22,7 @@ def installed(tmp_path):
 
 
 @pytest.mark.slow_start
-@pytest.mark.timeout(60)
+@pytest.mark.timeout(240)
 @pytest.mark.parametrize("part", sorted(path.name for path in (PACKAGE / "tests").glob("test_*.py")))
 def test_its_own_tests_pass(part, installed, tmp_path):
     argv = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"tests/{part}"]

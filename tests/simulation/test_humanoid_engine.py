@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from lbr.errors import InputError
 from lbr.messages.joints import KeyFrame
-from lbr.simulation.humanoid.settings import Motor
+from lbr.simulation.humanoid.settings import Motor, Mounting
 from lbr.simulation.measured import ServoDrive
+from lbr.simulation.requests import HandRequest
 from lbr.simulation.settings import Imu
 from tests.simulation.humanoid_bench import TICK_S, Player, drives, humanoid, rows
 
@@ -219,3 +221,27 @@ def test_whatever_its_servos_are_told_it_stays_of_this_world(seed, tmp_path, mon
         assert np.isfinite([*pose.joints.values(), pose.x_m, pose.y_m, pose.yaw_rad]).all()
         assert 0.0 < pose.z_m < 0.6
     assert not list(tmp_path.iterdir())
+
+
+def test_a_servo_may_sit_otherwise_than_its_row_says():
+    rest = humanoid(stand=True).felt()[2]
+    engine = humanoid(stand=True, mounted={"left_shoulder_pitch": Mounting(zero_rad=0.5, sign=1)})
+    engine.step({}, 1.0)
+    turned = engine.felt()[2]
+    assert engine.pose().joints["left_shoulder_pitch"] == pytest.approx(0.0, abs=0.2)
+    assert turned.position_rad == pytest.approx(0.5, abs=0.2)
+    assert abs(turned.position_rad - rest.position_rad) > 0.5
+    with pytest.raises(InputError, match="`mounted`: there is no joint 'nose'"):
+        humanoid(mounted={"nose": Mounting()})
+
+
+def test_a_hand_moves_a_joint_without_torque_and_leaves_it():
+    engine = humanoid(stand=True)
+    assert "left_elbow at -40" in engine.grip.take(HandRequest(joint="left_elbow", angle_deg=-40.0))
+    engine.step({}, 2.0)
+    assert engine.pose().joints["left_elbow"] == pytest.approx(-0.698, abs=0.05)
+    assert engine.grip.take(HandRequest(gone=True)) == "the hand is gone"
+    engine.step(drives({}), 2.0)
+    assert engine.pose().joints["left_elbow"] == pytest.approx(0.0, abs=0.1)
+    with pytest.raises(InputError, match="there is no joint 'nose'"):
+        engine.grip.take(HandRequest(joint="nose"))

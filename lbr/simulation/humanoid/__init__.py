@@ -1,6 +1,6 @@
 """The simulated world of a humanoid: its body in the physics engine, and emulated twins of its devices."""
 
-from lbr.capability.kind import Command, Kind
+from lbr.capability.kind import Command, Kind, names
 from lbr.capability.word import Word
 from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
@@ -10,6 +10,7 @@ from lbr.simulation.requests import (
     BallRequest,
     FaultReply,
     FaultRequest,
+    HandRequest,
     PickUpReply,
     PickUpRequest,
     PictureReply,
@@ -31,6 +32,7 @@ KIND = Kind(
         "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
         "pick_up": PickUpRequest,
         "ball": BallRequest,
+        "hand": Command(HandRequest, choices={"joint": names(Joint)}),
     },
     roles={"picture": "admin", "fault": "admin"},
     emulates=True,
@@ -50,6 +52,12 @@ KIND = Kind(
         ),
         Word("/ball", "ball", "Simulation: let the ball go its way again"),
         Word("/ball/gone", "ball", "Simulation: take the ball out of the world", {"gone": True}),
+        Word(
+            "/hand/{joint}/{angle_deg}",
+            "hand",
+            "Simulation: have a hand move a joint there, in degrees, and hold it; one without torque gives way",
+        ),
+        Word("/hand/off", "hand", "Simulation: have the hand leave all joints", {"gone": True}),
         *FAULT_WORDS,
     ),
 )

@@ -8,6 +8,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
+from lbr.messages.leases import CommandReply
 from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.engine import HumanoidEngine
@@ -21,6 +22,7 @@ from lbr.simulation.requests import (
     BallReply,
     BallRequest,
     FaultRequest,
+    HandRequest,
     PickUpReply,
     PickUpRequest,
     PictureRequest,
@@ -73,7 +75,7 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
             self._tell(physics.pose)
 
     def command(self, call: Call) -> None:
-        """Answer `ball`, `fault`, `pick_up` and `picture`."""
+        """Answer `ball`, `fault`, `hand`, `pick_up` and `picture`."""
         _, physics, plugged, engine = self._running()
         if isinstance(call.message, FaultRequest):
             plugged.fault(call, call.message)
@@ -84,6 +86,11 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
             call.reply(PickUpReply(accepted=True, reason=f"{self.ctx.robot} is {self._as_it_began()}"))
         elif isinstance(call.message, BallRequest):
             self._put(call, call.message, engine)
+        elif isinstance(call.message, HandRequest):
+            try:
+                call.reply(CommandReply(accepted=True, reason=engine.grip.take(call.message)))
+            except InputError as err:
+                call.refuse(str(err), err.code)
         else:
             super().command(call)
 

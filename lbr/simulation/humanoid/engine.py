@@ -5,6 +5,7 @@ from math import asin, atan2, cos, radians, sin
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
@@ -13,6 +14,7 @@ from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
 from lbr.simulation.humanoid.balls import Balls
 from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, load, model_file
+from lbr.simulation.humanoid.grip import Grip
 from lbr.simulation.humanoid.servos import Floats, Servo, Servos
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.inertial import InertialUnit
@@ -42,7 +44,8 @@ class HumanoidEngine:
         """Those that the joints' rows name."""
         self._names = [joint.name for joint in joints]
         self._model, self._data = self.body.model, mujoco.MjData(self.body.model)
-        self._servos = Servos(joints, settings.motors_of(self._names))
+        self._servos = Servos(_as_built(joints, settings), settings.motors_of(self._names))
+        self.grip = Grip(self._names)
         self._rest = _angles(settings.rests, self._names)
         self.balls = Balls(self._model, settings.balls)
         self._imu = InertialUnit(settings.imu, settings.seed)
@@ -143,7 +146,7 @@ class HumanoidEngine:
     def _step_once(self) -> None:
         position, speed = self._joints()
         torque = self._servos.torques(position, speed, self.battery.voltage_v, TIMESTEP_S)
-        self._data.qfrc_applied[self.body.speeds] = torque
+        self._data.qfrc_applied[self.body.speeds] = torque + self.grip.torques(position, speed, TIMESTEP_S)
         mujoco.mj_step(self._model, self._data)
         self._imu.follow(self._data)
         self.battery.draw(self._servos.amps(), TIMESTEP_S)
@@ -193,6 +196,14 @@ class HumanoidEngine:
         middle = self._data.geom_xpos[solid, 2] + (turned * self._model.geom_aabb[solid, :3]).sum(axis=1)
         lowest: Any = (middle - (np.abs(turned) * self._model.geom_aabb[solid, 3:]).sum(axis=1)).min()
         return float(lowest)
+
+
+def _as_built(joints: Sequence[Joint], settings: HumanoidWorldSettings) -> list[Joint]:
+    """Return how the servos really sit on their joints."""
+    if unknown := sorted(settings.mounted.keys() - {joint.name for joint in joints}):
+        raise InputError(f"world setting `mounted`: there is no joint '{unknown[0]}'")
+    found = ((joint, settings.mounted.get(joint.name)) for joint in joints)
+    return [joint if one is None else replace(joint, zero_rad=one.zero_rad, sign=one.sign) for joint, one in found]
 
 
 def _angles(given: Mapping[str, float], names: Sequence[str]) -> Floats:

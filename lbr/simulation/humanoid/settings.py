@@ -32,6 +32,13 @@ class Motors(Motor, frozen=True, kw_only=True, forbid_unknown_fields=True):
     joints: Annotated[tuple[str, ...], Meta(min_length=1)]
 
 
+class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How a servo sits on its joint: its angle where that is at 0, and -1 where it turns the other way."""
+
+    zero_rad: Annotated[float, Meta(ge=-3.0, le=3.0)] = 0.0
+    sign: Literal[1, -1] = 1
+
+
 class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A coloured ball that is only seen: its middle at first, and the path it keeps to around there.
 
@@ -55,7 +62,8 @@ class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fi
     `hand_s` and its weight is above its feet; until then it keeps them on the floor. With `rests`, the angles of joints in
     which it rests on the floor by itself, it begins so, limp, and no hand holds it. `seed` fixes all noise. Where the
     inertial unit sits, the body says: the `mount` of `imu` counts for nothing. `motors` are those that differ from
-    `motor`, the first that fits; `balls` are what a camera in its head may look for, by name.
+    `motor`, the first that fits; `mounted` are servos that do not sit as the joints' rows say, as on a body that is yet to be
+    calibrated, by joint; `balls` are what a camera in its head may look for, by name.
     """
 
     model: Name
@@ -67,6 +75,7 @@ class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fi
     rests: dict[str, Annotated[float, Meta(ge=-7.0, le=7.0, description="radians")]] = {}
     motor: Motor = Motor()
     motors: tuple[Motors, ...] = ()
+    mounted: dict[str, Mounting] = {}
     balls: Annotated[dict[str, Ball], Meta(max_length=8)] = {}
     battery: Battery = Battery(
         open_circuit_v=12.0, internal_ohm=0.06, capacity_ah=1.0, idle_a=0.5, charged_v=12.6, charging_s=60.0
