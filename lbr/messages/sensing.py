@@ -159,6 +159,25 @@ class RangeSensor(Row, frozen=True, kw_only=True):
         """Whether it sees what stands in the way, rather than the floor or the ceiling."""
         return abs(self.pitch_rad) <= LEVEL_RAD
 
+    @property
+    def round(self) -> bool:
+        """Whether it sees all around."""
+        return self.fov_rad > 2 * pi - 0.01
+
+    @property
+    def first_rad(self) -> float:
+        """The angle of the first ray of a scan, anticlockwise from where the sensor looks."""
+        return -pi if self.round else -self.fov_rad / 2
+
+    @property
+    def step_rad(self) -> float:
+        """The angle from a ray of a scan to the next one."""
+        return 2 * pi / self.rays if self.round else self.fov_rad / max(1, self.rays - 1)
+
+    def angles(self) -> tuple[float, ...]:
+        """Return the angles of all rays of a scan."""
+        return tuple(self.first_rad + number * self.step_rad for number in range(self.rays))
+
 
 def ring(length_m: float, width_m: float, height_m: float = 0.3) -> tuple[RangeSensor, ...]:
     """Return the ring of the robot lbr on a base of this size: ahead, behind, to both sides and down."""

@@ -3,14 +3,13 @@
 import sys
 from collections import deque
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
-from lbr.messages.sensing import Ranges, RangeStatus
+from lbr.messages.sensing import Ranges, RangeSensor, RangeStatus, ranges
 from lbr.messages.simulation import WorldBox, WorldScene
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine
@@ -56,11 +55,12 @@ class World(Capability[WorldSettings]):
         sys.setswitchinterval(SWITCH_S)
         now = self.ctx.clock()
         self._painter = Painter()
-        engine = self._engine = Engine(self.ctx.settings)
+        sensors = self.ctx.rows(RangeSensor)
+        engine = self._engine = Engine(self.ctx.settings, sensors)
         self._trace = OutputTrace(self.ctx.settings.trace)
         cameras = self._cameras = CameraHost(engine.packed(), len(engine.view()))
         mounts = tuple(self.ctx.settings.cameras)
-        around = Surroundings(self.ctx.settings.seed, now, self._trace, cameras, mounts)
+        around = Surroundings(self.ctx.settings.seed, now, self._trace, cameras, mounts, sensors)
         plugged = self._plugged = Plugged(self.ctx, around)
         self._scene = engine.scene()
         self._scene_at = self._pose_at = now
@@ -140,14 +140,13 @@ class World(Capability[WorldSettings]):
     def _picture(self, call: Call, request: PictureRequest) -> None:
         _, physics, _, scene = self._running()
         path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
-        pose, ranges, trail = physics.pose, _as_ranges(physics.ranges_m), tuple(self._trail)
+        pose, around, trail = physics.pose, _as_ranges(physics.ranges_m), tuple(self._trail)
         size = {"width": request.width_px, "height": request.height_px}
-        self._painter.ask(call, path, lambda: image(scene, pose, ranges, trail=trail, **size))
+        self._painter.ask(call, path, lambda: image(scene, pose, around, trail=trail, **size))
 
 
 def _as_ranges(ranges_m: dict[str, float | None]) -> Ranges:
     status: dict[str, RangeStatus] = {
-        side: "over_range" if range_m is None else "ok" for side, range_m in ranges_m.items()
+        name: "over_range" if range_m is None else "ok" for name, range_m in ranges_m.items()
     }
-    values: dict[str, Any] = {f"{side}_m": range_m for side, range_m in ranges_m.items()}
-    return Ranges(**values, bottom_m=None, status={**status, "bottom": "missing"})
+    return ranges(ranges_m, {"bottom": "missing", **status})

@@ -1,9 +1,11 @@
 """The physics of the simulated world: a differential-drive robot among furniture, and what its devices measure there."""
 
+from collections.abc import Sequence
 from math import atan2, cos, hypot, isfinite, pi, sin
 
 import msgspec
 
+from lbr.messages.sensing import RangeSensor, ring
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
@@ -13,7 +15,7 @@ from lbr.simulation.measured import Beam, ImuReading, Sensed
 from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml
 from lbr.simulation.physics import mujoco, packed
 from lbr.simulation.placing import Placed
-from lbr.simulation.ranging import Ring
+from lbr.simulation.ranging import Rangers
 from lbr.simulation.room import BoxSettings
 from lbr.simulation.settings import WorldSettings
 
@@ -24,9 +26,12 @@ _AMPS_SETTLE = 0.15
 
 
 class Engine:
-    """The world, moved by the power of its two wheels; the same steps with the same seed give the same run."""
+    """The world, moved by the power of its two wheels; the same steps with the same seed give the same run.
 
-    def __init__(self, settings: WorldSettings) -> None:
+    `sensors` are the robot's sensors of distance; None: a ring around its outline.
+    """
+
+    def __init__(self, settings: WorldSettings, sensors: Sequence[RangeSensor] | None = None) -> None:
         self.settings = settings
         self.battery = BatteryState(settings.battery)
         self._model = mujoco.MjModel.from_xml_string(model_xml(settings))
@@ -36,9 +41,11 @@ class Engine:
         self._owed_s = 0.0
         self._steps = 0
         self._ranges: dict[str, float | None] = {}
+        self._scans: dict[str, tuple[float | None, ...]] = {}
         self._beams: frozenset[Beam] = frozenset()
         self._charging = False
-        self._ring = Ring(mujoco, self._model, settings.body, settings.ultrasonic, settings.seed)
+        sensors = ring(settings.body.length_m, settings.body.width_m) if sensors is None else sensors
+        self._rangers = Rangers(mujoco, self._model, sensors, settings.ultrasonic, settings.seed)
         self._imu = InertialUnit(settings.imu, settings.seed)
         self._dock = DockSense(mujoco, self._model, settings.dock, settings.body) if settings.dock else None
         self._placed = Placed(self._model)
@@ -75,6 +82,7 @@ class Engine:
             counts=(int(turns[0] * per_turn), int(turns[1] * per_turn)),
             speeds_rpm=(speeds[0], speeds[1]),
             ranges_m=self._ranges,
+            scans_m=self._scans,
             imu=self.imu(),
             charging=self._charging,
             charging_a=self.battery.charging_a,
@@ -83,7 +91,7 @@ class Engine:
 
     @property
     def ranges_m(self) -> dict[str, float | None]:
-        """What the ultrasonic sensors face, in metres; null: nothing within reach."""
+        """What the sensors of a single distance face, in metres; null: nothing within reach."""
         return self._ranges
 
     def imu(self) -> ImuReading:
@@ -203,7 +211,8 @@ class Engine:
     def _sense(self) -> None:
         """Look around: what is measured less often than the physics steps."""
         place = self._place()
-        self._ranges = self._ring.look(self._data, place, self._steps)
+        self._ranges = self._rangers.look(self._data, place, self._steps)
+        self._scans = self._rangers.scan(self._data, place)
         if self._dock is not None:
             self._charging = self._dock.charging(place)
             self._beams = self._dock.beams(self._data, place)

@@ -26,7 +26,8 @@ class ImuReading(Struct, frozen=True, kw_only=True):
 class Sensed(Struct, frozen=True, kw_only=True):
     """What the world lets its devices measure; pairs are left and right wheel, forward positive.
 
-    A world without wheels or ranges leaves theirs out. `imu` is as old as this; whoever is read more often is told of each step. `charging`: both contacts of the dock touch,
+    `scans_m` are distances along the rays of each scanner; null is nothing within reach. A world without wheels or ranges
+    leaves theirs out. `imu` is as old as this; whoever is read more often is told of each step. `charging`: both contacts of the dock touch,
     and `charging_a` flows into the battery. `beams` are what the infrared receiver sees of the dock now.
     """
 
@@ -36,6 +37,7 @@ class Sensed(Struct, frozen=True, kw_only=True):
     counts: tuple[int, int] = (0, 0)
     speeds_rpm: tuple[float, float] = (0.0, 0.0)
     ranges_m: dict[str, float | None] = {}
+    scans_m: dict[str, tuple[float | None, ...]] = {}
     imu: ImuReading = ImuReading()
     charging: bool = False
     charging_a: float = 0.0

@@ -1,53 +1,56 @@
-"""Ultrasonic sensors: rays that fill a cone, the nearest of which comes back, if it comes back."""
+"""Sensors of distance in the world: rays that fill a cone, the nearest of which comes back, or all around, each by itself."""
 
-from collections.abc import Sequence
-from math import cos, erf, pi, radians, sin, sqrt, tau
+from collections.abc import Iterable
+from math import ceil, cos, erf, radians, sin, sqrt, tau
 from typing import Any
 
 import numpy as np
 
+from lbr.messages.sensing import RangeSensor
 from lbr.simulation.model import STANDING
 from lbr.simulation.noise import Floats, Noise
-from lbr.simulation.plan import CONE_RAD
-from lbr.simulation.settings import Body, Ultrasonic
+from lbr.simulation.settings import Ultrasonic
 
 REACH_M = 7.65
 """What an MB1220 reports at most."""
 
-SIDES: tuple[tuple[str, float], ...] = (("forward", 0.0), ("left", pi / 2), ("right", -pi / 2), ("back", pi))
-"""Which way each sensor looks, anticlockwise from ahead."""
-
-_FAN = 25
-"""Rays side by side, and as many above each other: at 2 m no leg or table top of 4 cm slips through."""
+_FAN_RAD = 0.4 / 24
+"""Between rays side by side, and above each other: at 2 m no leg or table top of 4 cm slips through."""
 
 _RINGS = ((0.5, 8), (1.0, 12))
 
 
-class Ring:
-    """The four sensors; `look` tells what each finds from where the robot is."""
+class Rangers:
+    """The robot's sensors of distance that look out level; `look` and `scan` tell what they find from where it is."""
 
-    def __init__(self, mujoco: Any, model: Any, body: Body, settings: Ultrasonic, seed: int) -> None:
+    def __init__(
+        self, mujoco: Any, model: Any, sensors: Iterable[RangeSensor], settings: Ultrasonic, seed: int
+    ) -> None:
         self._mujoco, self._model = mujoco, model
         self._settings = settings
-        self._offsets = {
-            name: (body.length_m if name in {"forward", "back"} else body.width_m) / 2 for name, _ in SIDES
-        }
-        self._noise = {name: Noise(seed, f"range {name}", 2) for name, _ in SIDES}
-        self._cone = _cone()
+        level = [sensor for sensor in sensors if sensor.level]
+        self._singles = [sensor for sensor in level if sensor.rays == 1]
+        self._scanners = [sensor for sensor in level if sensor.rays > 1]
+        self._noise = {sensor.name: Noise(seed, f"range {sensor.name}", 2) for sensor in self._singles}
+        self._rays = {sensor.name: _turned(_cone(sensor.fov_rad), sensor) for sensor in self._singles}
+        self._rays |= {sensor.name: _turned(_fan(sensor), sensor) for sensor in self._scanners}
         self._groups = np.array([group == STANDING for group in range(6)], dtype=np.uint8)
         self._least_cos = cos(radians(settings.grazing_deg))
-        count = len(self._cone)
-        self._hit, self._distance = np.full(count, -1, dtype=np.int32), np.full(count, -1.0)
-        self._normal = np.zeros(3 * count) if settings.grazing_deg < 90.0 else None
 
     def look(self, data: Any, place: tuple[float, float, float], step: int) -> dict[str, float | None]:
-        """Return what each sensor finds in metres; null: nothing within its reach."""
-        x, y, yaw = place
-        found: dict[str, float | None] = {}
-        for name, angle in SIDES:
-            heading, offset = yaw + angle, self._offsets[name]
-            origin = (x + offset * cos(heading), y + offset * sin(heading), self._settings.height_m)
-            found[name] = self._heard(name, self._nearest(data, origin, heading), step)
+        """Return what each sensor of a single distance finds in metres; null: nothing within its reach."""
+        return {
+            sensor.name: self._heard(sensor.name, self._nearest(data, place, sensor), step) for sensor in self._singles
+        }
+
+    def scan(self, data: Any, place: tuple[float, float, float]) -> dict[str, tuple[float | None, ...]]:
+        """Return what each scanner finds in metres along its rays; null: nothing within its reach."""
+        found = {}
+        for sensor in self._scanners:
+            hit, distance, _, _ = self._cast(data, place, sensor, sensor.max_m)
+            found[sensor.name] = tuple(
+                metres if there >= 0 else None for there, metres in zip(hit.tolist(), distance.tolist(), strict=True)
+            )
         return found
 
     def _heard(self, name: str, nearest_m: float | None, step: int) -> float | None:
@@ -57,29 +60,57 @@ class Ring:
             return None
         return max(0.0, nearest_m + normal * (settings.noise_m + settings.noise_per_m * nearest_m))
 
-    def _nearest(self, data: Any, origin: Sequence[float], heading: float) -> float | None:
-        c, s = cos(heading), sin(heading)
-        rays = self._cone @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        self._mujoco.mj_multiRay(
-            self._model, data, np.array(origin), rays.ravel(), self._groups, 1, -1,
-            self._hit, self._distance, self._normal, len(rays), REACH_M,
-        )  # fmt: skip
-        heard = self._hit >= 0
-        if self._normal is not None:
-            heard &= np.abs(np.einsum("ij,ij->i", rays, self._normal.reshape(-1, 3))) >= self._least_cos
-        seen = self._distance[heard]
+    def _nearest(self, data: Any, place: tuple[float, float, float], sensor: RangeSensor) -> float | None:
+        ultrasonic = sensor.kind == "ultrasonic"
+        hit, distance, normal, rays = self._cast(
+            data, place, sensor, min(sensor.max_m, REACH_M) if ultrasonic else sensor.max_m
+        )
+        heard = hit >= 0
+        if normal is not None and ultrasonic:
+            heard &= np.abs(np.einsum("ij,ij->i", rays, normal.reshape(-1, 3))) >= self._least_cos
+        seen = distance[heard]
         return float(seen.min()) if seen.size else None
 
+    def _cast(
+        self, data: Any, place: tuple[float, float, float], sensor: RangeSensor, reach_m: float
+    ) -> tuple[Any, Floats, Floats | None, Floats]:
+        """Return which thing each ray of a sensor hits (-1: none) and how far away, with its normal if that matters."""
+        x, y, yaw = place
+        c, s = cos(yaw), sin(yaw)
+        height_m = self._settings.height_m if self._settings.height_m is not None else sensor.z_m
+        origin = np.array((x + sensor.x_m * c - sensor.y_m * s, y + sensor.x_m * s + sensor.y_m * c, height_m))
+        rays = self._rays[sensor.name] @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        hit, distance = np.full(len(rays), -1, dtype=np.int32), np.full(len(rays), -1.0)
+        normal = np.zeros(3 * len(rays)) if self._settings.grazing_deg < 90.0 and sensor.rays == 1 else None
+        self._mujoco.mj_multiRay(
+            self._model, data, origin, rays.ravel(), self._groups, 1, -1, hit, distance, normal, len(rays), reach_m,
+        )  # fmt: skip
+        return hit, distance, normal, rays
 
-def _cone() -> Floats:
+
+def _cone(fov_rad: float) -> Floats:
     """Return rays around x: an upright cross, and rings between its arms."""
-    fan = [float(share) for share in np.linspace(-1.0, 1.0, _FAN)]
+    half = fov_rad / 2
+    fan = [float(share) for share in np.linspace(-1.0, 1.0, 2 * max(2, ceil(half / _FAN_RAD - 1e-9)) + 1)]
     shares = [(share, 0.0) for share in fan] + [(0.0, share) for share in fan if share != 0.0]
     for radius, count in _RINGS:
         turns = ((step + 0.5) * tau / count for step in range(count))
         shares += [(radius * cos(turn), radius * sin(turn)) for turn in turns]
-    angles = [(side * CONE_RAD, up * CONE_RAD) for side, up in shares]
+    angles = [(side * half, up * half) for side, up in shares]
     return np.array([(cos(side) * cos(up), sin(side) * cos(up), sin(up)) for side, up in angles])
+
+
+def _fan(sensor: RangeSensor) -> Floats:
+    """Return the rays of a scan, in a plane, where its first one looks to the right."""
+    return np.array([(cos(angle), sin(angle), 0.0) for angle in sensor.angles()])
+
+
+def _turned(rays: Floats, sensor: RangeSensor) -> Floats:
+    """Return rays around x as the sensor is turned on the robot: yaw, then pitch, downwards positive."""
+    cp, sp, cy, sy = cos(sensor.pitch_rad), sin(sensor.pitch_rad), cos(sensor.yaw_rad), sin(sensor.yaw_rad)
+    pitched = rays @ np.array([[cp, 0.0, -sp], [0.0, 1.0, 0.0], [sp, 0.0, cp]])
+    turned: Floats = pitched @ np.array([[cy, sy, 0.0], [-sy, cy, 0.0], [0.0, 0.0, 1.0]])
+    return turned
 
 
 def _uniform(normal: float) -> float:

@@ -111,13 +111,13 @@ class Compass(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Ultrasonic(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The ring of MB1220: height, noise, and what it misses.
+    """Sensors of a single distance: noise, and what they miss. `height_m` null: as high as their rows say.
 
     Noise is `noise_m` and `noise_per_m` for each metre. `dropout` is how often a reading finds nothing. An echo from a
     surface hit at more than `grazing_deg` from its normal does not come back; 90: all do.
     """
 
-    height_m: Height = 0.30
+    height_m: Height | None = None
     noise_m: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.008
     noise_per_m: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.0
     dropout: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0

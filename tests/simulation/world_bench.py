@@ -6,6 +6,7 @@ import time
 import serial
 
 from lbr.capability.context import Device
+from lbr.messages.sensing import ring
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.capability import World
 from lbr.simulation.requests import FaultRequest
@@ -21,8 +22,8 @@ WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 class WorldContext(FakeContext):
     """The context of a world on real time."""
 
-    def __init__(self, settings, devices):
-        super().__init__(settings, robot="lbr", name="world", devices=devices)
+    def __init__(self, settings, devices, sensors=()):
+        super().__init__(settings, robot="lbr", name="world", devices=devices, given=sensors)
 
     def clock(self):
         return time.monotonic()
@@ -50,7 +51,7 @@ class Bench:
             Device("motors", "roboteq", str(self.motors_path), {}),
             Device("ranges", "ultrasonic_ring", str(self.ranges_path), {"board": "arduino"}),
         )
-        self.ctx = WorldContext(settings, devices)
+        self.ctx = WorldContext(settings, devices, ring(0.43, 0.30))
         self.world = World(self.ctx)
 
     def ask(self, name, message, **more):

@@ -11,6 +11,7 @@ from msgspec import Struct
 from lbr.capability import twins
 from lbr.capability.context import Device
 from lbr.errors import InputError
+from lbr.messages.sensing import RangeSensor
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.faults import Faults, FaultValue, changed
 from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
@@ -42,13 +43,17 @@ P = TypeVar("P", bound=Port)
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What a twin is built with: seed and time of the world, the trace of the wheels' outputs, and its cameras if any."""
+    """What a twin is built with: seed and time of the world, the trace of the wheels' outputs, its cameras if any.
+
+    `sensors` are where the robot has sensors of distance.
+    """
 
     seed: int
     now: float
     trace: OutputTrace = field(default_factory=lambda: OutputTrace(""))
     cameras: CameraHost | None = None
     mounts: tuple[str, ...] = ()
+    sensors: tuple[RangeSensor, ...] = ()
 
     def seed_for(self, device: Device) -> int:
         """Return the seed of a device's own noise."""

@@ -5,15 +5,15 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.twins import DeviceTwin
+from lbr.messages.units import Name
 from lbr.simulation.faults import Faults, Probability
 
 Board = Literal["arduino", "parallax"]
-Side = Literal["forward", "left", "right", "back"]
 PinnedM = Annotated[float, Meta(ge=0.0, le=7.65, description="metres a sensor is made to see; null sees the world")]
 
 
 class UltrasonicFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a ring of ultrasonic sensors.
+    """Faults of a ring of ultrasonic sensors, which are told by the names of their rows of `range_sensor`.
 
     `frozen`: the same numbers for ever. `garbage`, `half_lines`: a report has noise before it, or ends early without
     its line end. `noise_cm`: standard deviation added. `missing`: sensors that are not there. `over_range`, `error`:
@@ -25,9 +25,9 @@ class UltrasonicFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=
     garbage: Probability = 0.0
     half_lines: Probability = 0.0
     noise_cm: Annotated[float, Meta(ge=0.0, le=200.0)] = 0.0
-    missing: tuple[Side, ...] = ()
-    over_range: tuple[Side, ...] = ()
-    error: tuple[Side, ...] = ()
+    missing: tuple[Name, ...] = ()
+    over_range: tuple[Name, ...] = ()
+    error: tuple[Name, ...] = ()
     range_forward_m: PinnedM | None = None
     range_left_m: PinnedM | None = None
     range_right_m: PinnedM | None = None

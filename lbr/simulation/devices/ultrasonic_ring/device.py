@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from random import Random
 
-from lbr.simulation.devices.ultrasonic_ring import Board, Side, UltrasonicFaults
+from lbr.simulation.devices.ultrasonic_ring import Board, UltrasonicFaults
 from lbr.simulation.wire import Outbox, noise
 
-ORDER: tuple[Side, ...] = ("forward", "left", "right", "back")
+ORDER: tuple[str, ...] = ("forward", "left", "right", "back")
 """The order in which the sensors take their turn, so that they do not hear each other."""
 
 MINIMUM_CM = 17
@@ -27,12 +27,19 @@ _ERROR_CM = 0
 class UltrasonicBoard:
     """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach).
 
-    Each sensor takes its turn for as long as its echo takes, so that when they are told the first reading is the oldest.
+    `more` are sensors beyond the four that every board has. Each sensor takes its turn for as long as its echo takes, so that when they are told the first reading is the oldest.
     """
 
     def __init__(
-        self, board: Board, *, faults: UltrasonicFaults | None = None, seed: int = 0, powered_at: float = 0.0
+        self,
+        board: Board,
+        *,
+        faults: UltrasonicFaults | None = None,
+        seed: int = 0,
+        powered_at: float = 0.0,
+        more: tuple[str, ...] = (),
     ) -> None:
+        self._order = (*ORDER, *more)
         self.board = board
         self.faults = faults or UltrasonicFaults()
         self.distances_m: Mapping[str, float | None] = {}
@@ -45,7 +52,7 @@ class UltrasonicBoard:
         self._ranging = self.board == "parallax"
         self._cycle_s = self._told_s = 0.0
         self._next_at = now + _STARTUP_S
-        self._last: dict[Side, int] = {}
+        self._last: dict[str, int] = {}
         self._turn = 0
         self._outbox.clear()
 
@@ -61,15 +68,15 @@ class UltrasonicBoard:
     def poll(self, now: float) -> bytes:
         """Return what has crossed the line to the host by now."""
         while self._ranging and now >= self._next_at and not self._blocked():
-            if self._turn == len(ORDER):
+            if self._turn == len(self._order):
                 self._report(now)
                 break
-            self._take_turn(ORDER[self._turn])
+            self._take_turn(self._order[self._turn])
         return self._outbox.due(now)
 
     def next_due(self) -> float | None:
         """Return the soonest time at which this board has something to say by itself; poll it meanwhile."""
-        left = len(ORDER) - self._turn
+        left = len(self._order) - self._turn
         soonest = self._next_at + left * (_TRIGGER_S + MINIMUM_CM * _ECHO_S_PER_CM)
         report = soonest if self._ranging and not self._blocked() else None
         return min((at for at in (self._outbox.next_due(), report) if at is not None), default=None)
@@ -86,7 +93,7 @@ class UltrasonicBoard:
         """Say whether the board waits for an echo that never comes; only the Arduino's firmware gives up."""
         return self.board == "parallax" and bool(self.faults.missing)
 
-    def _take_turn(self, side: Side) -> None:
+    def _take_turn(self, side: str) -> None:
         """Let one sensor measure what it faces now."""
         if not (self.faults.frozen and side in self._last):
             self._last[side] = self._sense(side)
@@ -95,13 +102,13 @@ class UltrasonicBoard:
         self._next_at += turn_s
         self._turn += 1
 
-    def _sense(self, side: Side) -> int:
+    def _sense(self, side: str) -> int:
         faults = self.faults
         if side in faults.missing or side in faults.error:
             return _ERROR_CM
         if side in faults.over_range:
             return _OVER_RANGE_CM
-        pinned: float | None = getattr(faults, f"range_{side}_m")
+        pinned: float | None = getattr(faults, f"range_{side}_m", None)
         faced = self.distances_m.get(side) if pinned is None else pinned
         if faced is None:
             return MAXIMUM_CM
@@ -112,7 +119,10 @@ class UltrasonicBoard:
         """Tell what was measured, with how long the cycle before took, and rest."""
         ticks = round(self._told_s * _TICKS_PER_S[self.board])
         fields = ", ".join(f'"{side.capitalize()}": {self._last[side]}' for side in ORDER)
-        line = f'{{ "Ranges": {{ {fields}, "Bottom": {_BOTTOM[self.board]}, "Deltat": {ticks}}}}}\r\n'.encode("ascii")
+        others = "".join(f', "{side.capitalize()}": {self._last[side]}' for side in self._order[len(ORDER) :])
+        line = f'{{ "Ranges": {{ {fields}, "Bottom": {_BOTTOM[self.board]}, "Deltat": {ticks}{others}}}}}\r\n'.encode(
+            "ascii"
+        )
         if self._hit(self.faults.garbage):
             self._send(noise(self._random), now)
         if self._hit(self.faults.half_lines):
@@ -122,7 +132,7 @@ class UltrasonicBoard:
         self._next_at = max(self._next_at + _PAUSE_S, now)
         self._turn = 0
 
-    def _turn_s(self, side: Side, range_cm: int) -> float:
+    def _turn_s(self, side: str, range_cm: int) -> float:
         return _TRIGGER_S + (_NO_ECHO_S if side in self.faults.missing else range_cm * _ECHO_S_PER_CM)
 
     def _send(self, data: bytes, now: float) -> None:

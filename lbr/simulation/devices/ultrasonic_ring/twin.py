@@ -2,7 +2,7 @@
 
 from lbr.capability.context import Device
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults, UltrasonicRow
-from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
+from lbr.simulation.devices.ultrasonic_ring.device import ORDER, UltrasonicBoard
 from lbr.simulation.measured import Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
@@ -15,7 +15,11 @@ class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
         settings = row(device, UltrasonicRow)
         super().__init__(device.name, PtyPort(device.address), settings.faults)
         self._board = UltrasonicBoard(
-            settings.board, faults=settings.faults, seed=around.seed_for(device), powered_at=around.now
+            settings.board,
+            faults=settings.faults,
+            seed=around.seed_for(device),
+            powered_at=around.now,
+            more=tuple(one.name for one in around.sensors if one.rays == 1 and one.level and one.name not in ORDER),
         )
 
     def service(self, now: float) -> None:

@@ -1,0 +1,34 @@
+"""LD06 lidar, and others of its maker that speak as it does, on a serial line: its kind and its settings."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind, Rows
+from lbr.messages.sensing import RangeSensor, Scan
+from lbr.messages.units import Name
+
+
+class Ld06Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a row of kind `ld06` may set; where it is and how far it sees is the row `sensor` of `range_sensor`."""
+
+    device: Name
+    sensor: Name = "lidar"
+    least_confidence: Annotated[
+        int, Meta(ge=0, le=255, description="a distance that the lidar is less sure of is not known")
+    ] = 0
+    timeout_s: Annotated[float, Meta(ge=0.1, le=5.0, description="silence that counts as a fault")] = 0.5
+    start_timeout_s: Annotated[float, Meta(ge=0.1, le=10.0, description="until its mirror turns")] = 4.0
+
+
+KIND = Kind(
+    name="ld06",
+    summary="LD06 lidar: scans all around, ten a second",
+    family="driver",
+    entry="lbr.drivers.ld06.capability:Ld06",
+    settings=Ld06Settings,
+    outputs={"scan": Scan},
+    rows=(Rows(RangeSensor, where={"name": "sensor"}),),
+    device="ld06",
+    line="serial",
+)

@@ -1,0 +1,32 @@
+"""The emulated LD06 lidar: what its device rows may set, what can go wrong with it, and which twin it has."""
+
+from msgspec import Struct
+
+from lbr.capability.twins import DeviceTwin
+from lbr.messages.units import Name
+from lbr.simulation.faults import Faults, Probability
+
+
+class Ld06Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of an LD06. `unplug`: cable out, lidar without power.
+
+    `silent`: it says nothing. `stalled`: its mirror stands still. `dark`: nothing comes back from anywhere. `frozen`: the
+    same distances for ever. `garbage`, `bit_flip`: a packet has noise before it, or a bit wrong.
+    """
+
+    silent: bool = False
+    stalled: bool = False
+    dark: bool = False
+    frozen: bool = False
+    garbage: Probability = 0.0
+    bit_flip: Probability = 0.0
+
+
+class Ld06Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which row of `range_sensor` says where the lidar is."""
+
+    faults: Ld06Faults = Ld06Faults()
+    sensor: Name = "lidar"
+
+
+TWIN = DeviceTwin(device="ld06", row=Ld06Row, entry="lbr.simulation.devices.ld06.twin:Ld06Twin")

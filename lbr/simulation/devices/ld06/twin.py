@@ -1,0 +1,48 @@
+"""The emulated LD06 lidar on its port."""
+
+from collections.abc import Sequence
+from math import tau
+
+from lbr.capability.context import Device
+from lbr.messages.sensing import RangeSensor
+from lbr.simulation.devices.ld06 import Ld06Faults, Ld06Row
+from lbr.simulation.devices.ld06.device import Ld06
+from lbr.simulation.measured import Sensed
+from lbr.simulation.port import PtyPort
+from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+
+
+class Ld06Twin(PortTwin[PtyPort, Ld06Faults]):
+    """Reports what is around the place that its row of `range_sensor` says; without that row, nothing."""
+
+    def __init__(self, device: Device, around: Surroundings) -> None:
+        settings = row(device, Ld06Row)
+        super().__init__(device.name, PtyPort(device.address), settings.faults)
+        self._sensor = next((sensor for sensor in around.sensors if sensor.name == settings.sensor), None)
+        self._lidar = Ld06(faults=settings.faults, seed=around.seed_for(device), powered_at=around.now)
+
+    def service(self, now: float) -> None:
+        """Do all that is due: the cable, bytes out; what is said to it is lost."""
+        self._lidar.faults = self._faults
+        if plug(self.port, present=not self._lidar.faults.unplug):
+            self._lidar.power_cycle(now)
+        self.port.read()
+        if said := self._lidar.poll(now):
+            self.port.write(said)
+
+    def next_due(self) -> float | None:
+        """Return when it next has something to do by itself."""
+        return self._lidar.next_due()
+
+    def sense(self, sensed: Sensed) -> None:
+        """Face what the world puts around it."""
+        sensor = self._sensor
+        if sensor is not None and sensor.name in sensed.scans_m:
+            faced = sensed.scans_m[sensor.name]
+            self._lidar.face = lambda angle_rad: _along(faced, sensor, angle_rad)
+
+
+def _along(faced: Sequence[float | None], sensor: RangeSensor, angle_rad: float) -> float | None:
+    """Return what is along an angle, by the nearest ray; nothing where no ray goes."""
+    number = int(((angle_rad - sensor.first_rad + sensor.step_rad / 2) % tau) / sensor.step_rad)
+    return faced[number] if number < len(faced) else None
