@@ -6,10 +6,22 @@ from msgspec import Struct
 
 from lbr.messages.codes import ReasonCode
 from lbr.messages.leases import LeaseId
-from lbr.messages.units import AngleDeg, DistanceCm, HeadingDeg, IntervalS, Power, RangeCm, SignedPower, TtlS, TurnDeg
+from lbr.messages.units import (
+    AngleDeg,
+    DistanceCm,
+    HeadingDeg,
+    IntervalS,
+    Name,
+    Power,
+    RangeCm,
+    SignedPower,
+    TtlS,
+    TurnDeg,
+)
 
 Direction = Literal["forward", "back", "left", "right"]
-Sensor = Literal["forward", "back", "left", "right", "bottom"]
+Sensor = Name
+"""A row of `range_sensor`."""
 
 
 class DriveCommand(Struct, frozen=True, kw_only=True):
@@ -78,7 +90,8 @@ class DriveState(Struct, frozen=True, kw_only=True):
     """What the base is doing, who holds it, and why it is slower than asked or stands still.
 
     What was sent before `stopped_s`, monotonic, begins nothing any more: then all was stopped, also if nothing moved;
-    `stopped_by` says who did, if it was a stop. `code` is that of `reason`.
+    `stopped_by` says who did, if it was a stop. `code` is that of `reason`. `sees` has what stands in the way by sensors
+    that watch by themselves, in metres from the outline of the base, by sensor and side; null is not known.
     """
 
     moving: bool
@@ -95,6 +108,7 @@ class DriveState(Struct, frozen=True, kw_only=True):
     stopped_s: float | None = None
     stopped_by: str = ""
     code: ReasonCode = ""
+    sees: dict[str, float | None] = {}
 
 
 class CheckRequest(Struct, frozen=True, kw_only=True):

@@ -1,6 +1,6 @@
 """Drive operations: one holder, leases, rules, limits and bounded moves between drive commands and the motors."""
 
-from lbr.capability.kind import Command, Kind
+from lbr.capability.kind import Command, Kind, Known
 from lbr.capability.word import Word
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import (
@@ -15,8 +15,14 @@ from lbr.messages.drive import (
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
-from lbr.messages.sensing import Ranges, RangeSensor
+from lbr.messages.sensing import Ranges, RangeSensor, Scan
 from lbr.operations.drive.settings import DriveSettings
+
+
+def _telling_one(known: Known) -> set[str]:
+    """Return the sensors to whose distance a motion may be bound."""
+    return {row.name for row in known.rows(RangeSensor) if row.rays == 1}
+
 
 KIND = Kind(
     name="drive",
@@ -24,10 +30,16 @@ KIND = Kind(
     family="operation",
     entry="lbr.operations.drive.capability:Drive",
     settings=DriveSettings,
-    inputs={"ranges": Ranges, "motors": MotorsState, "attitude": AttitudeState, "odometry": OdometryState},
+    inputs={
+        "ranges": Ranges,
+        "scans": Scan,
+        "motors": MotorsState,
+        "attitude": AttitudeState,
+        "odometry": OdometryState,
+    },
     outputs={"setpoint": MotorSetpoint, "state": DriveState, "result": GoalResult},
     commands={
-        "command": Command(DriveCommand, leased=True),
+        "command": Command(DriveCommand, leased=True, choices={"sensor": _telling_one}),
         "turn": Command(TurnCommand, leased=True),
         "heading": Command(HeadingCommand, leased=True),
         "stop": StopCommand,
@@ -38,6 +50,7 @@ KIND = Kind(
     },
     requests={"checks": CheckRequest},
     rows=(RangeSensor,),
+    optional=("scans",),
     moves=True,
     words=(
         Word(
@@ -48,7 +61,7 @@ KIND = Kind(
         Word(
             "/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}",
             "command",
-            "Drive until a sensor (forward, back, left, right, bottom) reads the range, 0 to 769 cm, or the time is over, 0 to 3600 s; 0 sets no bound",
+            "Drive until a sensor, such as forward, back, left or right, reads the range, 0 to 769 cm, or the time is over, 0 to 3600 s; 0 sets no bound",
         ),
         Word(
             "/go/{distance_cm}/{power}",

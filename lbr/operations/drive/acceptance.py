@@ -10,7 +10,7 @@ from lbr.operations.drive.command import Motion, moves, power_of, towards_deg, w
 from lbr.operations.drive.goals import not_plausible
 from lbr.operations.drive.limits import limit
 from lbr.operations.drive.mixing import mix
-from lbr.operations.drive.rules import SENSORS, Limit
+from lbr.operations.drive.rules import Limit
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, State, motors_trouble
 from lbr.operations.leasing import rules
@@ -85,9 +85,15 @@ def _form(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason
     for name, value, low, high in _bounds(command):
         if not (isfinite(value) and low <= value <= high):
             return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")
-    if isinstance(command, DriveCommand) and command.sensor not in SENSORS:
-        return Reason("unknown_name", f"sensor '{command.sensor}' is none of {', '.join(SENSORS)}")
+    if isinstance(command, DriveCommand) and command.sensor not in state.sensors.singles and _means(command):
+        there = ", ".join(state.sensors.singles) or "none: no row of range_sensor tells one distance"
+        return Reason("unknown_name", f"sensor '{command.sensor}' is none of {there}")
     return rules.form(state.leases, ask, now)
+
+
+def _means(command: DriveCommand) -> bool:
+    """Say whether a command is about its sensor: one that names none goes by a base that has no such sensor, too."""
+    return command.range_cm > 0.0 or command.sensor != "forward"
 
 
 def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:

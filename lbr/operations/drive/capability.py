@@ -8,6 +8,7 @@ from typing import Any
 from lbr.capability.context import Call, Context, Received
 from lbr.messages.drive import CheckVerdict, DriveState
 from lbr.messages.motors import MotorSetpoint
+from lbr.messages.sensing import RangeSensor
 from lbr.operations.drive.acceptance import to_be_checked
 from lbr.operations.drive.command import shown
 from lbr.operations.drive.kernel import decide, drive_state, first_state
@@ -21,6 +22,7 @@ from lbr.operations.drive.state import (
     OdometrySeen,
     Outputs,
     RangesSeen,
+    ScanSeen,
     State,
     Tick,
 )
@@ -61,7 +63,7 @@ class Drive(Lender[DriveSettings, State]):
 
     def first(self) -> State:
         """Return a base that nobody has moved."""
-        return first_state(self.ctx.settings, self.ctx.clock())
+        return first_state(self.ctx.settings, self.ctx.clock(), self.ctx.rows(RangeSensor))
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
         """Return what the kernel makes of an event."""
@@ -76,9 +78,11 @@ class Drive(Lender[DriveSettings, State]):
         return MotorsLost(reason=f"the motor driver ({names}) is gone")
 
     def hear(self) -> None:
-        """Take in ranges, attitude and odometry."""
+        """Take in ranges, scans, attitude and odometry."""
         for received in self.ctx.take("ranges"):
             self.happen(RangesSeen(ranges=received.message, arrived=received.arrived))
+        for received in self.ctx.take("scans"):
+            self.happen(ScanSeen(scan=received.message, arrived=received.arrived))
         for received in self.ctx.take("attitude"):
             self.happen(AttitudeSeen(attitude=received.message, arrived=received.arrived))
         for received in self.ctx.take("odometry"):

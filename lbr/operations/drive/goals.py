@@ -6,12 +6,13 @@ from math import inf, isfinite, isnan, nan
 from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
-from lbr.messages.drive import DriveCommand, GoalResult, Sensor
+from lbr.messages.drive import DriveCommand, GoalResult
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive import distance_goal, turn_goal
 from lbr.operations.drive.command import Motion, moves
 from lbr.operations.drive.mixing import mix
-from lbr.operations.drive.rules import View, measured_m, towards
+from lbr.operations.drive.rules import USUAL, View, measured_m, towards
+from lbr.operations.drive.sensors import Sensors
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Goal, State
 from lbr.operations.leasing.lease import Ending
@@ -29,7 +30,7 @@ def bounded(command: Motion) -> bool:
 
 
 def not_plausible(
-    command: DriveCommand, views: Mapping[Sensor, View], settings: DriveSettings, now: float
+    command: DriveCommand, views: Mapping[str, View], settings: DriveSettings, now: float
 ) -> Reason | None:
     """Return why a range cannot be driven to, or nothing."""
     if not command.range_cm > 0.0:
@@ -57,9 +58,7 @@ def start(command: Motion, name: str, state: State, now: float) -> Goal:
     return replace(goal, way=way)
 
 
-def _to_range(
-    command: DriveCommand, name: str, views: Mapping[Sensor, View], settings: DriveSettings, now: float
-) -> Goal:
+def _to_range(command: DriveCommand, name: str, views: Mapping[str, View], settings: DriveSettings, now: float) -> Goal:
     view = views.get(command.sensor)
     present_m = nan if view is None else view.raw_m
     target_m = command.range_cm / 100 if command.range_cm > 0.0 else nan
@@ -75,9 +74,11 @@ def _to_range(
     )
 
 
-def watch(goal: Goal, ranges: Ranges, now: float) -> Goal:
+def watch(goal: Goal, ranges: Ranges, now: float, sensors: Sensors = USUAL) -> Goal:
     """Return the goal with its sensor's newest reading; one without a value is passed over until it is too long ago."""
-    value_m, _ = measured_m(ranges, goal.sensor)
+    if not ranges.tells_of(goal.sensor):
+        return goal
+    value_m, _ = measured_m(ranges, goal.sensor, sensors)
     overtaken = now < goal.last_seen
     return goal if overtaken or isnan(value_m) else replace(goal, last_m=value_m, last_seen=now)
 
@@ -156,8 +157,9 @@ def _known(value: float, digits: int) -> float | None:
 def _closing(command: DriveCommand, present_m: float, target_m: float, settings: DriveSettings) -> bool:
     """Say whether the distance shrinks: the sensor at the end that leads, or else by where the target lies."""
     parts = towards(*mix(command.power, command.angle_deg, settings))
-    if command.sensor in {"forward", "back"} and parts["forward"] + parts["back"] > 0.0:
-        return parts[command.sensor] > 0.0
+    leads = {"forward": parts["forward"], "back": parts["back"]}.get(command.sensor)
+    if leads is not None and parts["forward"] + parts["back"] > 0.0:
+        return leads > 0.0
     return present_m > target_m
 
 

@@ -1,11 +1,13 @@
 """The decisions of drive operations, as a pure function of what is known, what happened and when."""
 
-from math import inf, isfinite, nan
+from collections.abc import Iterable
+from math import inf, isfinite, isnan, nan
 
 from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveState, LoopStatistics
+from lbr.messages.sensing import RangeSensor
 from lbr.operations.drive import (
     distance_goal,
     goals,
@@ -17,6 +19,7 @@ from lbr.operations.drive import (
     turn_goal,
 )
 from lbr.operations.drive.ending import Decision, end_what_is_over, halt
+from lbr.operations.drive.sensors import sensors_of
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (
     AttitudeSeen,
@@ -28,6 +31,7 @@ from lbr.operations.drive.state import (
     OdometrySeen,
     Outputs,
     RangesSeen,
+    ScanSeen,
     State,
     Tick,
     motors_trouble,
@@ -46,10 +50,14 @@ LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late, and takes a moment to reach the motors."""
 
 
-def first_state(settings: DriveSettings, began: float = -inf) -> State:
-    """Return the state of a base that nobody has moved since it `began`."""
+def first_state(settings: DriveSettings, began: float = -inf, sensors: Iterable[RangeSensor] | None = None) -> State:
+    """Return the state of a base that nobody has moved since it `began`; without rows of sensors, with a ring of them."""
     ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
-    return State(settings=settings, leases=first(PHRASING, settings.ttl_s, ahead_s, began=began))
+    return State(
+        settings=settings,
+        sensors=sensors_of(settings, sensors),
+        leases=first(PHRASING, settings.ttl_s, ahead_s, began=began),
+    )
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
@@ -79,6 +87,7 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
         loop=loop,
         stopped_s=state.leases.stopped if isfinite(state.leases.stopped) else None,
         stopped_by=state.leases.stopped_by,
+        sees=_sees(state, now),
     )
 
 
@@ -94,8 +103,8 @@ def _handle(state: State, event: Event, now: float) -> Decision:
             decision = _motors(state, event, now)
         case MotorsLost(reason=reason):
             decision = end_what_is_over(replace(state, motors=None, motors_gone=reason, motors_lost=now), now)
-        case RangesSeen():
-            decision = _ranges(state, event, now)
+        case RangesSeen() | ScanSeen():
+            decision = _ranges(state, event, now) if isinstance(event, RangesSeen) else (_scan(state, event, now), ())
         case AttitudeSeen():
             decision = _attitude(state, event, now)
         case OdometrySeen():
@@ -113,12 +122,39 @@ def _motors(state: State, event: MotorsSeen, now: float) -> Decision:
 
 def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
     arrived = _no_later(event.arrived, now)
-    views = rules.see(state.views, event.ranges, arrived, state.odometer)
-    state = replace(state, views=views, memory=obstacle_memory.see(state.memory, views, arrived, state.settings))
+    views = rules.see(state.views, event.ranges, arrived, state.odometer, state.sensors)
+    state = replace(
+        state, views=views, memory=obstacle_memory.see(state.memory, views, arrived, state.settings, state.sensors)
+    )
     goal = _goal(state)
     if goal is None:
         return state, ()
-    return end_what_is_over(_with_goal(state, goals.watch(goal, event.ranges, arrived)), now)
+    return end_what_is_over(_with_goal(state, goals.watch(goal, event.ranges, arrived, state.sensors)), now)
+
+
+def _scan(state: State, event: ScanSeen, now: float) -> State:
+    """Take in a scan; one of a sensor that has no row, or of which the row says that it tells one distance, is none."""
+    scan, arrived = event.scan, _no_later(event.arrived, now)
+    row = state.sensors.rows.get(scan.sensor)
+    if row is None or row.rays == 1:
+        return state
+    before = state.scans.get(scan.sensor)
+    same = before is not None and before.ranges_m == scan.ranges_m and any(isinstance(m, float) for m in scan.ranges_m)
+    views = rules.see_scan(state.views, scan, arrived, state.odometer, state.sensors, same=same)
+    remembered = obstacle_memory.see_scan(state.memory, row, scan, arrived, state.settings)
+    return replace(state, views=views, scans={**state.scans, scan.sensor: scan}, memory=remembered)
+
+
+def _sees(state: State, now: float) -> dict[str, float | None]:
+    """Return what sensors that watch by themselves see in the way; where nothing is, nothing is told."""
+    believed = {
+        name: rules.believed_m(state.views.get(name), rule, now) for name, rule in state.sensors.watched.items()
+    }
+    return {
+        name: None if isnan(near_m) else round(near_m, 3)
+        for name, near_m in believed.items()
+        if near_m < inf or isnan(near_m)
+    }
 
 
 def _attitude(state: State, event: AttitudeSeen, now: float) -> Decision:
@@ -175,6 +211,7 @@ def _lose_time(state: State, now: float) -> Decision:
         motors_gone=f"{BACK}; the motor driver was not heard since",
         motors_lost=now,
         views={},
+        scans={},
         memory=obstacle_memory.redated(state.memory, now),
         heading=heading_view.UNHEARD,
         odometry=odometry_view.UNHEARD,

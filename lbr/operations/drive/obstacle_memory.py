@@ -1,23 +1,26 @@
 """What the sensors saw stays where it was seen for a while: arcs and spins do not run into what the cones have lost."""
 
-from collections.abc import Iterable, Mapping
-from math import cos, hypot, inf, isnan, pi, radians, sin
+from collections.abc import Iterable, Mapping, Sequence
+from math import atan2, cos, hypot, inf, isnan, pi, radians, sin, tau
 from typing import NamedTuple
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.messages.drive import Direction, Sensor
+from lbr.messages.drive import Direction
+from lbr.messages.sensing import RangeSensor, Scan
+from lbr.operations.drive import sensors as sensing
 from lbr.operations.drive.footprint import Footprint
 from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.odometry_view import OdometryView
-from lbr.operations.drive.rules import FREE, MEMORY, Blocker, Limit, View, allowed_mps, towards
+from lbr.operations.drive.rules import FREE, MEMORY, USUAL, Blocker, Limit, View, allowed_mps, towards
+from lbr.operations.drive.sensors import Sensors
 from lbr.operations.drive.settings import DriveSettings
 
 MOST_SPOTS = 40
-CONE_RAD = 0.2
-"""Half of what a sensor sees: something in it may be anywhere across it."""
 ACROSS = (-1.0, -0.5, 0.0, 0.5, 1.0)
+SECTOR_RAD = pi / 36
+"""Of a scan the nearest in so much around the base is remembered."""
 SURE_SHARE = 0.8
 """The part of a cone in which nothing is missed."""
 BEYOND_M = 0.15
@@ -26,20 +29,21 @@ APART_M = 0.06
 LEAST_M = 0.02
 """By its own estimate alone the base would creep up to something for ever."""
 STILL_M, STILL_RAD = 0.01, 0.01
-LOOKS: dict[Sensor, float] = {"forward": 0.0, "left": pi / 2, "back": pi, "right": -pi / 2}
 WORDS: dict[Direction, str] = {"forward": "ahead", "back": "behind", "left": "on the left", "right": "on the right"}
 
 
 class Spot(NamedTuple):
     """Where something was seen, and when: x ahead, y left, from the middle of the base (REP 103).
 
-    `by` is the sensor that saw it, as long as the base has not moved since then.
+    `by` is the sensor that saw it, as long as the base has not moved since then. What a `scanner` saw it alone can see to
+    be gone: others look at other heights.
     """
 
     x_m: float
     y_m: float
     seen: float
-    by: Sensor | None = None
+    by: str | None = None
+    scanner: str | None = None
 
 
 class ObstacleMemory(Struct, frozen=True, kw_only=True):
@@ -98,18 +102,45 @@ def drove(memory: ObstacleMemory, before: OdometryView, after: OdometryView) -> 
     return replace(_shifted(memory, way_m - memory.way_m, 0.0), way_m=0.0)
 
 
-def see(memory: ObstacleMemory, views: Mapping[Sensor, View], now: float, settings: DriveSettings) -> ObstacleMemory:
+def see(
+    memory: ObstacleMemory, views: Mapping[str, View], now: float, settings: DriveSettings, sensors: Sensors = USUAL
+) -> ObstacleMemory:
     """Return the memory after new readings, of which only those count that came now: no reading frees nothing."""
     if not settings.memory_s > 0.0:
         return ObstacleMemory()
     stands = hypot(memory.x_m, memory.y_m) < STILL_M and abs(memory.yaw_rad) < STILL_RAD
     known = memory.spots if stands else around(memory)
     spots = _not_forgotten(known, now, settings)
-    for sensor, look in LOOKS.items():
-        view = views.get(sensor)
-        if view is not None and view.seen == now and not isnan(view.raw_m):
-            face_m = (settings.body_length_m if sensor in {"forward", "back"} else settings.body_width_m) / 2
-            spots = _seen(spots, view, sensor, look, face_m, settings)
+    for name, row in sensors.rows.items():
+        view = views.get(name)
+        if row.rays == 1 and row.level and view is not None and view.seen == now and not isnan(view.raw_m):
+            spots = _seen(spots, view, row, settings)
+    return _with(memory, spots, stands=stands)
+
+
+def see_scan(
+    memory: ObstacleMemory, row: RangeSensor, scan: Scan, now: float, settings: DriveSettings
+) -> ObstacleMemory:
+    """Return the memory after a scan: what it meets is there, and what it looks past is not."""
+    if not settings.memory_s > 0.0 or not sensing.plausible(scan):
+        return memory
+    stands = hypot(memory.x_m, memory.y_m) < STILL_M and abs(memory.yaw_rad) < STILL_RAD
+    known = memory.spots if stands else around(memory)
+    metres = scan.metres()
+    kept = [spot for spot in _not_forgotten(known, now, settings) if not _passed(spot, row, scan, metres)]
+    by_sector: dict[int, tuple[float, Spot]] = {}
+    reach_m = settings.memory_reach_m + settings.body_length_m / 2
+    for number, value_m in enumerate(metres):
+        if 0.0 <= value_m < reach_m:  # this way round, NaN is nowhere
+            angle = row.yaw_rad + scan.angle_min_rad + number * scan.angle_increment_rad
+            spot = Spot(row.x_m + value_m * cos(angle), row.y_m + value_m * sin(angle), now, row.name, row.name)
+            sector, away_m = round(atan2(spot.y_m, spot.x_m) / SECTOR_RAD), hypot(spot.x_m, spot.y_m)
+            if away_m < by_sector.get(sector, (inf, spot))[0]:
+                by_sector[sector] = away_m, spot
+    return _with(memory, [*kept, *(spot for _, spot in by_sector.values())], stands=stands)
+
+
+def _with(memory: ObstacleMemory, spots: list[Spot], *, stands: bool) -> ObstacleMemory:
     nearest = tuple(sorted(spots, key=lambda spot: hypot(spot.x_m, spot.y_m))[:MOST_SPOTS])
     if stands:
         return replace(memory, spots=nearest)
@@ -123,7 +154,9 @@ def redated(memory: ObstacleMemory, now: float) -> ObstacleMemory:
 
 def around(memory: ObstacleMemory) -> list[Spot]:
     """Return what is remembered, from where the base is now."""
-    return [Spot(*place, spot.seen) for place, spot in zip(_places(memory), memory.spots, strict=True)]
+    return [
+        Spot(*place, spot.seen, None, spot.scanner) for place, spot in zip(_places(memory), memory.spots, strict=True)
+    ]
 
 
 def limit(
@@ -193,33 +226,49 @@ def _shifted(memory: ObstacleMemory, way_m: float, turn_rad: float) -> ObstacleM
     return replace(memory, x_m=x_m, y_m=y_m, yaw_rad=memory.yaw_rad + turn_rad)
 
 
-def _seen(
-    spots: list[Spot], view: View, sensor: Sensor, look: float, face_m: float, settings: DriveSettings
-) -> list[Spot]:
+def _seen(spots: list[Spot], view: View, row: RangeSensor, settings: DriveSettings) -> list[Spot]:
     """Return the spots after what a sensor sees: without those that it looks past, and with what is near.
 
     What it sees may be anywhere across its cone, and reach out of it. New spots take the place of old ones beside them.
     """
-    c, s, near_m = cos(look), sin(look), view.raw_m
+    c, s, near_m = cos(row.yaw_rad), sin(row.yaw_rad), view.raw_m
+    face_m, off_m = round(row.x_m * c + row.y_m * s, 9), round(row.y_m * c - row.x_m * s, 9)
     clear_m = min(near_m, view.distance_m) - BEYOND_M  # a farther value counts when a second one confirms it
-    half_m = max(near_m * sin(CONE_RAD), settings.memory_aside_m)
+    half_m = max(near_m * sin(row.fov_rad / 2), settings.memory_aside_m)
     across = [part * half_m for part in ACROSS] if near_m < settings.memory_reach_m else []
     kept = []
     for spot in spots:
-        along_m, across_m = spot[0] * c + spot[1] * s - face_m, spot[1] * c - spot[0] * s
-        if clear_m > 0.0 and _past(spot, sensor, along_m, across_m, clear_m):
+        along_m, across_m = spot[0] * c + spot[1] * s - face_m, spot[1] * c - spot[0] * s - off_m
+        if clear_m > 0.0 and _past(spot, row, along_m, across_m, clear_m):
             continue
         if abs(along_m - near_m) >= APART_M or not any(abs(across_m - aside_m) < APART_M for aside_m in across):
             kept.append(spot)
     far_m = face_m + near_m
-    return kept + [Spot(far_m * c - aside * s, far_m * s + aside * c, view.seen, sensor) for aside in across]
+    beside = [aside + off_m for aside in across]
+    return kept + [Spot(far_m * c - aside * s, far_m * s + aside * c, view.seen, row.name) for aside in beside]
 
 
-def _past(spot: Spot, sensor: Sensor, along_m: float, across_m: float, clear_m: float) -> bool:
+def _passed(spot: Spot, row: RangeSensor, scan: Scan, metres: Sequence[float]) -> bool:
+    """Say whether a scan looks past what it saw before, or sees it again."""
+    if spot.scanner != row.name:
+        return False
+    x_m, y_m, step = spot.x_m - row.x_m, spot.y_m - row.y_m, scan.angle_increment_rad
+    turn = atan2(y_m, x_m) - row.yaw_rad - scan.angle_min_rad
+    number = round(((turn if step > 0.0 else -turn) % tau) / abs(step))
+    number = 0 if number >= len(metres) and number == round(tau / abs(step)) else number
+    if number >= len(metres) or isnan(metres[number]):
+        return False
+    farther_m = metres[number] - hypot(x_m, y_m)
+    return farther_m > BEYOND_M or abs(farther_m) < APART_M
+
+
+def _past(spot: Spot, row: RangeSensor, along_m: float, across_m: float, clear_m: float) -> bool:
     """Say whether a sensor sees past a spot: by its cone, and past all that it saw from here if it sees that no more."""
-    if spot.by == sensor:
+    if spot.scanner is not None:
+        return False
+    if spot.by == row.name:
         return along_m < clear_m
-    in_sight = along_m > BEYOND_M and abs(across_m) < SURE_SHARE * CONE_RAD * along_m
+    in_sight = along_m > BEYOND_M and abs(across_m) < SURE_SHARE * row.fov_rad / 2 * along_m
     return in_sight and hypot(along_m, across_m) < clear_m
 
 

@@ -8,16 +8,16 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.messages.codes import Code
-from lbr.messages.drive import Direction, Sensor
-from lbr.messages.sensing import Ranges
+from lbr.messages.drive import Direction
+from lbr.messages.sensing import Ranges, Scan
+from lbr.operations.drive import sensors as sensing
+from lbr.operations.drive.sensors import Sensors
 from lbr.operations.drive.settings import DriveSettings, Rule
 
 Blocker = Direction | Literal["memory"]
 MEMORY: Literal["memory"] = "memory"
 
-SENSORS: tuple[Sensor, ...] = ("forward", "back", "left", "right", "bottom")
-ALONG: tuple[Sensor, ...] = ("forward", "back", "bottom")
-LONGEST_M = 8.0
+USUAL = sensing.sensors_of(DriveSettings())
 JUMP_M = 0.3
 PLAUSIBLE_MPS = 3.0
 SPIN_SHARE = 0.15
@@ -73,35 +73,70 @@ class Limit(Struct, frozen=True, kw_only=True):
 FREE = Limit()
 
 
-def measured_m(ranges: Ranges, sensor: Sensor) -> tuple[float, str]:
+def measured_m(ranges: Ranges, sensor: str, sensors: Sensors = USUAL) -> tuple[float, str]:
     """Return a reading in metres (infinite: over range; NaN: none) and what is wrong with it."""
-    value: float | None = getattr(ranges, f"{sensor}_m")
+    value = ranges.metres(sensor)
     status = ranges.status.get(sensor, "missing" if value is None else "ok")
     if status == "over_range":
         return inf, ""
     if status != "ok":
         return nan, status
-    if value is None or not 0.0 < value <= LONGEST_M:
+    row = sensors.rows.get(sensor)
+    if value is None or row is None or not 0.0 < value <= row.max_m:
         return nan, f"implausible ({value} m)"
     return value, ""
 
 
-def see(views: Mapping[Sensor, View], ranges: Ranges, now: float, odometer: Odometer) -> dict[Sensor, View]:
-    """Return what is believed of every sensor after new readings."""
-    return {sensor: _see(views.get(sensor), sensor, ranges, now, odometer) for sensor in SENSORS}
+def see(
+    views: Mapping[str, View], ranges: Ranges, now: float, odometer: Odometer, sensors: Sensors = USUAL
+) -> dict[str, View]:
+    """Return what is believed of every sensor after new readings, and of what they see in the way."""
+    found = dict(views)
+    for name in sensors.singles:
+        if not ranges.tells_of(name):
+            continue
+        row = sensors.rows[name]
+        raw_m, trouble = measured_m(ranges, name, sensors)
+        travel_m = odometer.along_m if sensing.sees_along(row) else odometer.turned_m
+        before = views.get(name)
+        found[name] = _see(before, raw_m, trouble, now, travel_m)
+        same = before is not None and raw_m == before.raw_m and isfinite(raw_m)
+        for view, side in sensors.covers(row):
+            near_m = raw_m if isnan(raw_m) else sensing.single(sensors.ways[name][side], raw_m)
+            found[view] = _see(views.get(view), near_m, trouble, now, _travel_m(odometer, side), same=same)
+    return found
+
+
+def see_scan(
+    views: Mapping[str, View], scan: Scan, now: float, odometer: Odometer, sensors: Sensors, *, same: bool
+) -> dict[str, View]:
+    """Return what is believed after a scan; `same`: it is to the last number the one before."""
+    found = dict(views)
+    for side, (near_m, trouble) in sensing.scanned(sensors, sensors.rows[scan.sensor], scan).items():
+        name = sensing.view_of(scan.sensor, side)
+        found[name] = _see(views.get(name), near_m, trouble, now, _travel_m(odometer, side), same=same)
+    return found
 
 
 def limit(
     settings: DriveSettings,
-    views: Mapping[Sensor, View],
+    views: Mapping[str, View],
     wheels: tuple[float, float],
     now: float,
     blocked: Iterable[Blocker] = (),
+    *,
+    rules: Iterable[Rule] | None = None,
 ) -> Limit:
-    """Return the strictest limit on this motion of the wheels; `blocked` are directions it already stopped for."""
+    """Return the strictest limit on this motion of the wheels; `blocked` are directions it already stopped for.
+
+    `rules` are those of the sensors; without them, the settings' own.
+    """
     parts = towards(*wheels)
     held = frozenset(blocked)
-    found = [_apply(settings, rule, views, parts[rule.direction], now, held) for rule in settings.rules]
+    found = [
+        _apply(settings, rule, views, parts[rule.direction], now, held)
+        for rule in (settings.rules if rules is None else rules)
+    ]
     strictest = min(found, key=lambda each: each.scale, default=FREE)
     stopped = tuple(each.direction for each in found if each.direction is not None and not each.scale > 0.0)
     return replace(strictest, blocked=stopped) if strictest.scale < 1.0 else FREE
@@ -139,7 +174,7 @@ def allowed_mps(room_m: float, settings: DriveSettings) -> float:
 def _apply(
     settings: DriveSettings,
     rule: Rule,
-    views: Mapping[Sensor, View],
+    views: Mapping[str, View],
     part: float,
     now: float,
     held: frozenset[Blocker],
@@ -170,19 +205,25 @@ def _believed(view: View | None, rule: Rule, now: float) -> tuple[float, str]:
     if view.trouble:
         return nan, f"reading is {view.trouble}"
     if view.repeats >= FROZEN_REPEATS and view.idle_m > rule.frozen_after_m:
-        return nan, f"reading is frozen at {view.raw_m:.2f} m"
+        return nan, f"reading is frozen at {view.raw_m:.2f} m" if isfinite(view.raw_m) else "reading is frozen"
     return view.distance_m, ""
 
 
-def _see(view: View | None, sensor: Sensor, ranges: Ranges, now: float, odometer: Odometer) -> View:
+def believed_m(view: View | None, rule: Rule, now: float) -> float:
+    """Return the distance that a rule goes by: infinite for nothing near, NaN for not known."""
+    return _believed(view, rule, now)[0]
+
+
+def _see(
+    view: View | None, raw_m: float, trouble: str, now: float, travel_m: float, *, same: bool | None = None
+) -> View:
+    """Return what is believed after a value; `same`: the sensor told the same before, if that is not to be seen by it."""
     if view is not None and now < view.seen:
         return view  # it was overtaken by a newer one
-    raw_m, trouble = measured_m(ranges, sensor)
-    travel_m = odometer.along_m if sensor in ALONG else odometer.turned_m
     if view is None or isnan(raw_m):
         return View(distance_m=raw_m, trouble=trouble, seen=now, raw_m=raw_m, changed_at_m=travel_m)
     distance_m, pending_m = _trust(view, raw_m, now - view.seen)
-    same = raw_m == view.raw_m and isfinite(raw_m)
+    same = raw_m == view.raw_m and isfinite(raw_m) if same is None else same
     since_m = view.changed_at_m if same else travel_m
     return View(
         distance_m=distance_m,
@@ -194,6 +235,10 @@ def _see(view: View | None, sensor: Sensor, ranges: Ranges, now: float, odometer
         idle_m=travel_m - since_m,
         repeats=view.repeats + 1 if same else 0,
     )
+
+
+def _travel_m(odometer: Odometer, side: Direction) -> float:
+    return odometer.along_m if side in {"forward", "back"} else odometer.turned_m
 
 
 def _trust(view: View, raw_m: float, dt_s: float) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.messages.drive import Direction
+from lbr.messages.units import Name
 
 Metres = Annotated[float, Meta(gt=0.0, le=10.0)]
 Seconds = Annotated[float, Meta(gt=0.0, le=10.0)]
@@ -13,12 +14,13 @@ Seconds = Annotated[float, Meta(gt=0.0, le=10.0)]
 class Rule(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Slow down for what `sensor` sees when moving towards `direction`, and stop `stop_m` before it.
 
-    A stop is held until there are `margin_m` more. A reading counts as an obstacle when it is older than `max_age_s`, or
+    The sensor is a row of `range_sensor`: of a single distance what it reads counts, of a scan what is in the way there. A
+    stop is held until there are `margin_m` more. A reading counts as an obstacle when it is older than `max_age_s`, or
     has not changed although the base drove `frozen_after_m` (for side sensors: turned that much at the wheels).
     """
 
     direction: Direction
-    sensor: Literal["forward", "back", "left", "right"]
+    sensor: Name
     stop_m: Metres = 0.25
     margin_m: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.05
     max_age_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3

@@ -7,10 +7,10 @@ from msgspec import Struct
 
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import Reason
-from lbr.messages.drive import CheckVerdict, Sensor
+from lbr.messages.drive import CheckVerdict
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
-from lbr.messages.sensing import Ranges
+from lbr.messages.sensing import Ranges, Scan
 from lbr.operations.drive import heading_view, odometry_view
 from lbr.operations.drive.command import Motion
 from lbr.operations.drive.distance_goal import DistanceGoal
@@ -18,6 +18,7 @@ from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.obstacle_memory import ObstacleMemory
 from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.rules import FREE, Limit, Odometer, View
+from lbr.operations.drive.sensors import Sensors
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.turn_goal import TurnGoal
 from lbr.operations.leasing.lease import EstopChanged, Happened, Lease, LeaseTable, Reply, Result, Setpoint, Stop
@@ -62,6 +63,13 @@ class RangesSeen(Struct, frozen=True, kw_only=True):
     arrived: float
 
 
+class ScanSeen(Struct, frozen=True, kw_only=True):
+    """A new scan came in."""
+
+    scan: Scan
+    arrived: float
+
+
 class AttitudeSeen(Struct, frozen=True, kw_only=True):
     """The attitude came in."""
 
@@ -80,7 +88,9 @@ class Tick(Struct, frozen=True, kw_only=True):
     """Time for the next setpoint."""
 
 
-Event = Command | Stop | EstopChanged | MotorsSeen | MotorsLost | RangesSeen | AttitudeSeen | OdometrySeen | Tick
+Event = (
+    Command | Stop | EstopChanged | MotorsSeen | MotorsLost | RangesSeen | ScanSeen | AttitudeSeen | OdometrySeen | Tick
+)
 
 
 Output = Reply | Setpoint | Happened | Result
@@ -94,7 +104,7 @@ class Goal(Struct, frozen=True, kw_only=True):
     """
 
     goal: str
-    sensor: Sensor
+    sensor: str
     target_m: float
     closing: bool
     started: float
@@ -118,6 +128,7 @@ class State(Struct, frozen=True, kw_only=True):
     """Everything the kernel remembers. `left` and `right` are the setpoint now, `clock` is the time of the last event."""
 
     settings: DriveSettings
+    sensors: Sensors
     leases: LeaseTable[ActiveMotion]
     clock: float = -inf
     left: float = 0.0
@@ -127,7 +138,8 @@ class State(Struct, frozen=True, kw_only=True):
     motors_at: float = nan
     motors_gone: str = "the motor driver was not heard yet"
     motors_lost: float = -inf
-    views: Mapping[Sensor, View] = {}
+    views: Mapping[str, View] = {}
+    scans: Mapping[str, Scan] = {}
     odometer: Odometer = Odometer()
     memory: ObstacleMemory = ObstacleMemory()
     heading: HeadingView = heading_view.UNHEARD

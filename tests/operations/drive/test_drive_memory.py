@@ -7,6 +7,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from lbr.messages.sensing import RING as SENSORS
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive import obstacle_memory, rules
 from lbr.operations.drive.footprint import Footprint
@@ -14,7 +15,7 @@ from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.kernel import drive_state
 from lbr.operations.drive.obstacle_memory import MOST_SPOTS, ObstacleMemory, Spot, around, free_way_m, limit, moved, see
 from lbr.operations.drive.odometry_view import OdometryView
-from lbr.operations.drive.rules import MEMORY, SENSORS, Odometer
+from lbr.operations.drive.rules import MEMORY, Odometer
 from lbr.operations.drive.settings import DriveSettings
 from tests.models.approach import run, trials
 from tests.operations.drive.drive_bench import Bench, ranges

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.messages.sensing import RING as SENSORS
 from lbr.messages.sensing import Ranges
-from lbr.operations.drive.rules import SENSORS, Odometer, View, allowed_mps, limit, measured_m, see, towards
+from lbr.operations.drive.rules import Odometer, View, allowed_mps, limit, measured_m, see, towards
 from lbr.operations.drive.settings import DriveSettings, Rule
 
 SETTINGS = DriveSettings()
