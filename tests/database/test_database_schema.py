@@ -157,6 +157,7 @@ BAD_ROWS = [
     ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 99, "speed_rps": 1}),
     ("joint", {"name": "j", "device_id": 1, "lower_rad": -99, "upper_rad": 1, "speed_rps": 1}),
     ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1, "zero_rad": 99}),
+    ("joint", {"name": "j", "device_id": 1, "bus": "B", "lower_rad": 0, "upper_rad": 1, "speed_rps": 1}),
     ("joint", {"name": "J", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1}),
     ("motion", {"name": "Bow"}),
     ("motion", {"name": "b", "lead_in": "Bow"}),

@@ -38,7 +38,7 @@ def test_one_fault_changes(faults, name, value, field, result):
         ("explode", True, "no fault 'explode'; allowed here: unplug, silent"),
         ("half_lines", 2.0, "fault 'half_lines'"),
         ("silent", "maybe", "fault 'silent'"),
-        ("missing", "up", "fault 'missing'"),
+        ("missing", "Up", "fault 'missing'"),
         ("missing", True, "name them after it"),
         ("range_left_m", float("nan"), "fault 'range_left_m'"),
     ],

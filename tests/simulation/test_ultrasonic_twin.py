@@ -7,8 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.capability.context import Device
+from lbr.errors import InputError
+from lbr.messages.sensing import RangeSensor, ring
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
+from lbr.simulation.twins.base import Surroundings, make
 
 FACED = {"forward": 1.234, "left": 0.5, "right": 2.0, "back": None}
 LINE = re.compile(
@@ -39,6 +43,24 @@ def test_parallax_reports_by_itself_after_its_start():
     assert all(LINE.fullmatch(line + b"\r\n") for line in data.split(b"\r\n")[:-1])
     assert 8 <= len(reports(data)) <= 15
     assert reports(data)[0] == {"Forward": 123, "Left": 50, "Right": 200, "Back": 765, "Bottom": -1, "Deltat": 0}
+
+
+def test_a_board_with_more_sensors_tells_them_after_the_others():
+    made = UltrasonicBoard("parallax", more=("bow",))
+    made.distances_m = {**FACED, "bow": 0.4}
+    assert reports(run(made, 2))[0] == {
+        "Forward": 123, "Left": 50, "Right": 200, "Back": 765, "Bottom": -1, "Deltat": 0, "Bow": 40
+    }  # fmt: skip
+
+
+def test_a_fault_of_a_sensor_that_is_not_there_is_refused(tmp_path):
+    bow = RangeSensor(name="bow", kind="infrared")
+    around = Surroundings(seed=1, now=0.0, sensors=(*ring(0.43, 0.3), bow))
+    twin = make(Device("ranges", "ultrasonic_ring", str(tmp_path / "ranges"), {}), around)
+    assert twin.fault("missing", "bow")["missing"] == ("bow",)
+    with pytest.raises(InputError, match="there is no sensor 'up'; there is forward, left, right, back, bow"):
+        twin.fault("error", "up")
+    assert twin.fault("unplug", True)["error"] == ()
 
 
 def test_parallax_counts_its_cycle_in_clock_ticks():

@@ -39,7 +39,7 @@ class UltrasonicBoard:
         powered_at: float = 0.0,
         more: tuple[str, ...] = (),
     ) -> None:
-        self._order = (*ORDER, *more)
+        self.sensors = (*ORDER, *more)
         self.board = board
         self.faults = faults or UltrasonicFaults()
         self.distances_m: Mapping[str, float | None] = {}
@@ -68,15 +68,15 @@ class UltrasonicBoard:
     def poll(self, now: float) -> bytes:
         """Return what has crossed the line to the host by now."""
         while self._ranging and now >= self._next_at and not self._blocked():
-            if self._turn == len(self._order):
+            if self._turn == len(self.sensors):
                 self._report(now)
                 break
-            self._take_turn(self._order[self._turn])
+            self._take_turn(self.sensors[self._turn])
         return self._outbox.due(now)
 
     def next_due(self) -> float | None:
         """Return the soonest time at which this board has something to say by itself; poll it meanwhile."""
-        left = len(self._order) - self._turn
+        left = len(self.sensors) - self._turn
         soonest = self._next_at + left * (_TRIGGER_S + MINIMUM_CM * _ECHO_S_PER_CM)
         report = soonest if self._ranging and not self._blocked() else None
         return min((at for at in (self._outbox.next_due(), report) if at is not None), default=None)
@@ -119,7 +119,7 @@ class UltrasonicBoard:
         """Tell what was measured, with how long the cycle before took, and rest."""
         ticks = round(self._told_s * _TICKS_PER_S[self.board])
         fields = ", ".join(f'"{side.capitalize()}": {self._last[side]}' for side in ORDER)
-        others = "".join(f', "{side.capitalize()}": {self._last[side]}' for side in self._order[len(ORDER) :])
+        others = "".join(f', "{side.capitalize()}": {self._last[side]}' for side in self.sensors[len(ORDER) :])
         line = f'{{ "Ranges": {{ {fields}, "Bottom": {_BOTTOM[self.board]}, "Deltat": {ticks}{others}}}}}\r\n'.encode(
             "ascii"
         )

@@ -1,8 +1,12 @@
 """The emulated ring of ultrasonic sensors on its port."""
 
+from typing import Any
+
 from lbr.capability.context import Device
+from lbr.errors import InputError
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults, UltrasonicRow
 from lbr.simulation.devices.ultrasonic_ring.device import ORDER, UltrasonicBoard
+from lbr.simulation.faults import FaultValue
 from lbr.simulation.measured import Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
@@ -21,6 +25,16 @@ class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
             powered_at=around.now,
             more=tuple(one.name for one in around.sensors if one.rays == 1 and one.level and one.name not in ORDER),
         )
+
+    def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
+        """Set a fault and return them all; raise InputError saying what is allowed, also for a sensor that is not there."""
+        before, there = self._faults, self._board.sensors
+        told = super().fault(name, value)
+        struck = (*self._faults.missing, *self._faults.over_range, *self._faults.error)
+        if strange := [sensor for sensor in struck if sensor not in there]:
+            self._faults = before
+            raise InputError(f"fault '{name}': there is no sensor '{strange[0]}'; there is {', '.join(there)}")
+        return told
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out."""
