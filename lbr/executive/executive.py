@@ -22,6 +22,7 @@ from msgspec.structs import replace
 from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
+from lbr.capability.config import DeviceConfig
 from lbr.capability.confine import OWNER_ONLY
 from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
@@ -49,6 +50,7 @@ from lbr.executive.processes.doors import EXECUTIVE, Doors, core_endpoint, insid
 from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.logs import open_log, trim_all
 from lbr.executive.processes.mainthread import MainThread
+from lbr.executive.processes.plugging import Plugging
 from lbr.executive.processes.readiness import readiness
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.processes.supervisor import Supervisor
@@ -140,6 +142,7 @@ class Executive:
             happened=self._happened,
             take_over=self._change,
             kept=self._kept,
+            plug=self._plug,
         )
         self._supervisor = Supervisor(
             self._start,
@@ -290,6 +293,7 @@ class Executive:
             happened=self._happened,
             wake=self._main.wake,
         )
+        self._plugging = Plugging(bus, robot, process=self._process, restart=self._begin_again, wake=self._main.wake)
         self._emergency = Emergency(
             robot,
             self._bus_again,
@@ -351,6 +355,7 @@ class Executive:
             again = min(self._emergency.step(now), self._hosts.step(now))
             self._journal.step(now)
             self._keeper.step(now, self.plan.rows.digest)
+            self._plugging.step()
             if self._edits.step():
                 rows_at = now
             if now >= rows_at:
@@ -441,6 +446,13 @@ class Executive:
     def _restart(self, name: str) -> None:
         if not self._hosts.restart(name):
             self._supervisor.restart(name)
+
+    def _plug(self, world: str, devices: tuple[DeviceConfig, ...]) -> None:
+        self._plugging.ask(world, devices)
+
+    def _begin_again(self, name: str, why: str) -> None:
+        self._happened("restarting", name, why)
+        self._supervisor.restart(name)
 
     def _start(self, unit: ProcessSpec) -> Child | None:
         place = self._doors.place(unit)

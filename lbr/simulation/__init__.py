@@ -2,6 +2,7 @@
 
 from lbr.capability.kind import Command, Kind
 from lbr.capability.word import Word
+from lbr.messages.leases import CommandReply
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.simulation import WorldPose, WorldScene
 from lbr.simulation.requests import (
@@ -10,6 +11,7 @@ from lbr.simulation.requests import (
     PictureReply,
     PictureRequest,
     PlaceRequest,
+    PlugRequest,
     RemoveRequest,
     ThingsReply,
 )
@@ -28,13 +30,20 @@ KIND = Kind(
     commands={
         "picture": PictureRequest,
         "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
+        "plug": PlugRequest,
         "place": PlaceRequest,
         "remove": RemoveRequest,
     },
-    roles={"picture": "admin", "fault": "admin", "place": "admin", "remove": "admin"},
+    roles={"picture": "admin", "fault": "admin", "plug": "admin", "place": "admin", "remove": "admin"},
     emulates=True,
     rows=(RangeSensor,),
-    replies={"picture": PictureReply, "fault": FaultReply, "place": ThingsReply, "remove": ThingsReply},
+    replies={
+        "picture": PictureReply,
+        "fault": FaultReply,
+        "plug": CommandReply,
+        "place": ThingsReply,
+        "remove": ThingsReply,
+    },
     words=(
         Word("map", "picture", "Simulation: save a picture of the surroundings from above"),
         Word("picture", "picture", "Simulation: save a picture of the surroundings from above"),

@@ -20,6 +20,7 @@ from lbr.simulation.requests import (
     FaultRequest,
     PictureRequest,
     PlaceRequest,
+    PlugRequest,
     RemoveRequest,
     ThingsReply,
 )
@@ -87,9 +88,11 @@ class World(Capability[WorldSettings]):
             self.ctx.publish("scene", scene)
 
     def command(self, call: Call) -> None:
-        """Answer `fault`, `place`, `remove` and `picture`."""
+        """Answer `fault`, `plug`, `place`, `remove` and `picture`."""
         if isinstance(call.message, FaultRequest) and self._plugged is not None:
             self._plugged.fault(call, call.message)
+        elif isinstance(call.message, PlugRequest) and self._plugged is not None and self._loop is not None:
+            self._plugged.add(call, call.message, self._loop.add)
         elif isinstance(call.message, PlaceRequest | RemoveRequest):
             self._change(call, call.message)
         elif isinstance(call.message, PictureRequest):

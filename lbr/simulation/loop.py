@@ -2,6 +2,7 @@
 
 import selectors
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
@@ -34,6 +35,9 @@ class Physics(Protocol):
     def look(self, now: float) -> Sensed:
         """Look around: return what devices can measure now, and keep what others ask for."""
 
+    def moved_by(self, twin: Twin) -> bool:
+        """Say whether a twin moves what is in the world: such a one is there from the beginning."""
+
     def at_rest(self, now: float) -> bool:
         """Say whether nothing moves by power any more."""
 
@@ -44,7 +48,8 @@ class WorldLoop:
     def __init__(self, physics: Physics, twins: Sequence[Twin], clock: Callable[[], float]) -> None:
         self.failure: BaseException | None = None
         self._physics = physics
-        self._twins = twins
+        self._twins = tuple(twins)
+        self._coming: deque[Twin] = deque()
         self._feeling: list[Feeling] = [twin for twin in twins if isinstance(twin, Feeling)]
         self._clock = clock
         self._watched: dict[str, int] = {}
@@ -59,6 +64,13 @@ class WorldLoop:
             twin.service(self._clock())
         self._thread.start()
 
+    def add(self, twin: Twin) -> str:
+        """Have one more device plugged in while time runs; return why that cannot be. From another thread."""
+        if self._physics.moved_by(twin):
+            return f"'{twin.name}' moves what is in the world, and so is there from its beginning"
+        self._coming.append(twin)
+        return ""
+
     def close(self) -> None:
         """End the thread, then pull every device out; a controller whose motors turn outlives its host for a while."""
         for _ in range(round(_RESTING_S / _RESTING_LOOK_S)):
@@ -68,7 +80,7 @@ class WorldLoop:
         self._closing.set()
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
-        for twin in self._twins:
+        for twin in (*self._twins, *self._coming):
             twin.close()
 
     def _run(self) -> None:
@@ -82,6 +94,7 @@ class WorldLoop:
         last = self._clock()
         due = last + self._physics.timestep_s
         while not self._closing.is_set():
+            self._let_in()
             self._watch(selector)
             selector.select(max(0.0, self._next_due(due) - self._clock()))
             now = self._clock()
@@ -90,6 +103,14 @@ class WorldLoop:
             if now >= due:
                 self._advance(now, min(now - last, _LATEST_S))
                 last, due = now, max(due + self._physics.timestep_s, now)
+
+    def _let_in(self) -> None:
+        while self._coming:
+            twin = self._coming.popleft()
+            twin.sense(self._physics.look(self._clock()))
+            self._twins = (*self._twins, twin)
+            if isinstance(twin, Feeling):
+                self._feeling.append(twin)
 
     def _watch(self, selector: selectors.BaseSelector) -> None:
         """Wait for bytes only where they will be read; a full port would wake the loop for ever."""

@@ -1,14 +1,17 @@
 """The devices of a world: a twin for each device row that has one, and what is made to go wrong with them."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
 
 from lbr.capability import twins
 from lbr.capability.context import Call, Context, Device
 from lbr.capability.twins import TwinError
 from lbr.errors import InputError
+from lbr.messages.leases import CommandReply
 from lbr.simulation.cameras.orders import Drawing
-from lbr.simulation.requests import FaultReply, FaultRequest
+from lbr.simulation.requests import FaultReply, FaultRequest, PlugRequest
 from lbr.simulation.twins import Surroundings, Twin, make
 
 _LOCAL = ("/", "unix:/")
@@ -29,17 +32,19 @@ class Plugged:
 
     def __init__(self, ctx: Context, around: Surroundings) -> None:  # type: ignore[type-arg]  # any world's
         self._ctx = ctx
+        self._around = around
         self._by_name: dict[str, Twin] = {}
         types = sorted({device.type for device in ctx.devices})
         self._refused: list[str] = [said for one in types for said in twins.refused(one)]
-        for device in ctx.devices:
-            if device.type in twins.names() and device.address.startswith(_LOCAL):
-                self._plug(device, around)
+        self._devices: tuple[Device, ...] = tuple(ctx.devices)
+        for device in self._devices:
+            if _emulated(device):
+                self._plug(device)
         self.twins: tuple[Twin, ...] = tuple(self._by_name.values())
 
-    def _plug(self, device: Device, around: Surroundings) -> None:
+    def _plug(self, device: Device) -> None:
         try:
-            self._by_name[device.name] = make(device, around)
+            self._by_name[device.name] = make(device, self._around)
         except InputError:
             raise
         except Exception as err:  # noqa: BLE001  a twin of somebody else's package must not take the world with it
@@ -48,10 +53,14 @@ class Plugged:
 
     def tell_of_missing(self) -> None:
         """Say which devices have no twin, and which twins were refused."""
-        for said in self._refused:
+        refused, self._refused = self._refused, []
+        for said in refused:
             self._ctx.warn(said)
             self._ctx.event("twin_refused", said, level="warning")
-        others = [device for device in self._ctx.devices if device.name not in self._by_name]
+        self._tell_of([device for device in self._devices if device.name not in self._by_name])
+
+    def _tell_of(self, others: list[Device]) -> None:
+        """Say which of these devices have no twin, and which have one that is not where they are."""
         stand_ins = f"/{self._ctx.robot}-devices/"
         alone = (one for one in others if one.type not in twins.names() and stand_ins not in one.address)
         own = [_placed(device) for device in alone]
@@ -61,6 +70,38 @@ class Plugged:
         if away:
             text = f"no emulated twin for {', '.join(away)}: there are twins for addresses that are paths"
             self._ctx.warn(text)
+
+    def add(self, call: Call, request: PlugRequest, plug_in: Callable[[Twin], str]) -> None:
+        """Emulate one more device while time runs, and answer; `plug_in` says why its twin cannot come in now."""
+        device = Device(request.device, request.type, request.address, request.settings)
+        if any(one.name == device.name for one in self._devices):
+            call.refuse(f"there is a device '{device.name}' already", "exists")
+            return
+        if _emulated(device):
+            if why := self._out_of_place(device):
+                call.refuse(why, "denied")
+                return
+            try:
+                twin = make(device, self._around)
+            except (InputError, TwinError) as err:
+                call.refuse(str(err), "bad_value")
+                return
+            if why := plug_in(twin):
+                call.refuse(why, "not_possible")
+                return
+            self._by_name[device.name] = twin
+        self._devices = (*self._devices, device)
+        self._around = replace(self._around, now=self._ctx.clock())
+        if device.name in self._by_name:
+            self._ctx.event("plugged_in", f"device '{device.name}' ({device.type}) is emulated, too", code="done")
+        else:
+            self._tell_of([device])
+        call.reply(CommandReply(accepted=True))
+
+    def _out_of_place(self, device: Device) -> str:
+        """Return why nothing is emulated at an address: whoever may ask makes no file anywhere else."""
+        place = Path(self._ctx.home) / "run" / f"{self._ctx.robot}-devices" / device.name
+        return "" if device.address.removeprefix("unix:") == str(place) else f"new devices are emulated at {place}"
 
     def fault(self, call: Call, request: FaultRequest) -> None:
         """Set a fault of a device, and answer."""
@@ -80,6 +121,10 @@ class Plugged:
         said = f"{request.device}: {request.name} is now {now}"
         self._ctx.event("fault_injected", said, level="warning", code="done", about=call.source)
         call.reply(FaultReply(accepted=True, reason=said, faults=faults))
+
+
+def _emulated(device: Device) -> bool:
+    return device.type in twins.names() and device.address.startswith(_LOCAL)
 
 
 def _placed(device: Device) -> str:

@@ -11,6 +11,15 @@ Extent = Annotated[float, Meta(gt=0.0, le=10.0, description="metres")]
 Pixels = Annotated[int, Meta(ge=100, le=4000)]
 
 
+class PlugRequest(Struct, frozen=True, kw_only=True):
+    """Emulate one more device, at the place where this robot's emulated devices are; the executive asks it for a new row."""
+
+    device: Name
+    type: str
+    address: str
+    settings: dict[str, Any] = {}
+
+
 class FaultRequest(Struct, frozen=True, kw_only=True):
     """Set one fault of one emulated device; `value` null puts it back. `unplug` and `replug` need no more than true."""
 

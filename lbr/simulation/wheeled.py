@@ -37,6 +37,10 @@ class WheeledPhysics:
             self._cameras.show(self._engine.view(), now)
         return sensed
 
+    def moved_by(self, twin: Twin) -> bool:
+        """Say whether a twin turns wheels."""
+        return isinstance(twin, WheelDrive)
+
     def at_rest(self, now: float) -> bool:
         """Say whether no wheel has power."""
         return self._motors is None or self._motors.wheels(now) == (0.0, 0.0)

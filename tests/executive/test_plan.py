@@ -72,6 +72,27 @@ def test_in_simulation_a_device_without_a_twin_keeps_its_own_address_and_the_oth
     assert places["speaker"] == "/nowhere/run/lbr-devices/speaker"
 
 
+def test_a_device_more_is_told_to_the_world_and_any_other_change_of_devices_begins_it_again(rows):
+    arm = DeviceRow(name="arm", type="servo_bus", address="/dev/arm")
+    ahrs = DeviceRow(name="ahrs", type="riox", address="/dev/ahrs")
+    one, both = with_device(rows, arm), with_device(with_device(rows, arm), ahrs)
+    assert plans.difference(planned(rows), planned(one)) == Change(plug=("world",))
+    assert plans.difference(planned(rows), planned(both)) == Change(plug=("world",))
+    added = plans.added_devices(planned(rows).units["world"], planned(both).units["world"])
+    assert {device.name for device in added} == {"arm", "ahrs"}
+    assert plans.difference(planned(one), planned(rows)) == Change(restart=("world",))
+    moved = with_device(rows, replace(arm, address="/dev/other"))
+    assert plans.difference(planned(one), planned(moved)) == Change(restart=("world",))
+    assert plans.difference(planned(rows, REAL), planned(both, REAL)) == Change()
+    smaller = replace(one, capabilities=tuple(changed_world(one)))
+    assert plans.difference(planned(rows), planned(smaller)) == Change(restart=("world",))
+
+
+def changed_world(rows):
+    for row in rows.capabilities:
+        yield replace(row, settings='{"seed": 7}') if row.name == "world" else row
+
+
 def test_a_twin_that_does_not_load_refuses_the_simulated_robot_that_has_it_and_no_other(rows, tmp_path):
     package(tmp_path, "no-arm", entry_points={twins.GROUP: "servo_bus = no_arm:TWIN"}, files={})
     new = with_device(rows, DeviceRow(name="arm", type="servo_bus", address="/dev/arm"))

@@ -1,6 +1,7 @@
 """The running world of a humanoid as a driver and a bus client meet it: real ttys and sockets, real time."""
 
 import threading
+import time
 from math import radians
 
 import pytest
@@ -12,7 +13,7 @@ from lbr.capability.context import Device
 from lbr.simulation.humanoid import KIND
 from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
-from lbr.simulation.requests import FaultRequest, PickUpRequest, PictureRequest
+from lbr.simulation.requests import FaultRequest, PickUpRequest, PictureRequest, PlugRequest
 from lbr.testing import FakeCall
 from tests.simulation.humanoid_bench import rows
 from tests.simulation.world_bench import WorldContext
@@ -165,3 +166,19 @@ def test_when_the_world_ends_its_devices_are_gone(bench, tmp_path):
     bench.world.close()
     assert not (tmp_path / "imu").exists()
     assert not bench.bus_path.is_symlink()
+
+
+def test_a_device_is_plugged_in_while_it_stands_and_no_second_servo_bus(bench, tmp_path):
+    bench.ctx.home = str(tmp_path)
+    places = {name: tmp_path / "run" / f"{bench.ctx.robot}-devices" / name for name in ("ahrs", "arm")}
+    plug = {
+        name: bench.ask("plug", PlugRequest(device=name, type=type_, address=str(places[name])))
+        for name, type_ in (("ahrs", "riox"), ("arm", "dynamixel"))
+    }
+    assert plug["ahrs"].answer.accepted, plug["ahrs"].refused
+    assert "'arm' moves what is in the world" in plug["arm"].refused
+    end = time.monotonic() + 3.0
+    while not places["ahrs"].exists():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    assert not places["arm"].exists()

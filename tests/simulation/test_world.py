@@ -13,7 +13,7 @@ from lbr.capability import twins
 from lbr.capability.context import Device
 from lbr.simulation import KIND
 from lbr.simulation.capability import World
-from lbr.simulation.requests import FaultRequest, PictureRequest
+from lbr.simulation.requests import FaultRequest, PictureRequest, PlugRequest
 from tests.simulation.world_bench import Bench, Client
 from tests.support import programs
 from tests.support.machine import Stopwatch
@@ -286,3 +286,48 @@ def test_a_trace_that_cannot_be_written_is_named(tmp_path):
     with pytest.raises(ValueError, match="setting `trace`: cannot write"):
         bench.world.open()
     bench.world.close()
+
+
+def plugged(bench, tmp_path, name, type_, address="", **settings):
+    place = tmp_path / "run" / "lbr-devices" / name
+    return bench.ask(
+        "plug", PlugRequest(device=name, type=type_, address=address or str(place), settings=settings)
+    ), place
+
+
+def test_a_device_is_plugged_in_while_time_runs_and_what_is_there_goes_on(bench, tmp_path):
+    bench.ctx.home = str(tmp_path)
+    call, place = plugged(bench, tmp_path, "ahrs", "riox")
+    assert call.answer.accepted, call.refused
+    assert bench.until(place.exists)
+    bench.fault("ahrs", "unplug")
+    assert bench.until(lambda: not place.exists())
+    assert bench.motors_path.exists()
+    assert bench.ctx.told("plugged_in") == ["device 'ahrs' (riox) is emulated, too"]
+
+
+def test_a_device_without_a_twin_that_comes_later_is_told_in_one_line(bench, tmp_path):
+    call, _ = plugged(bench, tmp_path, "arm", "servo_bus", "/dev/arm")
+    assert call.answer.accepted, call.refused
+    assert bench.ctx.told("no_twin") == [
+        "without a twin, and so used at their own address: arm (servo_bus at /dev/arm)"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "type_", "address", "settings", "why"),
+    [
+        ("second", "roboteq", "", {}, "'second' moves what is in the world, and so is there from its beginning"),
+        ("ranges", "riox", "", {}, "there is a device 'ranges' already"),
+        ("ahrs", "riox", "/tmp/elsewhere", {}, "new devices are emulated at "),
+        ("ahrs", "riox", "", {"colour": 1}, "unknown field `colour`"),
+    ],
+)
+def test_a_device_that_cannot_be_plugged_in_now_is_refused_and_nothing_is_changed(
+    bench, tmp_path, name, type_, address, settings, why
+):
+    bench.ctx.home = str(tmp_path)
+    call, place = plugged(bench, tmp_path, name, type_, address, **settings)
+    assert why in call.refused
+    assert not place.exists()
+    assert bench.ctx.told("plugged_in") == []

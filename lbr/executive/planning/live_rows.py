@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import msgspec
 from msgspec import Raw
 
+from lbr.capability.config import DeviceConfig
 from lbr.console.verbs import Vocabulary
 from lbr.database.store import Database, RowKey
 from lbr.errors import LbrError
@@ -36,7 +37,8 @@ class Happened(Protocol):
 class LiveRows:
     """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force.
 
-    While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a process go on with what it learnt.
+    While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a process go on with what it learnt,
+    `plug(name, devices)` with more emulated devices.
     """
 
     def __init__(
@@ -48,6 +50,7 @@ class LiveRows:
         happened: Happened,
         take_over: Callable[[Change], None],
         kept: Callable[[str], None],
+        plug: Callable[[str, tuple[DeviceConfig, ...]], None],
     ) -> None:
         self._database = database
         self._watch = watch
@@ -55,6 +58,7 @@ class LiveRows:
         self._happened = happened
         self._take_over = take_over
         self._kept = kept
+        self._plug = plug
         self.problems: tuple[str, ...] = ()
         self.held = False
         self.plan = watch.first()
@@ -131,11 +135,18 @@ class LiveRows:
 
     def _adopt(self, plan: Plan, change: Change, edited: str) -> None:
         self.vocabulary = _words(plan)
-        self.plan = plan
-        steps = (("stop", change.stop), ("restart", change.restart), ("start", change.start))
+        before, self.plan = self.plan, plan
+        steps = (
+            ("stop", change.stop),
+            ("restart", change.restart),
+            ("start", change.start),
+            ("tell of a device", change.plug),
+        )
         done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
         self._happened("rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self.adopted())
         self._take_over(change)
+        for name in change.plug:
+            self._plug(name, plans.added_devices(before.units[name], plan.units[name]))
 
     def _keep(self, plan: Plan, name: str) -> None:
         self.plan = plan

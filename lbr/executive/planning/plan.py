@@ -6,6 +6,7 @@ import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr.capability.config import DeviceConfig
 from lbr.capability.kind import STOP, Kind
 from lbr.database.rows import RobotRows
 from lbr.executive.planning.process_specs import ProcessSpec, commands_of, streams_of, with_learnt
@@ -39,28 +40,44 @@ class Plan(Struct, frozen=True, kw_only=True):
 
 
 class Change(Struct, frozen=True, kw_only=True):
-    """What an edit of the rows does to the processes."""
+    """What an edit of the rows does to the processes; who has to `plug` goes on, with more emulated devices."""
 
     start: tuple[str, ...] = ()
     stop: tuple[str, ...] = ()
     restart: tuple[str, ...] = ()
+    plug: tuple[str, ...] = ()
 
 
 def difference(old: Plan, new: Plan) -> Change:
     """Return what has to start, stop and restart to get from one plan to another, and nothing else."""
+    changed = [name for name, unit in new.units.items() if name in old.units and unit != old.units[name]]
+    plug = tuple(
+        name for name in changed if new.kinds[name].emulates and added_devices(old.units[name], new.units[name])
+    )
     return Change(
         start=tuple(name for name in new.units if name not in old.units),
         stop=tuple(name for name in old.units if name not in new.units),
-        restart=tuple(name for name, unit in new.units.items() if name in old.units and unit != old.units[name]),
+        restart=tuple(name for name in changed if name not in plug),
+        plug=plug,
     )
+
+
+def added_devices(old: ProcessSpec, new: ProcessSpec) -> tuple[DeviceConfig, ...]:
+    """Return the devices that a unit on the robot's own host has got; none if anything else of it is changed, too."""
+    before = old.config.devices
+    added = tuple(device for device in new.config.devices if device not in before)
+    kept = tuple(device for device in new.config.devices if device in before)
+    same = kept == before and replace(new, config=replace(new.config, devices=before)) == old
+    return added if same and not new.config.host else ()
 
 
 def only(change: Change, names: Container[str]) -> Change:
     """Return the part of a change that concerns these."""
-    start, stop, restart = (
-        tuple(name for name in part if name in names) for part in (change.start, change.stop, change.restart)
+    start, stop, restart, plug = (
+        tuple(name for name in part if name in names)
+        for part in (change.start, change.stop, change.restart, change.plug)
     )
-    return Change(start=start, stop=stop, restart=restart)
+    return Change(start=start, stop=stop, restart=restart, plug=plug)
 
 
 def learnt(plan: Plan, name: str, rows: Mapping[str, msgspec.Raw]) -> Plan:

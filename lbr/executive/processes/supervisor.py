@@ -74,11 +74,17 @@ class Supervisor:
         self._dice = dice or random.Random()
 
     def adopt(self, units: Mapping[str, ProcessSpec], change: Change) -> None:
-        """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest alone."""
-        for name in (*change.stop, *change.restart):
+        """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest alone.
+
+        Who is to be told of devices goes on, unless it is still starting: then it may not hear of them.
+        """
+        starting = tuple(name for name in change.plug if self.slots[name].phase == "starting")
+        for name in (*change.stop, *change.restart, *starting):
             self._retire(self.slots.pop(name))
-        for name in (*change.restart, *change.start):
+        for name in (*change.restart, *starting, *change.start):
             self.slots[name] = ManagedProcess(units[name])
+        for name in change.plug:
+            self.slots[name].unit = units[name]
         self.slots = {name: self.slots[name] for name in units}
 
     def restart(self, name: str) -> None:

@@ -3,6 +3,7 @@
 from lbr.capability.kind import Command, Kind, names
 from lbr.capability.word import Word
 from lbr.messages.joints import Joint
+from lbr.messages.leases import CommandReply
 from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.requests import (
@@ -15,6 +16,7 @@ from lbr.simulation.requests import (
     PickUpRequest,
     PictureReply,
     PictureRequest,
+    PlugRequest,
 )
 from lbr.simulation.words import FAULT_WORDS
 
@@ -30,13 +32,20 @@ KIND = Kind(
     commands={
         "picture": PictureRequest,
         "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
+        "plug": PlugRequest,
         "pick_up": PickUpRequest,
         "ball": BallRequest,
         "hand": Command(HandRequest, choices={"joint": names(Joint)}),
     },
-    roles={"picture": "admin", "fault": "admin"},
+    roles={"picture": "admin", "fault": "admin", "plug": "admin"},
     emulates=True,
-    replies={"picture": PictureReply, "fault": FaultReply, "pick_up": PickUpReply, "ball": BallReply},
+    replies={
+        "picture": PictureReply,
+        "fault": FaultReply,
+        "plug": CommandReply,
+        "pick_up": PickUpReply,
+        "ball": BallReply,
+    },
     rows=(Joint,),
     words=(
         Word("picture", "picture", "Simulation: save a picture of the robot from its front and its left"),

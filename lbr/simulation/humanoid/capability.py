@@ -26,6 +26,7 @@ from lbr.simulation.requests import (
     PickUpReply,
     PickUpRequest,
     PictureRequest,
+    PlugRequest,
 )
 from lbr.simulation.twins import Surroundings
 
@@ -75,10 +76,12 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
             self._tell(physics.pose)
 
     def command(self, call: Call) -> None:
-        """Answer `ball`, `fault`, `hand`, `pick_up` and `picture`."""
-        _, physics, plugged, engine = self._running()
+        """Answer `ball`, `fault`, `hand`, `pick_up`, `picture` and `plug`."""
+        loop, physics, plugged, engine = self._running()
         if isinstance(call.message, FaultRequest):
             plugged.fault(call, call.message)
+        elif isinstance(call.message, PlugRequest):
+            plugged.add(call, call.message, loop.add)
         elif isinstance(call.message, PictureRequest):
             self._picture(call, call.message)
         elif isinstance(call.message, PickUpRequest):

@@ -53,6 +53,10 @@ class HumanoidPhysics:
             self._cameras.show(self.view, now)
         return self._engine.sensed()
 
+    def moved_by(self, twin: Twin) -> bool:
+        """Say whether a twin moves joints, or gives their servos power."""
+        return isinstance(twin, PowerSwitch | ServoBus)
+
     def at_rest(self, now: float) -> bool:  # noqa: ARG002
         """Say so: a servo's motion ends with its bus."""
         return True
