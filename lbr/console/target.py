@@ -47,13 +47,13 @@ def find(robot: str | None, connect: str | None, token_file: Path | None = None)
     """Return the robot that is meant: the named one, the one behind `connect`, or the only one that runs here."""
     here = home.running()
     if connect and connect.startswith(remote.PROTOCOL):
-        return _afar(connect, robot, remote.enter(connect, token_file))
+        return _remote_target(connect, robot, remote.enter(connect, token_file))
     if connect:
         return _behind(connect, robot, here)
     wanted = [one for one in here if robot in {None, one.robot}]
     if len(wanted) == 1:
         one = wanted[0]
-        return _here(one)
+        return _local_target(one)
     names = listed([one.robot for one in here], "and")
     if robot:
         there = f"{names} run here" if here else "none runs here"
@@ -82,14 +82,14 @@ def connected(target: Target) -> Iterator[Session]:
 def _behind(connect: str, robot: str | None, here: list[home.Running]) -> Target:
     local = [one for one in here if connect in one.endpoints]
     if local and robot in {None, local[0].robot}:
-        return _here(local[0])
+        return _local_target(local[0])
     if robot:
         return Target(robot=robot, endpoints=(connect,))
     with session.open_client([connect]) as bus:
         return Target(robot=_only_robot(bus, connect), endpoints=(connect,))
 
 
-def _afar(connect: str, robot: str | None, entry: remote.Entry) -> Target:
+def _remote_target(connect: str, robot: str | None, entry: remote.Entry) -> Target:
     with session.open_client([connect], entry.credentials, certificate=entry.certificate) as bus:
         name = _only_robot(bus, connect)
         if robot not in {None, name}:
@@ -110,7 +110,7 @@ def _only_robot(bus: Session, connect: str) -> str:
     raise InputError(f"several robots are behind {shown(connect)}: {listed(names, 'and')}; say which with --robot NAME")
 
 
-def _here(running: home.Running) -> Target:
+def _local_target(running: home.Running) -> Target:
     """Return a robot of this home; whoever can read its record has all rights."""
     credentials = Credentials(user=TOOLS, password=running.password)
     return Target(

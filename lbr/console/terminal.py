@@ -235,7 +235,7 @@ class Terminal:
             stop_search()
         self._session.default_buffer.reset()
         if stop == INTERRUPT:
-            self._let_go()
+            self._stop_now()
         else:
             self._stop(stop)
 
@@ -342,7 +342,7 @@ class Terminal:
 
         @keys.add("c-c")
         def _interrupt(event: KeyPressEvent) -> None:
-            self._let_go()
+            self._stop_now()
             if event.app.current_buffer.text:
                 event.app.current_buffer.reset()
                 return
@@ -350,16 +350,16 @@ class Terminal:
 
         @keys.add("c-d", filter=Condition(lambda: not self._session.default_buffer.text))
         def _end_of_input(_event: KeyPressEvent) -> None:
-            self._let_go()
+            self._stop_now()
             self._leave(EOFError)
 
         return keys
 
-    def _let_go(self) -> None:
+    def _stop_now(self) -> None:
         """Stop the motors now, whatever the prompt does next; lines that wait are not said."""
         self._stops += 1
         self._forget_lines()
-        threading.Thread(target=self._operator.release, name="let go", daemon=True).start()
+        threading.Thread(target=self._operator.release, name="release", daemon=True).start()
 
     def _forget_lines(self) -> list[str]:
         """Take the lines that wait for their turn."""

@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 
 from lbr.drivers.uxa90 import pc_control, stored_motions
 from lbr.drivers.uxa90.packets import Answer
-from lbr.drivers.uxa90.pc_control import Mode
+from lbr.drivers.uxa90.pc_control import PcControl
 from lbr.drivers.uxa90.plausibility import GAINS, LOSES, MOVING_CPS, TOLERANCE, Seen, judged
-from lbr.drivers.uxa90.stored_motions import Plays
+from lbr.drivers.uxa90.stored_motions import StoredMotions
 from lbr.messages.servos import StoredPlay
 
 PERIOD_S = 0.05
@@ -84,7 +84,7 @@ def test_control_is_there_soon_after_the_answer_or_when_it_has_settled():
     answered = pc_control.heard(taking, 10.1)
     assert not pc_control.tick(answered, 10.14).pc
     assert pc_control.tick(answered, 10.16).pc
-    assert pc_control.heard(Mode(), 1.0) == Mode()
+    assert pc_control.heard(PcControl(), 1.0) == PcControl()
     assert not pc_control.tick(pc_control.left(12.0), 99.0).pc
 
 
@@ -97,7 +97,7 @@ events = st.lists(st.tuples(st.sampled_from(["setpoint", "dead", "stop", "reopen
 
 @given(events)
 def test_whatever_comes_each_count_is_started_once_only_from_the_row_and_in_order(events):
-    state, now, started = Plays(), 0.0, []
+    state, now, started = StoredMotions(), 0.0, []
     for what, play in events:
         now += 0.2
         if what == "stop":

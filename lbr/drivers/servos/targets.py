@@ -83,7 +83,7 @@ class ServoTargets(Generic[B]):
         found = [out for out in self._all() if self._read_back(out, snapshot.servos[out.id], gate)]
         found += [out for out in self._all() if out.adrift and self._motion(out, snapshot, FRESH_S)]
         self._unblock(gate)
-        self._let_go(gate, strength)
+        self._release(gate, strength)
         halted = gate.halts != self._halts or (self._followed and not gate.follows)
         self._halts, self._followed = gate.halts, gate.follows
         self._freeze([out for out in self._all() if out.on] if halted else found, snapshot)
@@ -167,7 +167,7 @@ class ServoTargets(Generic[B]):
                 if out.id not in gate.wanted and not out.latched:
                     out.blocked = ""
 
-    def _let_go(self, gate: ServoGate, strength: float) -> None:
+    def _release(self, gate: ServoGate, strength: float) -> None:
         if not strength > 0.0:
             self._off([out for out in self._all() if out.on or out.switching], LET_GO)
         elif gate.seen:

@@ -10,7 +10,7 @@ from lbr.drivers.uxa90.commands import Commands
 from lbr.drivers.uxa90.estop import EmergencyStop
 from lbr.drivers.uxa90.messages import ControllerState, TakeControlCommand
 from lbr.drivers.uxa90.session import SILENT_S, Session
-from lbr.drivers.uxa90.stored_motions import Plays
+from lbr.drivers.uxa90.stored_motions import StoredMotions
 from lbr.drivers.uxa90.view import MEASURED_S, servo_state, statistics
 from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply
@@ -30,7 +30,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
 
     def __init__(self, ctx: Context[Uxa90Settings]) -> None:
         super().__init__(ctx)
-        self._plays = Plays()
+        self._plays = StoredMotions()
         self._asked: StoredPlay | None = None
         self._contact_lost = ""
         self._estop = EmergencyStop(ctx, self._joints)

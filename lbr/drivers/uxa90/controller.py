@@ -7,8 +7,8 @@ from lbr.drivers.servos.gate import ServoGate
 from lbr.drivers.uxa90 import Uxa90Settings, frames, packets, pc_control, stored_motions
 from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.frames import CONTROL, TAKE_CONTROL, Frame
-from lbr.drivers.uxa90.pc_control import Mode
-from lbr.drivers.uxa90.stored_motions import Plays
+from lbr.drivers.uxa90.pc_control import PcControl
+from lbr.drivers.uxa90.stored_motions import StoredMotions
 from lbr.drivers.uxa90.targets import ServoTargets
 from lbr.messages.servos import ServoGoal, StoredPlay
 
@@ -22,9 +22,9 @@ class Controller:
         targets: ServoTargets,
         settings: Uxa90Settings,
         clock: Callable[[], float],
-        known: Plays,
+        known: StoredMotions,
     ) -> None:
-        self.mode = Mode()
+        self.mode = PcControl()
         self.plays = stored_motions.reopened(known, "the line was opened anew")
         self._thread = thread
         self._targets = targets

@@ -13,7 +13,7 @@ HEARD_S = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Mode:
+class PcControl:
     """`since` it is so; `ready_at` is when taking control is over. `answered`: it has said so itself."""
 
     name: ControllerMode = "unknown"
@@ -27,25 +27,25 @@ class Mode:
         return self.name == "pc"
 
 
-def taking(now: float, settle_s: float) -> Mode:
+def taking(now: float, settle_s: float) -> PcControl:
     """The frame that takes control was written."""
-    return Mode("taking", now, now + settle_s)
+    return PcControl("taking", now, now + settle_s)
 
 
-def heard(mode: Mode, now: float) -> Mode:
+def heard(mode: PcControl, now: float) -> PcControl:
     """The main board answered that frame."""
     if mode.name != "taking":
         return mode
     return replace(mode, ready_at=min(mode.ready_at, now + HEARD_S), answered=True)
 
 
-def left(now: float) -> Mode:
+def left(now: float) -> PcControl:
     """It was told to play as by its remote control, or is found to pass nothing on."""
-    return Mode("normal", now)
+    return PcControl("normal", now)
 
 
-def tick(mode: Mode, now: float) -> Mode:
+def tick(mode: PcControl, now: float) -> PcControl:
     """Let time pass."""
     if mode.name == "taking" and now >= mode.ready_at:
-        return Mode("pc", now, answered=mode.answered)
+        return PcControl("pc", now, answered=mode.answered)
     return mode

@@ -15,7 +15,7 @@ from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.controller import Controller
 from lbr.drivers.uxa90.frames import TAKE_CONTROL
 from lbr.drivers.uxa90.poller import Poller
-from lbr.drivers.uxa90.stored_motions import Plays
+from lbr.drivers.uxa90.stored_motions import StoredMotions
 from lbr.drivers.uxa90.targets import ServoTargets
 from lbr.drivers.wire import Wire
 
@@ -33,7 +33,7 @@ class Session:
         device: Device,
         servos: list[int],
         tell: Tell,
-        known: Plays,
+        known: StoredMotions,
         blocked: str = "",
     ) -> None:
         settings = ctx.settings

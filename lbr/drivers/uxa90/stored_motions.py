@@ -11,7 +11,7 @@ Phase = Literal["none", "waiting", "playing", "ending", "over", "failed"]
 
 
 @dataclass(frozen=True, slots=True)
-class Plays:
+class StoredMotions:
     """`asked` is the newest play, `spent` the highest count that is over, refused, or from before the line was opened.
 
     waiting ─its packet is written─► playing ─its time is over─► ending ─control is regained─► over
@@ -42,12 +42,12 @@ class Plays:
         return StoredState(slot=self.asked.slot, count=self.asked.count, phase=phase, reason=self.reason)
 
 
-def reopened(state: Plays, reason: str) -> Plays:
+def reopened(state: StoredMotions, reason: str) -> StoredMotions:
     """The line was opened: what was asked for before is not played."""
     return replace(interrupted(state, reason), begun=False)
 
 
-def seen(state: Plays, play: StoredPlay | None, slots: Collection[int], *, follows: bool) -> Plays:
+def seen(state: StoredMotions, play: StoredPlay | None, slots: Collection[int], *, follows: bool) -> StoredMotions:
     """Take in what the newest setpoint says; `follows`: it is believed."""
     if play is None or play.count <= state.spent:
         return state if state.begun else replace(state, begun=True)
@@ -63,30 +63,30 @@ def seen(state: Plays, play: StoredPlay | None, slots: Collection[int], *, follo
     return replace(state, asked=play, phase="waiting", reason="", spent=play.count)
 
 
-def started(state: Plays, now: float) -> Plays:
+def started(state: StoredMotions, now: float) -> StoredMotions:
     """Its packet is on the wire."""
     assert state.asked is not None
     return replace(state, phase="playing", until=now + state.asked.duration_s)
 
 
-def ended(state: Plays, now: float) -> Plays:
+def ended(state: StoredMotions, now: float) -> StoredMotions:
     """Let time pass."""
     return replace(state, phase="ending") if state.phase == "playing" and now >= state.until else state
 
 
-def regained(state: Plays) -> Plays:
+def regained(state: StoredMotions) -> StoredMotions:
     """Servos can be told again."""
     return replace(state, phase="over") if state.phase == "ending" else state
 
 
-def interrupted(state: Plays, reason: str) -> Plays:
+def interrupted(state: StoredMotions, reason: str) -> StoredMotions:
     """End what waits or plays."""
     if state.phase not in {"waiting", "playing", "ending"}:
         return state
     return replace(state, phase="failed", reason=reason)
 
 
-def _refused(state: Plays, play: StoredPlay, reason: str) -> Plays:
+def _refused(state: StoredMotions, play: StoredPlay, reason: str) -> StoredMotions:
     """One that is refused beside another that plays is not told of: that one is the state."""
     if state.phase in {"playing", "ending"}:
         return replace(state, spent=play.count)

@@ -77,7 +77,7 @@ class ServoTargets:
         """Do what follows from the gate's state and from where the servos are."""
         now = self._clock()
         self._unblock(gate)
-        self._let_go(gate, strength)
+        self._release(gate, strength)
         if gate.halts != self._halts or (self._followed and not gate.follows):
             self.freeze()
         self._halts, self._followed = gate.halts, gate.follows
@@ -208,7 +208,7 @@ class ServoTargets:
                 if out.id not in gate.wanted:
                     out.blocked, out.carried = "", False
 
-    def _let_go(self, gate: ServoGate, strength: float) -> None:
+    def _release(self, gate: ServoGate, strength: float) -> None:
         for out in self._all():
             if (out.on or out.carried) and not strength > 0.0:
                 self._off(out, LET_GO)

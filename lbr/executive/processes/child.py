@@ -47,7 +47,7 @@ class Child:
         except OSError:
             self.kill()
             self._popen.wait()
-            self._let_go()
+            self._release_files()
             raise
 
     @property
@@ -146,9 +146,9 @@ class Child:
         """Let go of it after its end, and end what it started and left behind."""
         self.kill()
         os.close(self.pid_fd)
-        self._let_go()
+        self._release_files()
 
-    def _let_go(self) -> None:
+    def _release_files(self) -> None:
         if self._popen.stdin is not None:
             with contextlib.suppress(BrokenPipeError):
                 self._popen.stdin.close()

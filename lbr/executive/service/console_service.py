@@ -138,10 +138,10 @@ class ConsoleService:
             text = f"a line has at most 4096 characters, not {len(request.payload)}"
             return ConsoleResult(code=2, text=text, reason_code="bad_value")
         found = stamp.read(request.attachment)
-        sent_s, afar = stamp.sent_s(found, request.arrived), request.attachment if found and found.via else b""
+        sent_s, remote_stamp = stamp.sent_s(found, request.arrived), request.attachment if found and found.via else b""
         waited_s = found.waited_s if found is not None else 0.0
         return self._dispatcher.execute(
-            line, source=_caller(found), role=role, sent_s=sent_s, afar=afar, waited_s=waited_s
+            line, source=_caller(found), role=role, sent_s=sent_s, remote_stamp=remote_stamp, waited_s=waited_s
         )
 
     def _answer_reset(self, request: wire.Request) -> None:

@@ -38,28 +38,28 @@ MOST_RECORDED = 200
 class _Speaker(NamedTuple):
     """Who says a line, with which rights, whether at the robot's own terminal, and when.
 
-    `afar` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had `waited_s` there.
+    `remote_stamp` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had `waited_s` there.
     """
 
     source: str
     role: Role
     local: bool
     sent_s: float
-    afar: bytes = b""
+    remote_stamp: bytes = b""
     waited_s: float = 0.0
 
     @property
     def told(self) -> str:
         """Who it is, for the audit trail: from another machine with the token that the door saw proven."""
-        if not self.afar:
+        if not self.remote_stamp:
             return self.source
-        found = stamp.read(self.afar)
+        found = stamp.read(self.remote_stamp)
         proven = f"by token '{found.token}'" if found is not None and found.token else "token not told"
         return f"{self.source} on another machine ({proven})"
 
     def holder(self, capability: str) -> tuple[str, str, bool]:
         """Return whose motion of what it is: a name from another machine is never that of somebody here."""
-        return capability, self.source, bool(self.afar)
+        return capability, self.source, bool(self.remote_stamp)
 
 
 class Dispatcher:
@@ -92,19 +92,19 @@ class Dispatcher:
         role: Role,
         local: bool = False,
         sent_s: float | None = None,
-        afar: bytes = b"",
+        remote_stamp: bytes = b"",
         waited_s: float = 0.0,
     ) -> ConsoleResult:
         """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock.
 
-        `afar` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or written.
+        `remote_stamp` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or written.
         """
         try:
             parsed = self._robot.vocabulary.parse(line)
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")
             said_s = time.monotonic() if sent_s is None else sent_s
-            return self._run(parsed, _Speaker(source, role, local, said_s, afar, waited_s), clean(line))
+            return self._run(parsed, _Speaker(source, role, local, said_s, remote_stamp, waited_s), clean(line))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err), reason_code=err.code)
         except LbrError as err:
@@ -121,7 +121,7 @@ class Dispatcher:
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
         if why := _not_allowed(needed, by) or self._too_late(parsed, needed, by):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
-        if by.afar and RANKS[needed] > RANKS["view"]:
+        if by.remote_stamp and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.told, line[:MOST_RECORDED])
         if isinstance(parsed, ExternalStop):
             return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told, by.source))
@@ -214,7 +214,7 @@ class Dispatcher:
             source=by.source,
             timeout_s=2.0,
             sent_s=by.sent_s,
-            attachment=by.afar,
+            attachment=by.remote_stamp,
             waited_s=by.waited_s,
         )
         if not answers:
@@ -238,7 +238,7 @@ class Dispatcher:
         if not movers:
             return ConsoleResult(code=DONE, text="nothing of this robot moves by commands: there is nothing to stop")
         payload = wire.encode(StopCommand(reason=str(call.payload.get("reason", "")), whole=True))
-        attachment = by.afar or stamp.make(by.source, 0, sent_s=by.sent_s)
+        attachment = by.remote_stamp or stamp.make(by.source, 0, sent_s=by.sent_s)
         answers = wire.ask_all(self._bus, movers, payload, source=by.source, timeout_s=2.0, attachment=attachment)
         said = {movers[answer.key]: codec.decode(answer.payload) for answer in answers if answer.key in movers}
         silent = [name for name in movers.values() if name not in said and self._has_process(name)]

@@ -26,7 +26,7 @@ from lbr.operations.drive.state import (
     State,
     Tick,
 )
-from lbr.operations.leasing.process import Answers, Lender, new_goal, said_by
+from lbr.operations.leasing.process import Answers, LeasingCapability, new_goal, said_by
 
 STATE_PERIOD_S = 0.1
 MOTIONS = frozenset({"command", "turn", "heading"})
@@ -34,7 +34,7 @@ NO_ANSWERS: Mapping[str, Any] = {}
 UNANSWERED: Mapping[str, Any] = {"(none in time)": None}
 
 
-class Drive(Lender[DriveSettings, State]):
+class Drive(LeasingCapability[DriveSettings, State]):
     """Drive operations: every decision is the kernel's, every message passes here."""
 
     ends, driver, tick = "drive operations end", "motors", Tick()

@@ -27,7 +27,7 @@ from lbr.operations.joints.state import (
     first_state,
 )
 from lbr.operations.joints.view import joints_state
-from lbr.operations.leasing.process import Answers, Lender, marked, new_goal, said_by
+from lbr.operations.leasing.process import Answers, LeasingCapability, marked, new_goal, said_by
 from lbr.operations.statistics import Beat
 
 STATE_PERIOD_S = 0.1
@@ -37,7 +37,7 @@ RECOVER_S = 2.0
 NOT_HELD = "the servo driver has not said yet that it holds"
 
 
-class Joints(Lender[JointsSettings, State]):
+class Joints(LeasingCapability[JointsSettings, State]):
     """Joints operation: every decision is the kernel's, every message passes here."""
 
     ends, driver, tick = "joints operation ends", "servos", Tick()

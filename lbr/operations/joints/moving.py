@@ -167,7 +167,7 @@ def _away_rad(state: State, name: str, target: float) -> float:
 
 def _goal(state: State, name: str) -> ServoGoal:
     joint, goal = state.body.joints[name], state.goals.get(name)
-    rests = name in state.resting and state.clock - state.let_go < REST_S
+    rests = name in state.resting and state.clock - state.released_at < REST_S
     if rests or name not in state.on:
         return ServoGoal(id=joint.device_id, torque=0.0)
     strength = state.strength.get(name, 1.0)

@@ -162,7 +162,7 @@ def _takes(state: State, takes_s: float, asked_s: float, name: str) -> str:
 
 def _rest_s(state: State, name: str, now: float) -> float:
     """Return how long the driver is still to hear that a joint that let go is without torque."""
-    return max(0.0, REST_S - (now - state.let_go)) if name in state.resting else 0.0
+    return max(0.0, REST_S - (now - state.released_at)) if name in state.resting else 0.0
 
 
 def _rests(state: State, name: str, way: Way, now: float) -> bool:

@@ -26,7 +26,7 @@ def seen(state: State, event: ServosSeen, now: float) -> Decision:
     heard = arrived if state.servos is None else state.heard
     state = unlearnt(replace(state, servos=event.servos, seen=found, servos_at=arrived, heard=heard), now)
     state = replace(state, waited=now) if waits(state) else state
-    state = stored.heard(moving.followed(_let_go(_found(_adopted(state, now), now), now)), now)
+    state = stored.heard(moving.followed(_note_released(_found(_adopted(state, now), now), now)), now)
     state, told = _without_torque(state, now)
     state, ended = end_what_is_over(state, now)
     return _without_unmeasured(state, now), told + ended
@@ -97,7 +97,7 @@ def _strength(state: State, name: str) -> float:
     return 1.0 if releasing or not torque else min(torque, 1.0)
 
 
-def _let_go(state: State, now: float) -> State:
+def _note_released(state: State, now: float) -> State:
     """Take in that the driver has let go, where that is for the driver to decide."""
     servos = state.servos
     decides = servos is not None and (state.lost or servos.estop or not servos.armed)
@@ -109,7 +109,7 @@ def _let_go(state: State, now: float) -> State:
 def _off(state: State, names: frozenset[str], now: float) -> State:
     goals = {name: goal for name, goal in state.goals.items() if name not in names}
     strength = {name: one for name, one in state.strength.items() if name not in names}
-    return replace(state, on=state.on - names, goals=goals, strength=strength, resting=names, let_go=now)
+    return replace(state, on=state.on - names, goals=goals, strength=strength, resting=names, released_at=now)
 
 
 def _without_torque(state: State, now: float) -> Decision:

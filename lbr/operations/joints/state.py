@@ -95,7 +95,7 @@ class State(Struct, frozen=True, kw_only=True):
     `strength` what is not all of that torque, as a fraction.
     Nothing is known of either until the driver was heard (`adopted`; `begun`: it once was); until then it is told nothing.
     `heard` is since when the driver was there, `switched` when torque was last switched on. Joints that let go at
-    `let_go` are `resting`: the driver is to hear of them without torque before it hears of them with it again.
+    `released_at` are `resting`: the driver is to hear of them without torque before it hears of them with it again.
     Of `unread` it is not known yet whether they have torque.
     `lost`: whoever moved them is gone, and the driver decides. `halt` counts how often all were to hold where
     they were measured, `count` what the controller was told to play; until `waited` it passed no goals on.
@@ -120,7 +120,7 @@ class State(Struct, frozen=True, kw_only=True):
     servos_at: float = nan
     heard: float = nan
     switched: float = -inf
-    let_go: float = -inf
+    released_at: float = -inf
     unread: frozenset[str] = frozenset()
     resting: frozenset[str] = frozenset()
     servos_lost: float = -inf

@@ -73,7 +73,7 @@ def ending(state: State, told: Stored, now: float) -> tuple[Ending, Reason] | No
 def after(state: State, told: Stored, now: float) -> State:
     """Return the state after its end: joints are at its pose, unless they were measured elsewhere since; or let go."""
     if told.motion.limp:
-        return replace(state, on=frozenset(), goals={}, strength={}, resting=state.on, let_go=now)
+        return replace(state, on=frozenset(), goals={}, strength={}, resting=state.on, released_at=now)
     goals = {name: _afterwards(state, name, told.motion, now) for name in state.on}
     return replace(state, goals=goals, switched=now)
 

@@ -23,7 +23,7 @@ Answers = Mapping[str, Any] | None
 MOST_WAITING = 16
 
 
-class Lending(Protocol):
+class LeasedState(Protocol):
     """What is needed of a kernel's state."""
 
     @property
@@ -32,10 +32,10 @@ class Lending(Protocol):
 
 
 S = TypeVar("S", bound=Struct)
-L = TypeVar("L", bound=Lending)
+L = TypeVar("L", bound=LeasedState)
 
 
-class Waiting(NamedTuple):
+class WaitingCommand(NamedTuple):
     """A command that waits for others to answer, and what follows; None is that they did not in time."""
 
     call: Call
@@ -44,7 +44,7 @@ class Waiting(NamedTuple):
     then: Callable[[Answers], None]
 
 
-class Lender(Capability[S], Generic[S, L]):
+class LeasingCapability(Capability[S], Generic[S, L]):
     """Subclass it around a kernel: every decision is the kernel's, every message passes here.
 
     `ends` says that the process does, `driver` the input by which it hears what moves, `tick` the event of a round.
@@ -98,7 +98,7 @@ class Lender(Capability[S], Generic[S, L]):
         """Begin with nothing lent."""
         self._state = self.first()
         self._beat, self._meter, self._loop = Beat(self.rate_hz), LoopMeter(self.rate_hz), None
-        self._waiting: deque[Waiting] = deque()
+        self._waiting: deque[WaitingCommand] = deque()
         self._driver_at, self._driver_alive = -inf, False
         self._alive_holder = ""
 
@@ -153,7 +153,7 @@ class Lender(Capability[S], Generic[S, L]):
         if len(self._waiting) >= MOST_WAITING:
             call.refuse(f"too many commands wait for {whom}; send fewer", "busy")
             return
-        self._waiting.append(Waiting(call, ask(), self.ctx.clock() + 2 * timeout_s, then))
+        self._waiting.append(WaitingCommand(call, ask(), self.ctx.clock() + 2 * timeout_s, then))
         self.settle()
 
     def settle(self) -> None:

@@ -23,17 +23,17 @@ from lbr.messages.joints import (
 )
 from lbr.messages.leases import CommandReply
 from lbr.operations.leasing.lease import LeaseRequest
-from lbr.operations.leasing.process import Lender, new_goal, said_by
+from lbr.operations.leasing.process import LeasingCapability, new_goal, said_by
 from lbr.operations.motions import MotionsSettings
 from lbr.operations.motions.joints_client import JointsClient
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.pose import key_frame, reach_s
 from lbr.operations.motions.programme import Programme, programme
 from lbr.operations.motions.state import (
+    Abandon,
     Answer,
     Event,
     Halt,
-    LetGo,
     Output,
     Outputs,
     Play,
@@ -48,7 +48,7 @@ STATE_PERIOD_S = 0.5
 OLDEST_S = 0.5
 
 
-class Motions(Lender[MotionsSettings, State]):
+class Motions(LeasingCapability[MotionsSettings, State]):
     """Plays the motions of the rows through the joints, for whoever holds them, and writes down poses made by hand."""
 
     ends, tick = "motions are shutting down", Tick()
@@ -119,8 +119,8 @@ class Motions(Lender[MotionsSettings, State]):
                 self._send(output, call)
             case Halt(why=why, lost=lost):
                 self._follower.halt(why, lost=lost)
-            case LetGo():
-                self._follower.let_go()
+            case Abandon():
+                self._follower.abandon()
             case _:
                 super().pass_on(output, call)
 

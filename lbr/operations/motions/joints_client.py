@@ -10,7 +10,7 @@ from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
 from lbr.messages.leases import CommandReply
-from lbr.operations.motions.state import Event, Granted, JointsEnded, JointsStopped, Lost, Passed
+from lbr.operations.motions.state import Accepted, Event, JointsEnded, JointsStopped, Lost, Passed
 
 JOINTS = LeaseTarget(
     "move", "halt", "joints operation", "joints operation does not answer; the joints hold by themselves"
@@ -55,7 +55,7 @@ class JointsClient:
         return Reason("unreachable", f"joints operation ({', '.join(names)}) is not running") if gone else None
 
     def follow(self, command: JointsCommand) -> None:
-        """Go this way from now on; `Granted` or `Lost` follows."""
+        """Go this way from now on; `Accepted` or `Lost` follows."""
         self._wanted = command
         if self._lease is None:
             self._first = command
@@ -72,9 +72,9 @@ class JointsClient:
         """Hold where the joints are; `lost`: whoever wanted them to move is gone."""
         if self._lease is not None:
             self._lease.release(why, lost=lost)
-        self.let_go()
+        self.abandon()
 
-    def let_go(self) -> None:
+    def abandon(self) -> None:
         """Leave the joints to themselves, or to others."""
         self._lease = self._asked = None
         self._first = self._wanted = None
@@ -93,23 +93,23 @@ class JointsClient:
     def _listen(self, lease: LeaseClient) -> None:
         lease.step()
         if lease.ended or self.trouble:
-            self.let_go()
+            self.abandon()
             self._happened(
                 Lost(why=lease.ended or Reason("unreachable", f"{self.trouble}; the joints hold by themselves"))
             )
         elif self._first is not None and lease.accepted is not None:
-            self._granted_first(lease, lease.accepted)
+            self._accepted_first(lease, lease.accepted)
         elif self._asked is not None and (answers := self._asked.answers()) is not None:
             self._asked = None
             reply = next(iter(answers.values()), None)
             if isinstance(reply, CommandReply):
-                self._happened(Granted(goal=reply.goal, note=_note(reply)))
+                self._happened(Accepted(goal=reply.goal, note=_note(reply)))
 
-    def _granted_first(self, lease: LeaseClient, reply: CommandReply) -> None:
+    def _accepted_first(self, lease: LeaseClient, reply: CommandReply) -> None:
         """Tell that it is granted, or go on at once with what was wanted instead in the meantime."""
         first, self._first = self._first, None
         if self._wanted is first or self._wanted is None:
-            self._happened(Granted(goal=reply.goal, note=_note(reply)))
+            self._happened(Accepted(goal=reply.goal, note=_note(reply)))
         else:
             self._asked = lease.send(self._wanted)
 

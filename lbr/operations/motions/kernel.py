@@ -12,13 +12,13 @@ from lbr.operations.leasing import decide as leasing
 from lbr.operations.leasing import ending, rules
 from lbr.operations.leasing.lease import Ended, Ending, EstopChanged, Happened, Lease, Result, Stop, confirmed
 from lbr.operations.motions.state import (
+    Abandon,
+    Accepted,
     Answer,
     Event,
-    Granted,
     Halt,
     JointsEnded,
     JointsStopped,
-    LetGo,
     Lost,
     Outputs,
     Passed,
@@ -67,8 +67,8 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case EstopChanged():
             held, said = leasing.latch(state.leases, event, now)
             decision = _told(replace(state, leases=held), said, now)
-        case Granted():
-            decision = _granted(state, event, now)
+        case Accepted():
+            decision = _accepted(state, event, now)
         case Lost():
             decision = _lost(state, event, now)
         case JointsEnded(result=result):
@@ -142,7 +142,7 @@ def _next_leg(state: State, playing: Playing, now: float) -> Decision:
     send = replace(_leg(playing, playing.sent), asked_s=now, leg=True)
     sent = playing.sent + (len(send.frames) or 1)
     playing = replace(playing, leg=playing.sent, passed=playing.sent, sent=sent, joints_goal="")
-    return _with(state, replace(playing, lost=None, lost_at=inf)), (LetGo(), send)
+    return _with(state, replace(playing, lost=None, lost_at=inf)), (Abandon(), send)
 
 
 def _leg(playing: Playing, start: int) -> Send:
@@ -151,7 +151,7 @@ def _leg(playing: Playing, start: int) -> Send:
     return Send(frames=programme.portion(start), append=False, mirror=programme.mirror, stored=stored)
 
 
-def _granted(state: State, event: Granted, now: float) -> Decision:
+def _accepted(state: State, event: Accepted, now: float) -> Decision:
     lease = state.lease
     if lease is None or not (lease.motion.asked or not lease.motion.joints_goal):
         return state, ()
@@ -265,7 +265,7 @@ def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
     if not ended.held:
         return (_result(ended, now),)
     halt = Halt(why=ended.why.text, lost=ended.how == "lapsed")
-    joints: Outputs = (LetGo(),) if ended.how == "reached" or playing.lost else (halt,)
+    joints: Outputs = (Abandon(),) if ended.how == "reached" or playing.lost else (halt,)
     joints = () if goes_on else joints
     if playing.asked:
         return (*joints, Answer(message=refused(ended.why)))

@@ -38,7 +38,7 @@ class Play(Struct, frozen=True, kw_only=True):
     trouble: Reason | None = None
 
 
-class Granted(Struct, frozen=True, kw_only=True):
+class Accepted(Struct, frozen=True, kw_only=True):
     """Joints operation follows: its own goal, and what it has to say."""
 
     goal: str
@@ -75,7 +75,7 @@ class Tick(Struct, frozen=True, kw_only=True):
     """Time goes by."""
 
 
-Event = Play | Stop | EstopChanged | Granted | Lost | JointsEnded | JointsStopped | Passed | Tick
+Event = Play | Stop | EstopChanged | Accepted | Lost | JointsEnded | JointsStopped | Passed | Tick
 
 
 class Answer(Struct, frozen=True, kw_only=True):
@@ -107,11 +107,11 @@ class Halt(Struct, frozen=True, kw_only=True):
     lost: bool = False
 
 
-class LetGo(Struct, frozen=True):
+class Abandon(Struct, frozen=True):
     """The joints hold by themselves: they came to the end, or somebody else has them."""
 
 
-Output = Reply | Answer | Send | Halt | LetGo | Result | Happened
+Output = Reply | Answer | Send | Halt | Abandon | Result | Happened
 Outputs = tuple[Output, ...]
 
 

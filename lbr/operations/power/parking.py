@@ -43,7 +43,7 @@ class Parking:
         if settings.park_motion and ctx.targets(MOTIONS.motion):
             self._lease = LeaseClient(ctx, MOTIONS, PlayCommand(motion=settings.park_motion, take_over=True))
         else:
-            self._let_go()
+            self._release_joints()
 
     def step(self) -> None:
         """Go on; called often."""
@@ -63,14 +63,14 @@ class Parking:
             lease.hear(received.message)
         lease.step()
         if lease.ended:
-            self._let_go("" if lease.good else lease.ended.text)
+            self._release_joints("" if lease.good else lease.ended.text)
         elif now >= self._until:
             lease.release("it took too long")
-            self._let_go(f"'{self._settings.park_motion}' was not over within {self._settings.park_s:g} s")
+            self._release_joints(f"'{self._settings.park_motion}' was not over within {self._settings.park_s:g} s")
         else:
             lease.keep(self._play)
 
-    def _let_go(self, trouble: str = "") -> None:
+    def _release_joints(self, trouble: str = "") -> None:
         self._note(trouble)
         self._lease = None
         self._until = self._ctx.clock() + self._settings.let_go_s

@@ -79,7 +79,7 @@ class Servos:
         """Have the controller say so of what it was told last."""
         self.stored = replace(self.stored, phase=phase, reason=reason)
 
-    def let_go(self):
+    def released_at(self):
         self.torque = dict.fromkeys(self.at, 0.0)
         self.phase = "released"
 

@@ -213,7 +213,7 @@ def test_a_lease_that_lapses_ends_the_motion_and_says_that_the_mover_is_lost(ben
     bench.run(1.0)
     assert bench.goals == where
     assert not bench.command(lease=reply.lease).accepted
-    bench.servos.let_go()
+    bench.servos.released_at()
     bench.run(0.1)
     assert bench.goals == {}
     assert "torque on first" in bench.command(SLOW).reason
@@ -325,7 +325,7 @@ def test_the_emergency_stop_ends_everything_and_its_reset_moves_nothing(bench):
 
 def test_servos_that_an_emergency_stop_let_go_stay_without_torque(bench):
     bench.estop()
-    bench.servos.let_go()
+    bench.servos.released_at()
     bench.servos.armed, bench.servos.estop, bench.servos.reason = False, True, "emergency stop"
     bench.run(0.1)
     bench.servos.armed, bench.servos.estop = True, False

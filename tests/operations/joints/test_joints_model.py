@@ -222,7 +222,7 @@ class Motion(RuleBasedStateMachine):
     @precondition(lambda self: self.bench.setpoint is not None and self.bench.setpoint.lost)
     @rule()
     def the_driver_lets_go(self):
-        self.bench.servos.let_go()
+        self.bench.servos.released_at()
 
     @invariant()
     def a_holder_has_renewed_in_time(self):

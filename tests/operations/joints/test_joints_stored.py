@@ -132,7 +132,7 @@ class Line:
     """What the driver makes of setpoints: whether it follows, and what its controller plays."""
 
     def __init__(self, now):
-        self.mover, self.plays, self.started = first(now), stored_motions.Plays(begun=True), []
+        self.mover, self.plays, self.started = first(now), stored_motions.StoredMotions(begun=True), []
 
     def hear(self, setpoint, now):
         self.mover = receive(self.mover, setpoint, now, now, 0.1)

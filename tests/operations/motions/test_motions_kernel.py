@@ -14,12 +14,12 @@ from lbr.operations.leasing.lease import EstopChanged, LeaseRequest, Reply, Resu
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.programme import programme
 from lbr.operations.motions.state import (
+    Abandon,
+    Accepted,
     Answer,
-    Granted,
     Halt,
     JointsEnded,
     JointsStopped,
-    LetGo,
     Lost,
     Passed,
     Play,
@@ -94,7 +94,7 @@ class Motions(RuleBasedStateMachine):
                     self.leases.append(reply.lease)
             case Reply(message=reply) if reply.accepted and reply.lease:
                 self.leases.append(reply.lease)
-            case Halt() | LetGo():
+            case Halt() | Abandon():
                 self.borrowed = False
             case Result(message=result):
                 assert result.reason
@@ -166,7 +166,7 @@ class Motions(RuleBasedStateMachine):
     def granted(self):
         if self.borrowed:
             self.joints_goal = f"joints-{next(self.numbers)}"
-        self.happens(Granted(goal=self.joints_goal))
+        self.happens(Accepted(goal=self.joints_goal))
 
     @rule()
     def lost(self):
