@@ -93,7 +93,8 @@ class Kind:
     `line` says that its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is
     asked many times a second, so that what an adapter holds back matters.
     `emulated` is what stands in for its device in a simulation: a tty, a socket (`unix:PATH`) or a folder.
-    `rows` are the tables whose rows it gets, and `learns` those of them that it may write back.
+    `rows` are the tables whose rows it gets, and `learns` those of them that it may write back; `edits` are those that it
+    may have written by `executive.edit`, where it is wired to that.
     `extra` is the extra of the package without which it cannot run at all, and `package` what that brings to import.
     """
 
@@ -120,6 +121,7 @@ class Kind:
     line: Line = ""
     rows: tuple[type[Row] | Rows, ...] = ()
     learns: tuple[type[Row], ...] = ()
+    edits: tuple[type[Row], ...] = ()
     extra: str = ""
     package: str = ""
 

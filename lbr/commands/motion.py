@@ -107,8 +107,8 @@ def import_(
     """
     from lbr.commands.rows import problems_of  # noqa: PLC0415
     from lbr.database import motion_files  # noqa: PLC0415
+    from lbr.database.edits import Edit  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.messages.faces import EditCommand  # noqa: PLC0415
     from lbr.messages.joints import Joint, MotionRow  # noqa: PLC0415
     from lbr.messages.units import NAME_PATTERN  # noqa: PLC0415
 
@@ -122,7 +122,7 @@ def import_(
         motion, cut = motion_files.within_limits(motion, rows.of(Joint), clip=clip)
         about = motion_files.summary(motion, rows.of(Joint), cut)
         if not dry_run:
-            edit = EditCommand(motions=(motion,), create=not replacing, by="lbr motion import")
+            edit = Edit(rows=motion.rows, create=not replacing, by="lbr motion import")
             opened.edit(whose, edit, problems_of)
     if as_json:
         print_json({"robot": whose, "name": motion.name, "written": not dry_run, **about._asdict(), "notes": notes})

@@ -4,26 +4,48 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import msgspec
+from msgspec import Struct
 
 from lbr.database.columns import raw
 from lbr.database.connection import Connection, insert, quoted
-from lbr.database.reading import RawRow, RawTables
+from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.rows import RevisionRow
 from lbr.errors import InputError
-from lbr.messages.codes import Code
 from lbr.messages.faces import EditCommand
-from lbr.messages.joints import Motion
-from lbr.messages.rows import Row
+from lbr.messages.rows import Row, shown
 
 Key = tuple[str, ...]
+MAKE_PROCESSES = {ROBOT, "capability", "channel", "device", "verb", "external_command"}
+"""What every robot has: such rows say which programs run, and what may reach what. No edit on another's behalf writes them."""
 
 
-def describe(edit: EditCommand) -> str:
-    """Return which rows an edit is about, for people."""
-    return ", ".join(row.told for row in edit.rows if not row.PART_OF)
+class Edit(Struct, frozen=True, kw_only=True):
+    """Rows to write, as `EditCommand` has them; read, and allowed to whoever asks."""
+
+    rows: tuple[Row, ...]
+    create: bool = False
+    revision: int | None = None
+    by: str = ""
+
+    def __str__(self) -> str:
+        return ", ".join(row.told for row in self.rows if not row.PART_OF)
 
 
-def applied(tables: RawTables, robot: str, edit: EditCommand, since: Iterable[RevisionRow] = ()) -> RawTables:
+def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> Edit:
+    """Return an edit of rows of these tables; InputError names the table that is none of them, or what is no row."""
+    tables = {row.TABLE: row for row in allowed if row.TABLE not in MAKE_PROCESSES}
+    rows: list[Row] = []
+    for table, found in command.rows.items():
+        if table not in tables:
+            raise InputError(f"rows of '{shown(table)}' are not for it to write; it may {_listed(tables)}", "denied")
+        try:
+            rows += msgspec.json.decode(found, type=list[tables[table]])  # type: ignore[valid-type]
+        except msgspec.MsgspecError as err:
+            raise InputError(f"malformed edit: {table}: {err}", "malformed") from err
+    return Edit(rows=tuple(rows), create=command.create, revision=command.revision, by=command.by)
+
+
+def applied(tables: RawTables, robot: str, edit: Edit, since: Iterable[RevisionRow] = ()) -> RawTables:
     """Return the tables as they are after an edit; InputError if it may not be made, in one sentence.
 
     `since` are the changes after the revision that the edit goes by.
@@ -33,6 +55,7 @@ def applied(tables: RawTables, robot: str, edit: EditCommand, since: Iterable[Re
         raise InputError("this edit has no rows")
     changed = set(_changed(since, robot, {row.TABLE: row.PART_OF for row in rows}))
     seen: set[tuple[str, Key]] = set()
+    parts = _parts(rows)
     for row in rows:
         key = row.TABLE, _texts(row.key)
         if key in seen:
@@ -40,7 +63,12 @@ def applied(tables: RawTables, robot: str, edit: EditCommand, since: Iterable[Re
         seen.add(key)
         if not row.PART_OF:
             there = next((one for one in tables.get(row.TABLE, ()) if _key_of(row, one) == (robot, *key[1])), None)
-            _refuse(row, there, edit, newer=key in changed)
+            _refuse(row, there, edit, parts.pop(key, ()), newer=key in changed)
+    if parts:
+        (table, whole), (part, *_) = next(iter(parts.items()))
+        raise InputError(
+            f"{part.told} is a part of {table} '{'/'.join(whole)}', which this edit does not have", "bad_value"
+        )
     after: dict[str, Sequence[RawRow]] = dict(tables)
     for table, new in _by_table(rows).items():
         written = [{"robot": robot, **raw(row)} for row in new]
@@ -102,30 +130,30 @@ def _clear(connection: Connection, robot: str, table: str, new: Sequence[Row], w
         )
 
 
-def _refuse(row: Row, there: RawRow | None, edit: EditCommand, *, newer: bool) -> None:
+def _refuse(row: Row, there: RawRow | None, edit: Edit, parts: Sequence[Row], *, newer: bool) -> None:
     """Raise InputError if a row may not be written."""
-    motion = next((one for one in edit.motions if one.row == row), None)
-    whys: dict[tuple[str, Code], bool] = {
-        (f"{row.told} is there already", "exists"): edit.create and there is not None,
-        (f"there is no {row.told}", "unknown_name"): not edit.create and there is None,
-        (f"{row.told} is built in, and stays as it is", "read_only"): getattr(row, "builtin", False)
-        or (there is not None and there.get("builtin", 0) != 0),
-        (
-            f"{row.told} would be in a slot: what the controller keeps is entered at the robot itself",
-            "not_possible",
-        ): _is_stored(motion),
-        (f"{row.told} is in a slot, kept by the controller: its row is edited at the robot itself", "read_only"): (
-            there is not None and there.get("slot") is not None
-        ),
-        (f"{row.told} has no key frames", "bad_value"): motion is not None and not motion.frames,
-        (f"{row.told} has changed since revision {edit.revision}: look at it again", "changed"): newer,
-    }
-    if why := next((why for why, holds in whys.items() if holds), None):
+    if edit.create and there is not None:
+        raise InputError(f"{row.told} is there already", "exists")
+    if not edit.create and there is None:
+        raise InputError(f"there is no {row.told}", "unknown_name")
+    if why := row.refusal(there, parts):
         raise InputError(*why)
+    if newer:
+        raise InputError(f"{row.told} has changed since revision {edit.revision}: look at it again", "changed")
 
 
-def _is_stored(motion: Motion | None) -> bool:
-    return motion is not None and (motion.slot, motion.slot_s, motion.limp) != (None, None, False)
+def _parts(rows: Iterable[Row]) -> dict[tuple[str, Key], tuple[Row, ...]]:
+    """Return the rows that are parts of others, by table and key of those."""
+    found: dict[tuple[str, Key], tuple[Row, ...]] = {}
+    for row in rows:
+        if row.PART_OF:
+            whole = row.PART_OF, _texts(row.key[:1])
+            found[whole] = (*found.get(whole, ()), row)
+    return found
+
+
+def _listed(tables: Iterable[str]) -> str:
+    return "write " + ", ".join(sorted(tables)) if tables else "write none"
 
 
 def _changed(since: Iterable[RevisionRow], robot: str, parts: Mapping[str, str]) -> Iterator[tuple[str, Key]]:

@@ -34,7 +34,6 @@ from lbr.database.reading import RawTables
 from lbr.database.rows import AuditRow, GoodFor, RevisionRow, RobotRows, TokenRow
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
-from lbr.messages.faces import EditCommand
 from lbr.messages.rows import Row, shown
 from lbr.messages.system import Event, TokenRole
 from lbr.resources import robot_db_sql
@@ -233,7 +232,7 @@ class Database:
         with self._reading() as connection:
             return adopted.revision(connection)
 
-    def edit(self, robot: str, edit: EditCommand, wrong: Callable[[RobotRows], Iterable[str]]) -> int:
+    def edit(self, robot: str, edit: edits.Edit, wrong: Callable[[RobotRows], Iterable[str]]) -> int:
         """Write an edit, all of it or none, if the rows as it makes them are good; return their revision.
 
         InputError says why it may not be made, RowError what `wrong` or the tables say of the rows. On return it is on

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import Meta, Raw, Struct
 
 from lbr.messages.codes import ReasonCode
-from lbr.messages.joints import Motion, motion_there
+from lbr.messages.joints import motion_there
 from lbr.messages.rows import Fault, Others, Row
 from lbr.messages.servos import ServoId
 from lbr.messages.units import Name, NameOrNone
@@ -66,23 +66,17 @@ class Button(Row, frozen=True, kw_only=True):
 
 
 class EditCommand(Struct, frozen=True, kw_only=True):
-    """Write these rows, all or none: new ones, or in the place of those with the same key. Built-in ones stay.
+    """Write these rows, by table, all or none: new ones, or in the place of those with the same key. Built-in ones stay.
 
-    `create`: none of them may be there yet; otherwise all of them must. `revision`: only if none of them has changed
-    since that revision. `by` is who wants it.
+    Which tables, the kind of who asks says in `edits`; parts of a row, such as key frames, come with it, and are then all
+    that it has. `create`: none of them may be there yet; otherwise all of them must. `revision`: only if none of them has
+    changed since that revision. `by` is who wants it.
     """
 
-    motors: tuple[Motor, ...] = ()
-    motions: tuple[Motion, ...] = ()
-    buttons: tuple[Button, ...] = ()
+    rows: dict[str, Raw] = {}
     create: bool = False
     revision: int | None = None
     by: Annotated[str, Meta(max_length=80)] = ""
-
-    @property
-    def rows(self) -> tuple[Row, ...]:
-        """All rows that it writes; key frames are rows of their own."""
-        return (*self.motors, *(row for motion in self.motions for row in motion.rows), *self.buttons)
 
 
 class EditReply(Struct, frozen=True, kw_only=True):

@@ -1,11 +1,11 @@
 """Messages on `joints/*` and `motions/*`: what moves a humanoid, and what its joints say back."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.messages.codes import ReasonCode
+from lbr.messages.codes import Code, ReasonCode
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.leases import LeaseId
 from lbr.messages.rows import Fault, Others, Row, shown
@@ -138,6 +138,20 @@ class MotionRow(Row, frozen=True, kw_only=True):
     slot_s: SlotS | None = None
     limp: bool = False
     builtin: bool = False
+
+    def refusal(self, before: Mapping[str, Any] | None, parts: Sequence[Row]) -> tuple[str, Code] | None:
+        """Return why an edit on another's behalf may not write it: what the controller keeps is entered at the robot."""
+        if why := super().refusal(before, parts):
+            return why
+        if (self.slot, self.slot_s, self.limp) != (None, None, False):
+            text = f"{self.told} would be in a slot: what the controller keeps is entered at the robot itself"
+            return text, "not_possible"
+        if (before or {}).get("slot") is not None:
+            return (
+                f"{self.told} is in a slot, kept by the controller: its row is edited at the robot itself",
+                "read_only",
+            )
+        return None if parts else (f"{self.told} has no key frames", "bad_value")
 
 
 def _joints(row: "MotionStep", others: Others) -> Iterator[Fault]:

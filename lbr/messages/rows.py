@@ -6,11 +6,13 @@
 A kind names the rows that it reads and those that it may write back; nothing between knows a particular table.
 """
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import msgspec
 from msgspec import Raw, Struct
+
+from lbr.messages.codes import Code
 
 R = TypeVar("R", bound="Row")
 Fault = tuple[str, str]
@@ -50,6 +52,15 @@ class Row(Struct, frozen=True, kw_only=True):
     def told(self) -> str:
         """Which row it is, for people."""
         return f"{self.TABLE} '{'/'.join(map(str, self.key))}'"
+
+    def refusal(self, before: Mapping[str, Any] | None, parts: Sequence["Row"]) -> tuple[str, Code] | None:  # noqa: ARG002
+        """Return why an edit on another's behalf may not write this row, or None.
+
+        `before` are the columns that are there now, `parts` the rows of other tables that come as parts of this one.
+        """
+        if getattr(self, "builtin", False) or (before or {}).get("builtin", 0) != 0:
+            return f"{self.told} is built in, and stays as it is", "read_only"
+        return None
 
 
 class RowSet(Struct, frozen=True, kw_only=True):

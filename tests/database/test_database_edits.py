@@ -3,12 +3,15 @@
 import sqlite3
 
 import pytest
+from msgspec import Raw
 from msgspec.structs import replace
 
 from lbr.database import store
+from lbr.database.edits import Edit, understood
 from lbr.errors import InputError, RowError
 from lbr.messages.faces import Button, EditCommand, Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionRow, MotionStep
+from lbr.messages.rows import Row, by_table
 
 MOTOR = Motor(layer="mine", id=23, name="neck", initial=127, lowest=60, highest=200, rest=127)
 NOD = Motion(
@@ -20,7 +23,17 @@ NOD = Motion(
     ),
 )
 BUTTON = Button(id=120, name="nod", button="N", motion="nod")
-ALL = EditCommand(motors=(MOTOR,), motions=(NOD,), buttons=(BUTTON,), create=True)
+
+
+def edit_of(motors=(), motions=(), buttons=(), **more):
+    return Edit(rows=(*motors, *(row for motion in motions for row in motion.rows), *buttons), **more)
+
+
+def new(motors=(MOTOR,), motions=(NOD,), buttons=(BUTTON,)):
+    return edit_of(motors=motors, motions=motions, buttons=buttons, create=True)
+
+
+ALL = new()
 
 
 @pytest.fixture
@@ -57,7 +70,7 @@ def test_new_rows_are_written_in_one_transaction_and_counted(opened):
 def test_a_change_touches_only_what_differs(opened):
     before = edit(opened, ALL)
     shorter = replace(NOD, frames=NOD.frames[:1])
-    assert edit(opened, EditCommand(motions=(shorter,), motors=(MOTOR,))) == before + 1
+    assert edit(opened, edit_of(motions=(shorter,), motors=(MOTOR,))) == before + 1
     assert [(row.operation, row.table) for row in opened.revisions(before)] == [("delete", "motion_step")]
     assert len(steps(opened, "nod")) == 1
 
@@ -65,20 +78,20 @@ def test_a_change_touches_only_what_differs(opened):
 @pytest.mark.parametrize(
     ("command", "why"),
     [
-        (EditCommand(), "this edit has no rows"),
-        (EditCommand(motors=(MOTOR,)), "there is no motor 23 of layer 'mine'"),
-        (EditCommand(motions=(NOD,)), "there is no motion 'nod'"),
-        (EditCommand(buttons=(BUTTON,)), "there is no button 120"),
-        (EditCommand(motors=(replace(MOTOR, layer="api"),), create=True), "motor 23 of layer 'api' is there already"),
-        (EditCommand(motors=(replace(MOTOR, layer="api"),)), "motor 23 of layer 'api' is built in, and stays as it is"),
-        (EditCommand(motions=(replace(NOD, name="sit_down"),)), "motion 'sit_down' is built in, and stays as it is"),
-        (EditCommand(buttons=(replace(BUTTON, id=1),)), "button 1 is built in, and stays as it is"),
-        (EditCommand(motors=(replace(MOTOR, builtin=True),), create=True), "is built in"),
-        (EditCommand(motions=(replace(NOD, slot=40, slot_s=1.0),), create=True), "would be in a slot"),
-        (EditCommand(motions=(replace(NOD, limp=True),), create=True), "would be in a slot"),
-        (EditCommand(motions=(replace(NOD, frames=()),), create=True), "motion 'nod' has no key frames"),
-        (EditCommand(motors=(MOTOR, MOTOR), create=True), "motor 23 of layer 'mine' is there twice"),
-        (EditCommand(motors=(MOTOR, replace(MOTOR, layer="api")), create=True), "is there already"),
+        (edit_of(), "this edit has no rows"),
+        (edit_of(motors=(MOTOR,)), "there is no motor 23 of layer 'mine'"),
+        (edit_of(motions=(NOD,)), "there is no motion 'nod'"),
+        (edit_of(buttons=(BUTTON,)), "there is no button 120"),
+        (edit_of(motors=(replace(MOTOR, layer="api"),), create=True), "motor 23 of layer 'api' is there already"),
+        (edit_of(motors=(replace(MOTOR, layer="api"),)), "motor 23 of layer 'api' is built in, and stays as it is"),
+        (edit_of(motions=(replace(NOD, name="sit_down"),)), "motion 'sit_down' is built in, and stays as it is"),
+        (edit_of(buttons=(replace(BUTTON, id=1),)), "button 1 is built in, and stays as it is"),
+        (edit_of(motors=(replace(MOTOR, builtin=True),), create=True), "is built in"),
+        (edit_of(motions=(replace(NOD, slot=40, slot_s=1.0),), create=True), "would be in a slot"),
+        (edit_of(motions=(replace(NOD, limp=True),), create=True), "would be in a slot"),
+        (edit_of(motions=(replace(NOD, frames=()),), create=True), "motion 'nod' has no key frames"),
+        (edit_of(motors=(MOTOR, MOTOR), create=True), "motor 23 of layer 'mine' is there twice"),
+        (edit_of(motors=(MOTOR, replace(MOTOR, layer="api")), create=True), "is there already"),
     ],
 )
 def test_what_may_not_be_is_refused_in_a_sentence_and_nothing_is_written(opened, command, why):
@@ -91,14 +104,14 @@ def test_what_may_not_be_is_refused_in_a_sentence_and_nothing_is_written(opened,
 @pytest.mark.parametrize(
     ("command", "why"),
     [
-        (replace(ALL, motions=(replace(NOD, frames=(KeyFrame(positions={"tail": 0.1}, duration_s=1.0),)),)), "'tail'"),
+        (new(motions=(replace(NOD, frames=(KeyFrame(positions={"tail": 0.1}, duration_s=1.0),)),)), "'tail'"),
         (
-            replace(ALL, motions=(replace(NOD, frames=(KeyFrame(positions={"head_pitch": 3}, duration_s=1.0),)),)),
+            new(motions=(replace(NOD, frames=(KeyFrame(positions={"head_pitch": 3}, duration_s=1.0),)),)),
             "limits",
         ),
-        (replace(ALL, motors=(replace(MOTOR, lowest=200),)), "is not above lowest"),
-        (replace(ALL, buttons=(replace(BUTTON, motion="nowhere"),)), "there is no motion 'nowhere'"),
-        (replace(ALL, motions=(replace(NOD, lead_in="nowhere"),)), "no other motion 'nowhere'"),
+        (new(motors=(replace(MOTOR, lowest=200),)), "is not above lowest"),
+        (new(buttons=(replace(BUTTON, motion="nowhere"),)), "there is no motion 'nowhere'"),
+        (new(motions=(replace(NOD, lead_in="nowhere"),)), "no other motion 'nowhere'"),
     ],
 )
 def test_rows_that_would_not_be_good_are_refused_as_an_edit_by_sqlite_would_be(opened, command, why):
@@ -119,9 +132,9 @@ def test_an_edit_from_an_older_revision_is_refused_where_its_rows_have_changed_s
         other.execute("UPDATE motion_step SET duration_s = 2 WHERE motion = 'nod' AND step = 2")
     other.close()
     with pytest.raises(InputError, match=f"motion 'nod' has changed since revision {seen}"):
-        edit(opened, EditCommand(motions=(NOD,), revision=seen))
-    assert edit(opened, EditCommand(motors=(replace(MOTOR, name="a neck"),), revision=seen)) == seen + 2
-    assert edit(opened, EditCommand(motions=(NOD,), revision=seen + 2)) == seen + 3
+        edit(opened, edit_of(motions=(NOD,), revision=seen))
+    assert edit(opened, edit_of(motors=(replace(MOTOR, name="a neck"),), revision=seen)) == seen + 2
+    assert edit(opened, edit_of(motions=(NOD,), revision=seen + 2)) == seen + 3
 
 
 def test_another_writer_between_check_and_writing_begins_it_anew(opened, tmp_path):
@@ -146,3 +159,56 @@ def test_rows_that_are_bad_already_let_nothing_be_written(opened, tmp_path):
     other.close()
     with pytest.raises(RowError, match="nowhere"):
         edit(opened, ALL)
+
+
+# -- edits as they come --------------------------------------------------------------------------------------------------
+
+ALLOWED = (Motor, MotionRow, MotionStep, Button)
+
+
+def asked(*rows, **more):
+    return EditCommand(rows=by_table(rows), **more)
+
+
+def test_rows_come_by_table_and_are_read_with_their_bounds():
+    found = understood(asked(MOTOR, *NOD.rows, BUTTON, create=True, revision=7, by="a phone"), ALLOWED)
+    assert found.rows == (MOTOR, *NOD.rows, BUTTON)
+    assert (found.create, found.revision, found.by) == (True, 7, "a phone")
+    assert str(found) == "motor 23 of layer 'mine', motion 'nod', button 120"
+
+
+@pytest.mark.parametrize(
+    ("rows", "why", "code"),
+    [
+        ({"capability": Raw(b"[]")}, "rows of 'capability' are not for it to write; it may write button, mo", "denied"),
+        ({"joint": Raw(b"[]")}, "rows of 'joint' are not for it to write", "denied"),
+        ({"motor\x1b": Raw(b"[]")}, "rows of 'motor?'", "denied"),
+        ({"motor": Raw(b'[{"layer": "mine"}]')}, "malformed edit: motor: .*missing required field `id`", "malformed"),
+        ({"motor": Raw(b"{}")}, "malformed edit: motor: Expected `array`", "malformed"),
+        ({"motor": Raw(b"[1]")}, "malformed edit: motor", "malformed"),
+    ],
+)
+def test_what_it_may_not_write_or_what_is_no_row_is_refused_with_a_code(rows, why, code):
+    with pytest.raises(InputError, match=why.replace("?", r"\?")) as found:
+        understood(EditCommand(rows=rows), ALLOWED)
+    assert found.value.code == code
+
+
+def test_rows_that_make_processes_are_never_written_whatever_a_kind_says():
+    class Programs(Row, frozen=True, kw_only=True):
+        TABLE = "capability"
+        KEY = ("name",)
+        name: str
+
+    with pytest.raises(InputError, match="rows of 'capability' are not for it to write; it may write none"):
+        understood(asked(Programs(name="shell")), (Programs,))
+
+
+def test_parts_come_with_their_whole_so_that_no_key_frame_is_slipped_under_a_built_in_motion(opened):
+    before = opened.revision()
+    step = MotionStep(motion="sit_down", step=1, duration_s=1.0, positions={"head_pitch": 0.1})
+    with pytest.raises(InputError, match="key frame 1 of 'sit_down' is a part of motion 'sit_down', which this edit"):
+        edit(opened, Edit(rows=(step,)))
+    with pytest.raises(InputError, match="which this edit does not have"):
+        edit(opened, Edit(rows=(MOTOR, step), create=True))
+    assert opened.revision() == before

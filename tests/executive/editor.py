@@ -2,11 +2,14 @@
 
 from dataclasses import replace
 
+import msgspec
 from msgspec import Struct
 
 from lbr.capability import Capability, Kind
 from lbr.messages.faces import EditCommand, EditReply, Motor
 from lbr.messages.joints import MotionRow, MotionStep
+
+EDITED = (MotionRow, MotionStep, Motor)
 
 
 class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -31,7 +34,8 @@ class Editor(Capability[Settings]):
                 self.asked.remove((call, edit, asked))
                 reply = answers["executive"] or EditReply(accepted=False, reason="nobody answered")
                 if reply.accepted:
-                    self.ctx.adopt(edit.rows)
+                    for row in EDITED:
+                        self.ctx.adopt(msgspec.json.decode(edit.rows.get(row.TABLE, b"[]"), type=list[row]))
                 call.reply(reply)
 
     def command(self, call) -> None:
@@ -51,6 +55,7 @@ KIND = Kind(
     commands={"write": EditCommand},
     requests={"edit": EditCommand},
     replies={"edit": EditReply, "write": EditReply},
-    rows=(MotionRow, MotionStep, Motor),
+    rows=EDITED,
+    edits=EDITED,
 )
-ONLOOKER = replace(KIND, name="onlooker", rows=(MotionRow, MotionStep))
+ONLOOKER = replace(KIND, name="onlooker", rows=(MotionRow, MotionStep), edits=())

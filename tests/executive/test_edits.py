@@ -14,7 +14,7 @@ from lbr.database.rows import ChannelRow
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning import rights
 from lbr.executive.planning.profile import Profile
-from lbr.messages.faces import EditCommand, Motor
+from lbr.messages.faces import Motor
 from lbr.messages.rows import by_table
 from tests.executive.test_plan import planned, problems
 from tests.support.robot import Robot, prepare, running, until
@@ -22,7 +22,7 @@ from tests.support.robot import Robot, prepare, running, until
 pytestmark = pytest.mark.timeout(30)
 
 MOTOR = {"layer": "mine", "id": 3, "name": "neck", "initial": 1, "lowest": 0, "highest": 9, "rest": 1}
-NOD = {"name": "nod", "frames": [{"positions": {"neck": 0.5}, "duration_s": 1.0}]}
+NOD = {"motion": "nod", "step": 1, "positions": {"neck": 0.5}, "duration_s": 1.0}
 EDITS = (
     "UPDATE capability SET enabled = 0 WHERE robot = 'lbr'",
     "INSERT INTO joint (robot, name, device_id, lower_rad, upper_rad, speed_rps) VALUES ('lbr', 'neck', 3, -1, 1, 1)",
@@ -43,13 +43,13 @@ def robot():
             yield started
 
 
-def write(robot: Robot, **edit):
-    return robot.ask("face/write", edit, timeout_s=8.0)
+def write(robot: Robot, rows: dict, **edit):
+    return robot.ask("face/write", {"rows": rows, **edit}, timeout_s=8.0)
 
 
 def test_an_edit_is_written_and_only_others_restart_for_it(robot):
     face, other = robot.capability("face")["pid"], robot.capability("other")["pid"]
-    reply = write(robot, motors=[MOTOR], motions=[NOD], create=True, by="phone")
+    reply = write(robot, {"motor": [MOTOR], "motion": [{"name": "nod"}], "motion_step": [NOD]}, create=True, by="phone")
     assert reply["accepted"], reply
     until(lambda: robot.ask("face/known") == {"motors": ["neck"], "motions": ["nod"]})
     until(lambda: robot.capability("other")["pid"] not in {other, None}, what="who has motions starts anew")
@@ -68,11 +68,12 @@ def test_an_edit_is_written_and_only_others_restart_for_it(robot):
 
 def test_a_refusal_is_a_sentence_with_the_newest_revision_and_nothing_changes(robot):
     before = robot.status()["revision"]
-    far = {**NOD, "name": "far", "frames": [{"positions": {"neck": 5.0}, "duration_s": 1.0}]}
+    far = {"motion": [{"name": "far"}], "motion_step": [{**NOD, "motion": "far", "positions": {"neck": 5.0}}]}
     for edit, why in (
-        ({"motors": [{**MOTOR, "id": 4}]}, "there is no motor 4 of layer 'mine'"),
-        ({"motors": [{**MOTOR, "id": 4}], "motions": [far], "create": True}, "the joint's limits"),
-        ({"motors": [{**MOTOR, "id": 4, "layer": "NOT A NAME"}], "create": True}, "layer"),
+        ({"rows": {"motor": [{**MOTOR, "id": 4}]}}, "there is no motor 4 of layer 'mine'"),
+        ({"rows": {"motor": [{**MOTOR, "id": 4}], **far}, "create": True}, "the joint's limits"),
+        ({"rows": {"motor": [{**MOTOR, "id": 4, "layer": "NOT A NAME"}]}, "create": True}, "layer"),
+        ({"rows": {"capability": [{"name": "shell", "kind": "exec"}]}, "create": True}, "not for it to write"),
     ):
         reply = write(robot, **edit)
         assert not reply["accepted"]
@@ -81,8 +82,8 @@ def test_a_refusal_is_a_sentence_with_the_newest_revision_and_nothing_changes(ro
 
 
 def test_whoever_is_not_wired_is_not_heard(robot):
-    assert robot.ask("@edit", {"motors": [MOTOR]}, source="face", timeout_s=0.3) is None
-    answer = until(lambda: robot.ask("other/write", {"motors": [MOTOR]}), what="it has started anew")
+    assert robot.ask("@edit", {"rows": {"motor": [MOTOR]}}, source="face", timeout_s=0.3) is None
+    answer = until(lambda: robot.ask("other/write", {"rows": {"motor": [MOTOR]}}), what="it has started anew")
     assert answer["reason"] == "not wired"
 
 
@@ -92,8 +93,8 @@ def test_a_database_that_is_locked_holds_up_the_edit_and_nothing_else(robot):
         asked = time.monotonic()
         pending = robot.bus.get(
             f"{robot.name}/face/write",
-            payload=b'{"motors": [{"layer": "mine", "id": 8, "name": "x", "initial": 1, '
-            b'"lowest": 0, "highest": 9, "rest": 1}], "create": true}',
+            payload=b'{"rows": {"motor": [{"layer": "mine", "id": 8, "name": "x", "initial": 1, '
+            b'"lowest": 0, "highest": 9, "rest": 1}]}, "create": true}',
             timeout=8.0,
         )
         for _ in range(5):
@@ -149,7 +150,6 @@ def test_who_edits_stays_on_the_robots_own_host(rows):
 def test_who_has_made_an_edit_its_own_is_not_restarted_by_rows_that_say_the_same(rows):
     motor = Motor(layer="mine", id=1, name="one", initial=1, lowest=0, highest=2, rest=1)
     plan = planned(rows, PROFILE)
-    edit = EditCommand(motors=(motor,), create=True)
-    again = plans.learnt(plan, "web", by_table(edit.rows))
+    again = plans.learnt(plan, "web", by_table((motor,)))
     assert plans.difference(plan, again).restart == ("web",)
     assert motor in msgspec.json.decode(again.units["web"].config.rows["motor"].rows, type=list[Motor])

@@ -275,7 +275,7 @@ def test_what_a_capability_measures_is_written_down_and_restarts_nothing(robot):
     before = pids(robot)
     robot.ask("compass/measure", {})
     until(lambda: calibrations(robot) == [("range_board", "offset_ut", 7.5)])
-    until(lambda: any("calibration of 'range_board'" in event["text"] for event in robot.events()))
+    until(lambda: any("insert calibration 'range_board/offset_ut'" in event["text"] for event in robot.events()))
     assert robot.ask("compass/known") == {"values": {"offset_ut": 7.5}}
     assert pids(robot) == before
     robot.edit("UPDATE calibration SET value = 8.5")  # by somebody else's hand it counts as any edit does

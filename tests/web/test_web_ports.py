@@ -66,7 +66,7 @@ def test_a_packages_face_brings_inputs_states_requests_and_rows(tmp_path):
     assert found.states[:1] == ("joints",)
     assert "gripper" in found.states
     assert found.requests["grip"] is StopCommand
-    assert found.rows == (Motor,)
+    assert found.rows[0] is Motor
 
 
 def test_two_faces_may_have_the_same_port_of_the_same_message(tmp_path):

@@ -23,7 +23,7 @@ from lbr.apps.web.face import Face, Request, Route, json, text
 from lbr.apps.web.guards import TOO_OFTEN_S
 from lbr.console.printable import wrapped
 from lbr.errors import DeviceError
-from lbr.messages.faces import EditCommand, EditReply, Motor
+from lbr.messages.faces import EditReply, Motor
 from lbr.messages.joints import JointsState
 from lbr.messages.leases import CommandReply
 from tests.support.machine import Stopwatch
@@ -298,7 +298,7 @@ def test_edited_rows_are_the_robots_at_once(served):
     served.stage.answer = lambda _request, _message: EditReply(accepted=True, revision=3)
     robot = served.web._robot
     try:
-        edited = served.web._bridge.call(robot.edit(EditCommand(motors=(motor,))))
+        edited = served.web._bridge.call(robot.edit((motor,)))
         assert asyncio.run(edited).revision == 3
         assert robot.motors == (motor,)
     finally:

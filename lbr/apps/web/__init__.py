@@ -130,5 +130,6 @@ KIND = Kind(
     replies={"address": AddressReply, "stop": CommandReply, **PORTS.replies},
     roles={"address": "view"},
     rows=PORTS.rows,
+    edits=PORTS.edits,
     words=(Word("qr", "address", "Show where phones find the robot, as a QR code"),),
 )

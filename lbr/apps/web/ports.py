@@ -24,7 +24,7 @@ class FacePorts:
     """Ports of the kind `web`, which has them wherever the package is installed that brings them.
 
     `states` are the inputs whose newest value is in `/state`, under its name. Who says no type of `replies` is answered
-    by a CommandReply. Each input is optional.
+    by a CommandReply. Each input is optional. `edits` are the tables whose rows it may have written, by the request `edit`.
     """
 
     inputs: Mapping[str, type[Struct]] = field(default_factory=dict)
@@ -32,6 +32,7 @@ class FacePorts:
     requests: Mapping[str, type[Struct]] = field(default_factory=dict)
     replies: Mapping[str, type[Struct]] = field(default_factory=dict)
     rows: tuple[type[Row], ...] = ()
+    edits: tuple[type[Row], ...] = ()
 
 
 def with_faces(own: FacePorts) -> tuple[FacePorts, tuple[str, ...]]:
@@ -58,6 +59,7 @@ def _with(ports: FacePorts, name: str) -> FacePorts:
         requests={**ports.requests, **more.requests},
         replies={**ports.replies, **more.replies},
         rows=tuple(dict.fromkeys((*ports.rows, *more.rows))),
+        edits=tuple(dict.fromkeys((*ports.edits, *more.edits))),
     )
 
 
@@ -73,13 +75,18 @@ def _contradictions(ports: FacePorts, more: FacePorts) -> Iterator[str]:
                 yield f"{of} '{name}' is no name: those are of letters, digits and _"
             if there.get(name, message) is not message:
                 yield f"{of} '{name}' is {message.__name__}, and there is one already, of {there[name].__name__}"
+    yield from _missing(ports, more)
+    tables = {row.TABLE: row for row in ports.rows}
+    for row in more.rows:
+        if tables.get(row.TABLE, row) is not row:
+            yield f"rows: table '{row.TABLE}' is read as {tables[row.TABLE].__name__} already"
+
+
+def _missing(ports: FacePorts, more: FacePorts) -> Iterator[str]:
+    """Yield what ports speak of that is not there."""
     if taken := [name for name in more.states if name in OF_STATE]:
         yield f"states: '{taken[0]}' is what `/state` says itself; choose another name"
     if lost := [name for name in more.states if name not in more.inputs and name not in ports.inputs]:
         yield f"states: there is no input '{lost[0]}'"
     if lost := [name for name in more.replies if name not in more.requests and name not in ports.requests]:
         yield f"replies: there is no request '{lost[0]}'"
-    tables = {row.TABLE: row for row in ports.rows}
-    for row in more.rows:
-        if tables.get(row.TABLE, row) is not row:
-            yield f"rows: table '{row.TABLE}' is read as {tables[row.TABLE].__name__} already"

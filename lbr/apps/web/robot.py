@@ -11,9 +11,10 @@ from lbr.capability.context import Context, Received
 from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
 from lbr.messages.joints import Joint, JointsState, Motion, MotionRow, MotionsState, MotionStep, motions_of
+from lbr.messages.rows import Row, by_table
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
+    from collections.abc import Callable, Collection, Coroutine
 
     from lbr.apps.web import WebSettings
 
@@ -129,11 +130,14 @@ class Robot:
         """Have work go on that no request waits for."""
         return self._bridge.start(work)
 
-    async def edit(self, command: EditCommand) -> EditReply:
-        """Have rows written; once they are, this robot has them."""
+    async def edit(
+        self, rows: "Collection[Row]", *, create: bool = False, revision: int | None = None, by: str = ""
+    ) -> EditReply:
+        """Have rows written, see `EditCommand`; once they are, this robot has them."""
+        command = EditCommand(rows=by_table(rows), create=create, revision=revision, by=by)
         reply = cast("EditReply", await self.ask("edit", command, timeout_s=EDIT_S))
         if reply.accepted:
-            self.ctx.adopt(command.rows)
+            self.ctx.adopt(rows)
         return reply
 
 

@@ -10,6 +10,7 @@ from msgspec import Raw
 
 from lbr.capability.config import DeviceConfig
 from lbr.console.verbs import Vocabulary
+from lbr.database.edits import Edit
 from lbr.database.store import Database, RowKey
 from lbr.errors import LbrError
 from lbr.executive.planning import plan as plans
@@ -18,7 +19,6 @@ from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.process_specs import read_by
 from lbr.executive.planning.watch import RowWatch
 from lbr.executive.planning.wiring import least_roles
-from lbr.messages.faces import EditCommand
 from lbr.messages.rows import Row, by_table
 
 PROBLEMS_TOLD = 3
@@ -121,7 +121,7 @@ class LiveRows:
             return ()
         return tuple(found)
 
-    def edited(self, name: str, edit: EditCommand) -> None:
+    def edited(self, name: str, edit: Edit) -> None:
         """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for it."""
         self._keep(plans.learnt(self.plan, name, by_table(edit.rows)), name)
 

@@ -1,6 +1,6 @@
 """Looks at the rows: the first plan, and every later one when somebody has edited rows or a capability's file."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -22,8 +22,6 @@ from lbr.executive.planning.run_identity import RunIdentity
 UNKNOWN_VERSION = -1
 NEVER = datetime.max.replace(tzinfo=UTC)
 EDITS_TOLD = 4
-PART_OF = {"motion_step", "choreography", "phrase"}
-"""Tables whose rows are known by two names: of which motion it is a step, say."""
 
 
 class News(Struct, frozen=True):
@@ -120,7 +118,7 @@ class RowWatch:
 
     def _edited(self, old: RobotRows, new: RobotRows) -> str:
         rows = self._database.revisions(old.revision) if new.revision != old.revision else ()
-        said = list(dict.fromkeys(_edit(row) for row in rows))
+        said = edited(rows, new.robot.name)
         more = f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else ""
         return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(old, new))))
 
@@ -147,12 +145,27 @@ def loaded(database: Database, robots: Iterable[str]) -> dict[str, RobotRows]:
     return {name: replace(rows, problems=(*rows.problems, *lost)) for name, rows in found.items()}
 
 
-def _edit(row: RevisionRow) -> str:
-    """Say what was edited; the many numbers of one calibration are one edit."""
-    if row.table == "calibration":
-        return f"calibration of '{row.row_key[-2]}'"
-    named = row.row_key[-2:] if row.table in PART_OF else row.row_key[-1:]
-    return f"{row.operation} {row.table} '{'/'.join(map(str, named))}'"
+def edited(rows: Iterable[RevisionRow], robot: str) -> list[str]:
+    """Say what was edited; several rows of a table that differ in the last part of their keys only are told as one edit."""
+    groups: dict[tuple[str, ...], list[RevisionRow]] = {}
+    for row in rows:
+        groups.setdefault((row.table, *_own_key(row, robot)[:-1]), []).append(row)
+    return [said for group in groups.values() for said in _edits(group, robot)]
+
+
+def _edits(group: Sequence[RevisionRow], robot: str) -> list[str]:
+    (row, *others), (*whole, _) = group, _own_key(group[0], robot)
+    if whole and any(other.row_key != row.row_key for other in others):
+        operations = {one.operation for one in group}
+        operation = row.operation if len(operations) == 1 else "edit"
+        return [f"{operation} {len({one.row_key for one in group})} rows of {row.table} '{'/'.join(whole)}'"]
+    return list(dict.fromkeys(f"{one.operation} {one.table} '{'/'.join(_own_key(one, robot))}'" for one in group))
+
+
+def _own_key(row: RevisionRow, robot: str) -> tuple[str, ...]:
+    """Return a row's key without whose it is."""
+    key = tuple(map(str, row.row_key))
+    return key[1:] if len(key) > 1 and key[0] == robot else key
 
 
 def _tokens_edited(old: RobotRows, new: RobotRows) -> str:

@@ -12,7 +12,7 @@ from msgspec import Struct
 
 from lbr.bus import stamp, wire
 from lbr.bus.codec import Decoder
-from lbr.database.edits import describe
+from lbr.database.edits import Edit, understood
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.database.store import Database
@@ -41,7 +41,7 @@ class Rows(Protocol):
     def plan(self) -> Plan:
         """What runs."""
 
-    def edited(self, name: str, edit: EditCommand) -> None:
+    def edited(self, name: str, edit: Edit) -> None:
         """Take note that a capability has an edit already."""
 
 
@@ -55,7 +55,7 @@ class Written:
         self._robot = robot
         self._make = make
 
-    def __call__(self, edit: EditCommand) -> EditReply:
+    def __call__(self, edit: Edit) -> EditReply:
         """Return what became of it."""
         revision = 0
         try:
@@ -93,7 +93,7 @@ class _Job(Struct):
     """An edit under way: who asked, by which process, and since when."""
 
     request: wire.Request
-    edit: EditCommand
+    edit: Edit
     name: str
     process: object
     begun_s: float
@@ -110,7 +110,7 @@ class Edits:
         self,
         served: wire.QueryServer,
         rows: Rows,
-        write: Callable[[EditCommand], EditReply],
+        write: Callable[[Edit], EditReply],
         *,
         process: Callable[[str], object],
         happened: Happened,
@@ -159,12 +159,12 @@ class Edits:
             )
             return
         try:
-            edit = _edits.decode(request.payload)
-        except MalformedError as err:
-            request.reply(
-                EditReply(accepted=False, reason=f"malformed edit: {err}", code="malformed", revision=revision),
-                EXECUTIVE,
+            edit = understood(_edits.decode(request.payload), self._rows.plan.kinds[name].edits)
+        except (MalformedError, InputError) as err:
+            text, code = (
+                (str(err), err.code) if isinstance(err, InputError) else (f"malformed edit: {err}", "malformed")
             )
+            request.reply(EditReply(accepted=False, reason=text, code=code, revision=revision), EXECUTIVE)
             return
         self._waiting.append(_Job(request, edit, name, self._process(name), self._clock()))
 
@@ -193,7 +193,7 @@ class Edits:
             if took_s < WAITED_FOR_S and self._may(job.name) and self._process(job.name) is job.process:
                 self._rows.edited(job.name, job.edit)
             by = f" for {job.edit.by}" if job.edit.by else ""
-            text = f"wrote {describe(job.edit)[:300]}{by}"
+            text = f"wrote {str(job.edit)[:300]}{by}"
             self._happened("edit", job.name, text, "info", {"revision": reply.revision})
             if took_s > SLOW_S:
                 self._happened("slow_disk", job.name, f"it took {took_s:.1f} s to write rows", "warning")

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING
 
 from lbr.apps.web.ports import FacePorts
 from lbr.drivers.uxa90.messages import ControllerState, TakeControlCommand
+from lbr.messages.faces import Button, Motor
+from lbr.messages.joints import MotionRow, MotionStep
 
 if TYPE_CHECKING:
     from lbr.apps.web.face import Face
@@ -13,6 +15,8 @@ PORTS = FacePorts(
     inputs={"controller": ControllerState},
     states=("controller",),
     requests={"take_control": TakeControlCommand},
+    rows=(MotionRow, MotionStep, Motor, Button),
+    edits=(MotionRow, MotionStep, Motor, Button),
 )
 
 

@@ -22,6 +22,7 @@ from lbr.apps.web.uxa90.table import MotorTable
 from lbr.messages.codes import heard
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion
+from lbr.messages.rows import Row
 
 FIRST_OWN_ID = 100
 LAST_ID = 9999
@@ -100,7 +101,7 @@ class Editor:
             rest=body.rest,
             inverted=body.inverted,
         )
-        reply = await self._write(request, EditCommand(motors=(motor,), create=create), body.version)
+        reply = await self._write(request, (motor,), body.version, create=create)
         self._motors.put(motor)
         return self._motor_answer(motor, reply.revision)
 
@@ -109,24 +110,14 @@ class Editor:
         frames = tuple(_frame(frame, at, joints, self._motors.joints) for at, frame in enumerate(body.frames))
         motion = Motion(name=body.name, frames=frames, help=body.help)
         button = Button(id=number, name=body.name, button=body.button, motion=body.name)
-        reply = await self._write(
-            request, EditCommand(motions=(motion,), buttons=(button,), create=create), body.version
-        )
+        reply = await self._write(request, (*motion.rows, button), body.version, create=create)
         self._buttons.put(button)
         return self._motion_answer(button, reply.revision)
 
-    async def _write(self, request: Request, edit: EditCommand, version: int | None) -> EditReply:
+    async def _write(self, request: Request, rows: tuple[Row, ...], version: int | None, *, create: bool) -> EditReply:
         quoted = _if_match(request.headers)
         revision = version if quoted is None else quoted
-        command = EditCommand(
-            motors=edit.motors,
-            motions=edit.motions,
-            buttons=edit.buttons,
-            create=edit.create,
-            revision=revision,
-            by=str(request.client)[:80],
-        )
-        reply = await self._robot.edit(command)
+        reply = await self._robot.edit(rows, create=create, revision=revision, by=str(request.client)[:80])
         self._heard = max(self._heard, reply.revision)
         if not reply.accepted:
             _refuse(reply)
