@@ -20,7 +20,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0009');
+INSERT INTO alembic_version (version_num) VALUES ('0010');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -167,6 +167,38 @@ CREATE TABLE range_sensor (
         CHECK (stop_m > 0 AND stop_m <= 10),
     PRIMARY KEY (robot, name),
     CHECK (min_m < max_m)
+) STRICT;
+
+-- How the wheels move the base, which is one row; a robot without it has two driven wheels on the motors left and right.
+CREATE TABLE kinematics (
+    robot        TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name         TEXT NOT NULL  -- what the base is called; a robot has one
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    kind         TEXT NOT NULL  -- what its wheels let it do: mecanum and omni move sideways
+        CHECK (kind IN ('differential', 'skid', 'mecanum', 'omni')),
+    track_factor REAL NOT NULL DEFAULT 1  -- a turn takes the wheels so many times as far as their places say: more than 1 where they slip
+        CHECK (track_factor BETWEEN 0.5 AND 5),
+    PRIMARY KEY (robot, name)
+) STRICT;
+
+-- The driven wheels. Axes are REP 103's: x ahead, y left, from the middle of the base; angles are anticlockwise.
+CREATE TABLE wheel (
+    robot      TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name       TEXT NOT NULL  -- by which people know it
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    motor      TEXT NOT NULL  -- which motor drives it; several wheels may be on one
+        CHECK (motor GLOB '[a-z]*' AND motor NOT GLOB '*[^a-z0-9_]*' AND length(motor) <= 40),
+    x_m        REAL NOT NULL DEFAULT 0  -- how far ahead of the middle of the base it touches the floor
+        CHECK (x_m BETWEEN -5 AND 5),
+    y_m        REAL NOT NULL DEFAULT 0  -- how far to the left of it
+        CHECK (y_m BETWEEN -5 AND 5),
+    yaw_rad    REAL NOT NULL DEFAULT 0  -- where it rolls to when its motor turns forward: 0 ahead, 1.5708 left
+        CHECK (yaw_rad BETWEEN -7 AND 7),
+    roller_rad REAL NOT NULL DEFAULT 0  -- from its axle to that of the rollers that touch the floor, anticlockwise; mecanum: 0.7854 or -0.7854
+        CHECK (roller_rad BETWEEN -1.4 AND 1.4),
+    diameter_m REAL NOT NULL  -- of the wheel, rollers included
+        CHECK (diameter_m > 0 AND diameter_m <= 2),
+    PRIMARY KEY (robot, name)
 ) STRICT;
 
 -- What the robots dance: one move after the other, to the beats of a song.
@@ -1004,6 +1036,62 @@ BEGIN
             json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'x_m', OLD.x_m, 'y_m', OLD.y_m,
             'z_m', OLD.z_m, 'yaw_rad', OLD.yaw_rad, 'pitch_rad', OLD.pitch_rad, 'fov_rad', OLD.fov_rad,
             'min_m', OLD.min_m, 'max_m', OLD.max_m, 'rays', OLD.rays, 'stop_m', OLD.stop_m),
+            NULL);
+END;
+
+CREATE TRIGGER kinematics_insert AFTER INSERT ON kinematics
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'track_factor', NEW.track_factor));
+END;
+
+CREATE TRIGGER kinematics_update AFTER UPDATE ON kinematics
+WHEN (OLD.robot, OLD.name, OLD.kind, OLD.track_factor)
+     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.track_factor)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'track_factor', OLD.track_factor),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'track_factor', NEW.track_factor));
+END;
+
+CREATE TRIGGER kinematics_delete AFTER DELETE ON kinematics
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'track_factor', OLD.track_factor),
+            NULL);
+END;
+
+CREATE TRIGGER wheel_insert AFTER INSERT ON wheel
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('wheel', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'motor', NEW.motor, 'x_m', NEW.x_m, 'y_m', NEW.y_m, 'yaw_rad',
+            NEW.yaw_rad, 'roller_rad', NEW.roller_rad, 'diameter_m', NEW.diameter_m));
+END;
+
+CREATE TRIGGER wheel_update AFTER UPDATE ON wheel
+WHEN (OLD.robot, OLD.name, OLD.motor, OLD.x_m, OLD.y_m, OLD.yaw_rad, OLD.roller_rad, OLD.diameter_m)
+     IS NOT (NEW.robot, NEW.name, NEW.motor, NEW.x_m, NEW.y_m, NEW.yaw_rad, NEW.roller_rad, NEW.diameter_m)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('wheel', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'motor', OLD.motor, 'x_m', OLD.x_m, 'y_m', OLD.y_m, 'yaw_rad',
+            OLD.yaw_rad, 'roller_rad', OLD.roller_rad, 'diameter_m', OLD.diameter_m),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'motor', NEW.motor, 'x_m', NEW.x_m, 'y_m', NEW.y_m, 'yaw_rad',
+            NEW.yaw_rad, 'roller_rad', NEW.roller_rad, 'diameter_m', NEW.diameter_m));
+END;
+
+CREATE TRIGGER wheel_delete AFTER DELETE ON wheel
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('wheel', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'motor', OLD.motor, 'x_m', OLD.x_m, 'y_m', OLD.y_m, 'yaw_rad',
+            OLD.yaw_rad, 'roller_rad', OLD.roller_rad, 'diameter_m', OLD.diameter_m),
             NULL);
 END;
 

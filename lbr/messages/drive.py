@@ -15,8 +15,10 @@ from lbr.messages.units import (
     Power,
     RangeCm,
     SignedPower,
+    SpeedMps,
     TtlS,
     TurnDeg,
+    TurnRps,
 )
 
 Direction = Literal["forward", "back", "left", "right"]
@@ -51,6 +53,20 @@ class HeadingCommand(Struct, frozen=True, kw_only=True):
     """Turn on the spot to a compass heading, the shorter way, for as long as the lease is renewed."""
 
     heading_deg: HeadingDeg
+    lease: LeaseId = ""
+    ttl_s: TtlS | None = None
+    take_over: bool = False
+
+
+class TwistCommand(Struct, frozen=True, kw_only=True):
+    """Move with this twist (REP 103: ahead, to the left, anticlockwise) for as long as the lease is renewed.
+
+    What is more than the motors may give is scaled down as a whole. `vy_mps` is for bases that can move sideways.
+    """
+
+    vx_mps: SpeedMps = 0.0
+    vy_mps: SpeedMps = 0.0
+    wz_rps: TurnRps = 0.0
     lease: LeaseId = ""
     ttl_s: TtlS | None = None
     take_over: bool = False
@@ -91,7 +107,8 @@ class DriveState(Struct, frozen=True, kw_only=True):
 
     What was sent before `stopped_s`, monotonic, begins nothing any more: then all was stopped, also if nothing moved;
     `stopped_by` says who did, if it was a stop. `code` is that of `reason`. `sees` has what stands in the way by sensors
-    that watch by themselves, in metres from the outline of the base, by sensor and side; null is not known.
+    that watch by themselves, in metres from the outline of the base, by sensor and side; null is not known. `aside` is
+    the part of the motion that goes to the left, as a fraction of full speed.
     """
 
     moving: bool
@@ -109,18 +126,21 @@ class DriveState(Struct, frozen=True, kw_only=True):
     stopped_by: str = ""
     code: ReasonCode = ""
     sees: dict[str, float | None] = {}
+    aside: SignedPower = 0.0
 
 
 class CheckRequest(Struct, frozen=True, kw_only=True):
     """A motion command on its way to being accepted, shown to a check of the user's own.
 
-    `command` is the motion; for a turn the spin that it begins with, and `turn` or `heading` is what was asked.
+    `command` is the motion; for a turn the spin that it begins with, and `turn` or `heading` is what was asked. For a
+    `twist` it is the nearest of power and angle.
     """
 
     source: str
     command: DriveCommand
     turn: TurnCommand | None = None
     heading: HeadingCommand | None = None
+    twist: TwistCommand | None = None
 
 
 class CheckVerdict(Struct, frozen=True, kw_only=True):

@@ -2,15 +2,27 @@
 
 from msgspec import Struct
 
-from lbr.messages.units import SignedPower
+from lbr.messages.units import Name, SignedPower
 
 
 class MotorSetpoint(Struct, frozen=True, kw_only=True):
-    """Power of the two wheels, forward positive; valid for 0.1 s. `lease` is a mark of the lease it comes by, which cannot be quoted."""
+    """Power of the two sides, forward positive; valid for 0.1 s. `lease` is a mark of the lease it comes by, which cannot be quoted.
+
+    Where rows name other motors than `left` and `right`, `motors` has the power of each.
+    """
 
     left: SignedPower
     right: SignedPower
     lease: str = ""
+    motors: dict[Name, SignedPower] = {}
+
+
+class MotorState(Struct, frozen=True, kw_only=True):
+    """What one motor is given and measures, forward positive; null is not measured."""
+
+    power: float
+    amps_a: float | None = None
+    counts: int | None = None
 
 
 class MotorsState(Struct, frozen=True, kw_only=True):
@@ -18,7 +30,8 @@ class MotorsState(Struct, frozen=True, kw_only=True):
 
     `armed` says that a setpoint would be applied; `reason` says why not. Volts: `voltage_v` is the battery,
     `internal_v` the controller's own supply. Motor currents and encoder counts are signed, forward positive.
-    `faults` are names of faults that the controller tells, as its driver lists them.
+    `faults` are names of faults that the controller tells, as its driver lists them. Where rows name other motors than
+    `left` and `right`, each is in `motors`, and `left` and `right` are what the base makes of them.
     """
 
     left: float
@@ -36,3 +49,4 @@ class MotorsState(Struct, frozen=True, kw_only=True):
     temperature_c: float | None = None
     faults: tuple[str, ...] = ()
     trips: int = 0
+    motors: dict[Name, MotorState] = {}

@@ -35,3 +35,5 @@ DistanceCm = Annotated[
     ),
 ]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
+SpeedMps = Annotated[float, Meta(ge=-10.0, le=10.0, description="metres a second")]
+TurnRps = Annotated[float, Meta(ge=-20.0, le=20.0, description="radians a second, anticlockwise positive")]

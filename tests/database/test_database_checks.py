@@ -16,11 +16,24 @@ from lbr.messages.calibration import CalibrationValue
 from lbr.messages.dance import DanceStep
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, MotionRow, MotionStep
+from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.speech import Phrase
 from lbr.resources import robot_db_sql
 
-READ = (Phrase, DanceStep, CalibrationValue, Joint, MotionRow, MotionStep, Motor, Button, RangeSensor)
+READ = (
+    Phrase,
+    DanceStep,
+    CalibrationValue,
+    Joint,
+    MotionRow,
+    MotionStep,
+    Motor,
+    Button,
+    RangeSensor,
+    Kinematics,
+    Wheel,
+)
 """What the kinds that come with lbr read."""
 check = partial(check_rows, also=READ)
 _, COLUMNS = shipped_tables()
@@ -48,6 +61,21 @@ def shipped() -> dict:
     counts = {"initial": 127, "lowest": 1, "highest": 254, "rest": 127}
     scan = {**tables["range_sensor"][0], "name": "scanner", "kind": "lidar", "rays": 90}
     tables["range_sensor"].insert(1, scan)
+    tables["kinematics"] = [{"robot": "lbr", "name": "base", "kind": "skid", "track_factor": 1.0}]
+    tables["wheel"] = [
+        {
+            "robot": "lbr",
+            "name": f"{place}_{side}",
+            "motor": side,
+            "x_m": x_m,
+            "y_m": y_m,
+            "yaw_rad": 0.0,
+            "roller_rad": 0.0,
+            "diameter_m": 0.2,
+        }
+        for place, x_m in (("front", 0.1), ("rear", -0.1))
+        for side, y_m in (("left", 0.15), ("right", -0.15))
+    ]
     tables["motor"] = [
         {
             "robot": "lbr",
@@ -212,6 +240,18 @@ BAD_VALUES = [
     ("range_sensor", 0, "rays", 0, "'0' is not a whole number from 1 to 4096"),
     ("range_sensor", 1, "pitch_rad", 1.0, "is beyond 0.5: a scan is taken to be level"),
     ("range_sensor", 0, "stop_m", float("inf"), "inf"),
+    ("kinematics", 0, "kind", "tracks", "'tracks' is none of differential, skid, mecanum, omni"),
+    ("kinematics", 0, "kind", "mecanum", "wheel 'front_left' needs roller_rad"),
+    ("kinematics", 0, "kind", "omni", "do not give motion ahead, sideways and round"),
+    ("kinematics", 0, "track_factor", 9.0, "9 is outside 0.5 to 5"),
+    ("kinematics", 0, "name", "Base", "is not a name"),
+    ("wheel", 0, "name", "Front", "is not a name"),
+    ("wheel", 0, "y_m", 5.5, "5.5 is outside -5 to 5"),
+    ("wheel", 0, "yaw_rad", 90.0, "90 is outside -7 to 7"),
+    ("wheel", 0, "roller_rad", 1.5708, "is outside -1.4 to 1.4"),
+    ("wheel", 0, "diameter_m", 0.0, "is not above 0 and at most 2"),
+    ("wheel", 0, "motor", "Left", "is not a name"),
+    ("wheel", 0, "x_m", float("nan"), "is not a finite number"),
     ("motion_step", 0, "motion", "gone", "there is no motion 'gone'"),
     ("motion_step", 0, "step", 0, "'0' is not a whole number from 1 to 10000"),
     ("motion_step", 0, "duration_s", 0.0, "0 is no time to get anywhere"),
@@ -406,3 +446,25 @@ def test_servos_on_two_buses_have_numbers_of_their_own():
     tables["joint"][0]["bus"] = ""
     (problem,) = [problem for problem in check(tables, "lbr").problems if problem.table == "joint"]
     assert (problem.row, problem.text) == ("lbr/jaw", "servo 1 moves joint 'neck' already")
+
+
+def kinematics_problem(**changes):
+    tables = shipped()
+    row = tables["wheel"][0]
+    tables["wheel"][0] = {**row, **changes}
+    return [problem.text for problem in check(tables, "lbr").problems if problem.table == "kinematics"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, None),
+        ({"y_m": 0.2}, "'front_left' and 'rear_left' are on motor 'left' and would have to turn at different speeds"),
+        ({"yaw_rad": 1.5708}, "wheel 'front_left' must stand beside the middle"),
+        ({"y_m": 0.0}, "wheel 'front_left' must stand beside the middle"),
+    ],
+)
+def test_wheels_that_make_no_base_are_told_with_what_to_do(changes, said):
+    found = kinematics_problem(**changes)
+    assert (said is None) == (found == [])
+    assert said is None or said in found[0]

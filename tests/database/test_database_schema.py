@@ -95,6 +95,7 @@ def test_the_sqlite3_program_builds_the_same(tmp_path):
         assert database.load("lbr").problems == ()
 
 
+WHEEL = {"name": "front_left", "motor": "left", "x_m": 0.1, "y_m": 0.2, "diameter_m": 0.15}
 SENSOR = {"name": "bow", "kind": "ultrasonic"}
 MOTOR = {"layer": "safe", "id": 23, "name": "neck", "initial": 127, "lowest": 1, "highest": 254, "rest": 127}
 BAD_ROWS = [
@@ -149,6 +150,7 @@ BAD_ROWS = [
     ("calibration", {"device": "range_board", "name": "N", "value": 1.0}),
     ("calibration", {"device": "range_board", "name": "n", "value": float("inf")}),
     ("calibration", {"device": "range_board", "name": "n", "value": None}),
+    ("joint", {"name": "j", "bus": "Arm", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1}),
     ("joint", {"name": "j", "device_id": 254, "lower_rad": 0, "upper_rad": 1, "speed_rps": 1}),
     ("joint", {"name": "j", "device_id": 1, "lower_rad": 1, "upper_rad": 1, "speed_rps": 1}),
     ("joint", {"name": "j", "device_id": 1, "lower_rad": 0, "upper_rad": 1, "speed_rps": 0}),
@@ -200,6 +202,16 @@ BAD_ROWS = [
     ("range_sensor", {**SENSOR, "rays": 0}),
     ("range_sensor", {**SENSOR, "rays": 4097}),
     ("range_sensor", {**SENSOR, "stop_m": 0}),
+    ("kinematics", {"name": "Base", "kind": "skid"}),
+    ("kinematics", {"name": "base", "kind": "tracks"}),
+    ("kinematics", {"name": "base", "kind": "skid", "track_factor": 0}),
+    ("wheel", {**WHEEL, "name": "Left"}),
+    ("wheel", {**WHEEL, "motor": ""}),
+    ("wheel", {**WHEEL, "x_m": 5.1}),
+    ("wheel", {**WHEEL, "y_m": float("inf")}),
+    ("wheel", {**WHEEL, "yaw_rad": 90}),
+    ("wheel", {**WHEEL, "roller_rad": 1.5708}),
+    ("wheel", {**WHEEL, "diameter_m": 0}),
     ("user_token", {"name": "", "role": "view", "hash": "h" * 32}),
     ("user_token", {"name": "n", "role": "god", "hash": "h" * 32}),
     ("user_token", {"name": "n", "role": "view", "hash": "plain"}),
@@ -231,6 +243,8 @@ GOOD_ROWS = [
     ("motor", MOTOR),
     ("button", {"id": 4, "name": "walk", "button": "U", "motion": "bow"}),
     ("range_sensor", {**SENSOR, "kind": "lidar", "rays": 360, "fov_rad": 6.2832, "stop_m": None}),
+    ("kinematics", {"name": "base", "kind": "skid", "track_factor": 1.5}),
+    ("wheel", {**WHEEL, "yaw_rad": 1.5708, "roller_rad": -0.7854}),
     ("user_token", {"name": "n", "role": "view", "hash": "h" * 32}),
     ("event", {"wall_ns": 1, "kind": "k"}),
 ]
@@ -281,6 +295,8 @@ CHANGES = {
     "motion": "help = 'another'",
     "motion_step": "duration_s = 9.0",
     "range_sensor": "z_m = 0.5",
+    "kinematics": "kind = 'skid'",
+    "wheel": "x_m = 0.25",
     "motor": "rest = 100",
     "button": "name = 'another'",
 }
@@ -294,6 +310,8 @@ def test_every_change_of_a_row_is_a_revision(client, database, table):
     insert(client, "motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": "{}"})
     insert(client, "motor", MOTOR)
     insert(client, "button", {"id": 4, "name": "walk"})
+    insert(client, "kinematics", {"name": "base", "kind": "differential"})
+    insert(client, "wheel", WHEEL)
     since = database.load("lbr").revision
     keys = SCHEMA.keys_of[table]
     rowid, *key = client.execute(f"SELECT rowid, {', '.join(keys)} FROM {table}").fetchone()

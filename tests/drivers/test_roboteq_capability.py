@@ -107,8 +107,8 @@ def test_a_zero_from_before_the_driver_began_does_not_arm_it(ctx):
     before = ctx.clock()
     begun = KIND.load()(ctx)._arming
     now = ctx.clock()
-    assert not receive(begun, Setpoint(0.0, 0.0, "", before), now, valid_s=10.0).armed
-    assert receive(begun, Setpoint(0.0, 0.0, "", now + 0.001), now, valid_s=10.0).armed
+    assert not receive(begun, Setpoint((0.0, 0.0), "", before), now, valid_s=10.0).armed
+    assert receive(begun, Setpoint((0.0, 0.0), "", now + 0.001), now, valid_s=10.0).armed
 
 
 def test_setpoints_from_anyone_but_the_wired_source_are_ignored(motors, ctx, peer):

@@ -15,21 +15,22 @@ from lbr.drivers.wheels import EnableCommand
 from lbr.drivers.wheels.guard_stop import heard, stopped
 from lbr.messages.motors import MotorSetpoint
 from tests.drivers.peers import DriverContext, Pty, until
-from tests.drivers.tiny_wheels import KIND, STOP, Tiny
+from tests.drivers.tiny_wheels import FOUR, KIND, QUAD, STOP, Quad, Tiny
 from tests.support import programs
 from tests.support.machine import Stopwatch
 
 DRIVER = """
 import sys, time
 from tests.drivers.peers import DriverContext
-from tests.drivers.tiny_wheels import KIND, Tiny
+from tests.drivers.tiny_wheels import FOUR, KIND, Quad, Tiny
 from lbr.messages.motors import MotorSetpoint
 ctx = DriverContext(KIND.parse('{"device": "motors"}'), sys.argv[1], "tiny")
-motors = Tiny(ctx)
+motors = {"2": Tiny, "4": Quad}[sys.argv[2]](ctx)
+named = {} if sys.argv[2] == "2" else FOUR
 motors.open()
 while True:
     power = 0.5 * ctx.published[-1][1].armed
-    ctx.give(MotorSetpoint(left=power, right=power, lease="L1"))
+    ctx.give(MotorSetpoint(left=power, right=power, lease="L1", motors=dict.fromkeys(named, power)))
     motors.step()
     time.sleep(0.01)
 """
@@ -112,17 +113,66 @@ def test_the_emergency_stop_is_acknowledged_and_execution_can_be_disabled(motors
     assert KIND.commands["enable"] is EnableCommand
 
 
-def test_a_killed_driver_leaves_wheels_at_zero_and_no_guard(peer):
+@pytest.mark.parametrize("count", [2, 4])
+def test_a_killed_driver_leaves_wheels_at_zero_and_no_guard(peer, count):
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    process = programs.start([sys.executable, "-c", DRIVER, str(peer.path)], stdout=subprocess.DEVNULL, env=environment)
+    process = programs.start(
+        [sys.executable, "-c", DRIVER, str(peer.path), str(count)], stdout=subprocess.DEVNULL, env=environment
+    )
     try:
-        until(lambda: peer.motor == (500, 500), 5.0)
+        until(lambda: peer.motor == (500,) * count, 5.0)
         watch = Stopwatch()
     finally:
         process.kill()
-    until(lambda: peer.motor == (0, 0), 0.3)
+    until(lambda: peer.motor == (0,) * count, 0.3)
     assert watch.given_s < 0.15, watch
     process.wait()
+
+
+@pytest.fixture
+def quad(ctx):
+    motors = Quad(ctx)
+    motors.open()
+    yield motors
+    motors.close()
+
+
+def powers(*each, lease="L1"):
+    return MotorSetpoint(left=0.0, right=0.0, lease=lease, motors=dict(zip(FOUR, each, strict=False)))
+
+
+def test_a_driver_of_four_motors_gives_each_its_power_and_tells_of_each(quad, ctx, peer):
+    assert faults(QUAD) == ()
+    ctx.give(MotorSetpoint(left=0.0, right=0.0))
+    quad.step()
+    ctx.give(powers(0.1, -0.2, 0.3, -0.4))
+    quad.step()
+    until(lambda: peer.motor == (100, -200, 300, -400))
+    quad.step()
+    until(lambda: (quad.step(), ctx.state.motors)[1]["rear_right"].power == -0.4)
+    assert {name: motor.counts for name, motor in ctx.state.motors.items()} == dict(zip(FOUR, range(4), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("setpoint", "reason"),
+    [
+        (powers(0.1, 0.1, 0.1), "gives motor 'rear_right' no power"),
+        (MotorSetpoint(left=0.1, right=0.1, lease="L1"), "gives motor 'front_left' no power"),
+        (powers(0.1, 0.1, 0.1, float("nan")), "is not a finite number"),
+    ],
+)
+def test_a_setpoint_that_does_not_name_every_motor_stops_all(quad, ctx, peer, setpoint, reason):
+    for each in (MotorSetpoint(left=0.0, right=0.0), powers(0.5, 0.5, 0.5, 0.5)):
+        ctx.give(each)
+        quad.step()
+    until(lambda: peer.motor == (500,) * 4)
+    ctx.give(setpoint)
+    quad.step()
+    until(lambda: peer.motor == (0,) * 4)
+    assert reason in ctx.state.reason
+    ctx.give(powers(0.5, 0.5, 0.5, 0.5))
+    quad.step()
+    assert peer.motor == (0,) * 4
 
 
 def test_a_stop_reaches_a_line_that_is_no_tty():

@@ -11,7 +11,7 @@ VALID_S = 0.1
 
 
 def at(born, left=0.0, right=0.0, lease=""):
-    return Setpoint(left, right, lease, born)
+    return Setpoint((left, right), lease, born)
 
 
 def armed(now=10.0):
@@ -111,7 +111,7 @@ class AnyHistory(RuleBasedStateMachine):
 
     @rule(left=powers, right=powers, lease=leases, age_s=st.sampled_from([0.0, 0.05, 0.099, 0.101, 0.5, nan]))
     def a_setpoint_comes(self, left, right, lease, age_s):
-        setpoint = Setpoint(left, right, lease, self.now - age_s)
+        setpoint = Setpoint((left, right), lease, self.now - age_s)
         was_armed = self.state.armed
         self._advance(receive(self.state, setpoint, self.now, VALID_S))
         if not was_armed and self.state.armed:

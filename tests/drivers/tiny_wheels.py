@@ -1,4 +1,7 @@
-"""A driver of wheels as a package outside lbr would bring it: a controller that takes `P LEFT RIGHT`, and says `ok`."""
+"""Drivers of wheels as packages outside lbr would bring them: a controller that takes `P LEFT RIGHT`, and says `ok`.
+
+Another one of the same make has four motors.
+"""
 
 from math import inf, isfinite
 
@@ -8,7 +11,8 @@ from lbr.drivers.wheels.capability import Wheels
 from lbr.drivers.wheels.contract import GuardStop, Measured
 from lbr.errors import DeviceError
 
-STOP = b"P 0 0\r"
+STOP, STOP_FOUR = b"P 0 0\r", b"P 0 0 0 0\r"
+FOUR = ("front_left", "front_right", "rear_left", "rear_right")
 ANSWER_S = 0.02
 
 
@@ -21,11 +25,12 @@ class TinySettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_fie
 class TinyController:
     """The controller on its line."""
 
-    def __init__(self, line, clock, beat):
+    def __init__(self, line, clock, beat, stop=STOP):
         self.lost = self.refused = 0
-        self.applied = self.asked = (0.0, 0.0)
+        self._rest = (0.0,) * stop.count(b"0")
+        self.applied = self.asked = self._rest
         self.resting = self.turning = False
-        self.guard_stop = GuardStop(STOP, b"ok\r")
+        self.guard_stop = GuardStop(stop, b"ok\r")
         self.faults, self.grave = (), ()
         self._line, self._clock, self._beat = line, clock, beat
         self._fed = -inf
@@ -42,14 +47,14 @@ class TinyController:
     def fileno(self):
         return self._line.fileno()
 
-    def drive(self, left, right):
-        powers = (left, right) if isfinite(left) and isfinite(right) else (0.0, 0.0)
-        self.turning = self.turning or powers != (0.0, 0.0)
+    def drive(self, *powers):
+        powers = powers if all(map(isfinite, powers)) else self._rest
+        self.turning = self.turning or powers != self._rest
         if self._say(powers):
-            self.turning = powers != (0.0, 0.0)
+            self.turning = powers != self._rest
 
     def stop(self):
-        if not self._say((0.0, 0.0)):
+        if not self._say(self._rest):
             return False
         self.resting, self.turning = True, False
         return True
@@ -67,12 +72,14 @@ class TinyController:
         return None
 
     def measured(self):
-        return Measured(voltage_v=12.0)
+        if len(self._rest) == 2:
+            return Measured(voltage_v=12.0)
+        return Measured(voltage_v=12.0, motor_counts=tuple(range(len(self._rest))))
 
     def _say(self, powers):
         self.asked, self.resting, self._fed = powers, False, self._clock()
         self._beat()
-        self._line.write(b"P %d %d\r" % tuple(round(power * 1000) for power in powers))
+        self._line.write(b"P %s\r" % b" ".join(b"%d" % round(power * 1000) for power in powers))
         if b"ok\r" not in self._line.read(ANSWER_S):
             self.lost += 1
             return False
@@ -87,4 +94,14 @@ class Tiny(Wheels[TinySettings]):
         return TinyController(open_line(device, self.ctx.settings.baud), self.ctx.clock, beat)
 
 
+class Quad(Wheels[TinySettings]):
+    """Four wheels on a controller of four motors."""
+
+    motors = FOUR
+
+    def connect(self, device, beat):
+        return TinyController(open_line(device, self.ctx.settings.baud), self.ctx.clock, beat, STOP_FOUR)
+
+
+QUAD = wheels_kind("quad", "a motor controller of four", Quad, TinySettings)
 KIND = wheels_kind("tiny", "a tiny motor controller", Tiny, TinySettings)

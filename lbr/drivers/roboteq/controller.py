@@ -40,8 +40,8 @@ class Controller:
     ) -> None:
         self.firmware = ""
         self.model = ""
-        self.applied = (0.0, 0.0)
-        self.asked = (0.0, 0.0)
+        self.applied: tuple[float, ...] = (0.0, 0.0)
+        self.asked: tuple[float, ...] = (0.0, 0.0)
         self.resting = False
         self.turning = False
         self.refused = 0
@@ -73,10 +73,9 @@ class Controller:
             self._verify("MXMD", self._settings.mixing_mode, "mixing mode; set it with Roboteq's utility")
         self._ask(wire.query("FF"), SETUP_TRIES)
 
-    def drive(self, left: float, right: float) -> None:
-        """Write the power of both wheels, unless an answer is still due; after a gap, zero first."""
-        if not (isfinite(left) and isfinite(right)):
-            left = right = 0.0
+    def drive(self, *powers: float) -> None:
+        """Write the power of left and right, unless an answer is still due; after a gap, zero first."""
+        left, right = powers if all(map(isfinite, powers)) else (0.0, 0.0)
         if not self._settle(PATIENCE_S) or not self._responds():
             return
         if self._gap():

@@ -1,4 +1,4 @@
-"""What drivers of two driven wheels have in common: settings, kind, the gate for setpoints, the guard, the capability.
+"""What drivers of wheels have in common: settings, kind, the gate for setpoints, the guard, the capability.
 
 A driver of another controller, in a package of its own, is a `WheelController` and three declarations:
 
@@ -11,7 +11,12 @@ A driver of another controller, in a package of its own, is a `WheelController` 
         def connect(self, device, beat):
             return OdriveController(open_line(device, self.ctx.settings.baud), self.ctx.settings, self.ctx.clock, beat)
 
-`contract.WheelController` says what such a controller does. See docs/drivers.md.
+`contract.WheelController` says what such a controller does. It drives the motors `left` and `right`; one of more says
+which by `motors`:
+
+        motors = ("front_left", "front_right", "rear_left", "rear_right")
+
+See docs/drivers.md.
 """
 
 from typing import Annotated
@@ -20,6 +25,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.capability.word import Word
+from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.units import Name
@@ -56,6 +62,7 @@ def wheels_kind(name: str, summary: str, entry: str | type, settings: type[Wheel
         outputs={"state": MotorsState},
         commands={"enable": EnableCommand},
         replies={"enable": CommandReply},
+        rows=(Kinematics, Wheel),
         moves=True,
         device=device or name,
         line="serial",

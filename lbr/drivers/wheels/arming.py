@@ -14,22 +14,25 @@ START = "waiting for a zero setpoint"
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """What was asked of the wheels; `born` is the older of its stamp and its arrival, in monotonic seconds."""
+    """What was asked of each motor; `born` is the older of its stamp and its arrival, in monotonic seconds.
 
-    left: float
-    right: float
+    `unnamed` is a motor that it gives no power, which is NaN then.
+    """
+
+    powers: tuple[float, ...]
     lease: str
     born: float
+    unnamed: str = ""
 
     @property
     def neutral(self) -> bool:
-        """Both wheels are to stand still."""
-        return self.left == 0.0 and self.right == 0.0
+        """All wheels are to stand still."""
+        return all(power == 0.0 for power in self.powers)
 
     @property
     def finite(self) -> bool:
-        """Both powers are numbers."""
-        return isfinite(self.left) and isfinite(self.right)
+        """All powers are numbers."""
+        return all(map(isfinite, self.powers))
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +45,9 @@ class Inhibit:
 
 @dataclass(frozen=True, slots=True)
 class Arming(SetpointGate[Setpoint]):
-    """The state. Only a zero born after `since` arms; `trips` counts the motions that a mishap ended."""
+    """The state of `count` motors. Only a zero born after `since` arms; `trips` counts the motions that a mishap ended."""
 
+    count: int = 2
     reason: str = START
     inhibited: bool = False
     since: float = -inf
@@ -55,9 +59,9 @@ class Arming(SetpointGate[Setpoint]):
         return self.setpoint is not None
 
     @property
-    def applied(self) -> tuple[float, float]:
-        """Power of the left and the right wheel."""
-        return (self.setpoint.left, self.setpoint.right) if self.setpoint else (0.0, 0.0)
+    def applied(self) -> tuple[float, ...]:
+        """Power of each motor."""
+        return self.setpoint.powers if self.setpoint else (0.0,) * self.count
 
     @property
     def moving(self) -> bool:
@@ -69,7 +73,9 @@ def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Ar
     """Take a setpoint from the wired source."""
     verdict = state.judge(setpoint, now, valid_s)
     if verdict == "not_finite":
-        return _disarm(state.revoked(setpoint.lease), "the setpoint is not a finite number", now, fault=True)
+        unnamed = f"the setpoint gives motor '{setpoint.unnamed}' no power: drive and driver know other motors"
+        why = unnamed if setpoint.unnamed else "the setpoint is not a finite number"
+        return _disarm(state.revoked(setpoint.lease), why, now, fault=True)
     arms = setpoint.neutral and not state.inhibited and setpoint.born > state.since
     if verdict == "passes" and (state.armed or arms):
         return replace(state, setpoint=setpoint, reason="")

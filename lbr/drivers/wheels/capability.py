@@ -1,9 +1,10 @@
 """A motor driver as a capability: setpoints in, power at the wheels, and the last word on whether they turn."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from math import nan
+from typing import Any, TypeVar
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Device, Received
@@ -13,8 +14,9 @@ from lbr.drivers.wheels.arming import Arming, Inhibit, Setpoint, receive, tick
 from lbr.drivers.wheels.contract import EMERGENCY_STOP, WheelController
 from lbr.drivers.wheels.guard import Guard
 from lbr.errors import DeviceError
+from lbr.messages.kinematics import TWO, Kinematics, Wheel, base_of
 from lbr.messages.leases import CommandReply
-from lbr.messages.motors import MotorsState
+from lbr.messages.motors import MotorsState, MotorState
 
 PUBLISH_PERIOD_S = 0.05
 RESEND_S = 0.015
@@ -38,12 +40,16 @@ class Wheels(Capability[S], ABC):
     """
 
     rate_hz = 50.0
+    motors: Sequence[str] = TWO
+    """The names of its motors, as rows of `wheel` and setpoints say them, in the controller's order."""
 
     def __init__(self, ctx: Context[S]) -> None:
         super().__init__(ctx)
         self._controller: WheelController | None = None
         self._guard: Guard | None = None
-        self._arming = Arming(since=ctx.clock())
+        self._arming = Arming(count=len(self.motors), since=ctx.clock())
+        self._rest = (0.0,) * len(self.motors)
+        self._base = base_of(ctx.rows(Kinematics), ctx.rows(Wheel), track_m=1.0)
         self._enabled = ctx.settings.enabled
         self._latched = False  # an emergency stop was asked for and is not released yet
         self._held_since: float | None = None  # the controller acknowledged it then
@@ -164,10 +170,15 @@ class Wheels(Capability[S], ABC):
         self._stepped = now
         self._tell_trip(before)
 
-    @staticmethod
-    def _setpoint(received: Received) -> Setpoint:
+    def _setpoint(self, received: Received) -> Setpoint:
+        """Return the power of each motor; one that the message does not name gets NaN, unless all are to stand still."""
         message = received.message
-        return Setpoint(message.left, message.right, message.lease, received.arrived)
+        told = message.motors or {"left": message.left, "right": message.right}
+        if not message.motors and message.left == message.right == 0.0:
+            return Setpoint(self._rest, message.lease, received.arrived)
+        powers = tuple(told.get(motor, nan) for motor in self.motors)
+        unnamed = next((motor for motor in self.motors if motor not in told), "")
+        return Setpoint(powers, message.lease, received.arrived, unnamed)
 
     def _inhibit(self, controller: WheelController, now: float) -> Inhibit | None:
         if self.ctx.estop.engaged:
@@ -256,7 +267,7 @@ class Wheels(Capability[S], ABC):
             self._arming.trips,
             self.ctx.estop.engaged,
             controller.faults,
-            controller.applied == (0.0, 0.0),
+            controller.applied == self._rest,
         )
         if shown != self._shown or not self.ctx.clock() - self._published < PUBLISH_PERIOD_S:
             self._shown = shown
@@ -269,17 +280,35 @@ class Wheels(Capability[S], ABC):
             reason = away or state.reason
             self.ctx.publish("state", _at_rest(replace(state, reason=reason), estop=self.ctx.estop.engaged))
             return
-        left, right = self._controller.applied
         message = MotorsState(
-            left=left,
-            right=right,
+            **self._each(self._controller),
             armed=state.armed,
             reason=state.reason,
             estop=self.ctx.estop.engaged,
             trips=state.trips,
-            **self._controller.measured(),
         )
         self.ctx.publish("state", message)
+
+    def _each(self, controller: WheelController) -> dict[str, Any]:
+        """Return what is applied and measured: of `left` and `right` in their fields, of others by their names."""
+        applied, told = controller.applied, controller.measured()
+        unknown = (None,) * len(applied)
+        amps, counts = told.get("motor_amps_a", unknown), told.get("motor_counts", unknown)
+        measured = {name: value for name, value in told.items() if not name.startswith("motor_")}
+        if tuple(self.motors) == TWO:
+            return {"left": applied[0], "right": applied[1], **measured}
+        each = zip(self.motors, applied, amps, counts, strict=True)
+        motors = {name: MotorState(power=power, amps_a=a, counts=n) for name, power, a, n in each}
+        left, right = self._sides(dict(zip(self.motors, applied, strict=True)))
+        return {"left": left, "right": right, "motors": motors, **measured}
+
+    def _sides(self, applied: dict[str, float]) -> tuple[float, float]:
+        """Return what the powers are for the two sides of the base, by its rows; zero where they tell of other motors."""
+        base = self._base
+        if not applied.keys() >= set(base.motors):
+            return 0.0, 0.0
+        left, right, _ = base.sides([applied[motor] for motor in base.motors])
+        return left, right
 
 
 def _at_rest(state: Arming, *, estop: bool) -> MotorsState:

@@ -14,7 +14,10 @@ class GuardStop(NamedTuple):
 
 
 class Measured(TypedDict, total=False):
-    """The measured fields of MotorsState; what is left out, or None, is not measured."""
+    """The measured fields of MotorsState; what is left out, or None, is not measured.
+
+    A controller of other motors than `left` and `right` tells of each in `motor_amps_a` and `motor_counts`, in their order.
+    """
 
     voltage_v: float | None
     internal_v: float | None
@@ -25,10 +28,12 @@ class Measured(TypedDict, total=False):
     counts_right: int | None
     temperature_c: float | None
     faults: tuple[str, ...]
+    motor_amps_a: tuple[float | None, ...]
+    motor_counts: tuple[int | None, ...]
 
 
 class WheelController(Protocol):
-    """A controller on its line. Powers are -1..1, forward positive. Whatever is wrong is a DeviceError that says what to do.
+    """A controller of some motors on its line. Powers are -1..1, forward positive. Whatever is wrong is a DeviceError that says what to do.
 
     No call may take longer than a few milliseconds in the usual case, nor hold up a stop for longer than 30 ms ever:
     the loop that calls it is what stops the wheels. Commands that are not acknowledged count as lost, and are repeated
@@ -39,10 +44,10 @@ class WheelController(Protocol):
     """Commands that nothing answered since it was opened."""
     refused: int
     """Commands that the controller refused since it was opened."""
-    applied: tuple[float, float]
-    """The power that the controller acknowledged last."""
-    asked: tuple[float, float]
-    """The power that was written last."""
+    applied: tuple[float, ...]
+    """The power of each motor that the controller acknowledged last, in the order of `Wheels.motors`."""
+    asked: tuple[float, ...]
+    """The powers that were written last."""
     resting: bool
     """Whether zero was acknowledged, and nothing was written since."""
     turning: bool
@@ -61,8 +66,8 @@ class WheelController(Protocol):
     def guard_stop(self) -> GuardStop:
         """What its guard writes to stop it."""
 
-    def drive(self, left: float, right: float) -> None:
-        """Write the power of both wheels; what is not finite is zero."""
+    def drive(self, *powers: float) -> None:
+        """Write the power of each motor; if one is not finite, zero to all."""
 
     def stop(self) -> bool:
         """Write zero as soon as the line is free; return whether it was acknowledged."""

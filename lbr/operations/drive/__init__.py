@@ -11,7 +11,9 @@ from lbr.messages.drive import (
     GoalResult,
     HeadingCommand,
     TurnCommand,
+    TwistCommand,
 )
+from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
@@ -26,7 +28,7 @@ def _telling_one(known: Known) -> set[str]:
 
 KIND = Kind(
     name="drive",
-    summary="decides what the two wheels of the base do, for whom, and for how long",
+    summary="decides what the wheels of the base do, for whom, and for how long",
     family="operation",
     entry="lbr.operations.drive.capability:Drive",
     settings=DriveSettings,
@@ -42,14 +44,15 @@ KIND = Kind(
         "command": Command(DriveCommand, leased=True, choices={"sensor": _telling_one}),
         "turn": Command(TurnCommand, leased=True),
         "heading": Command(HeadingCommand, leased=True),
+        "twist": Command(TwistCommand, leased=True),
         "stop": StopCommand,
     },
     replies={
-        **dict.fromkeys(("command", "turn", "heading", "stop"), CommandReply),
+        **dict.fromkeys(("command", "turn", "heading", "twist", "stop"), CommandReply),
         "checks": CheckVerdict,
     },
     requests={"checks": CheckRequest},
-    rows=(RangeSensor,),
+    rows=(RangeSensor, Kinematics, Wheel),
     optional=("scans",),
     moves=True,
     words=(
@@ -84,6 +87,11 @@ KIND = Kind(
             "/h/{heading_deg}",
             "heading",
             "Turn on the spot to a compass heading, 0 to 360 degrees (0 north, 90 east), the shorter way",
+        ),
+        Word(
+            "/twist/{vx_mps}/{vy_mps}/{wz_rps}",
+            "twist",
+            "Move by a twist: m/s ahead, m/s to the left (0 unless the base can), rad/s anticlockwise, such as /twist/0.3/0/0.5",
         ),
     ),
 )

@@ -4,12 +4,11 @@ from collections.abc import Callable
 from math import isfinite
 
 from lbr.messages.codes import Code, Reason
-from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand, TwistCommand
 from lbr.operations.drive import distance_goal, turn_goal
-from lbr.operations.drive.command import Motion, moves, power_of, towards_deg, what
+from lbr.operations.drive.command import Motion, asked_sides, moves, power_of, sides_of, what
 from lbr.operations.drive.goals import not_plausible
 from lbr.operations.drive.limits import limit
-from lbr.operations.drive.mixing import mix
 from lbr.operations.drive.rules import Limit
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, State, motors_trouble
@@ -60,8 +59,7 @@ def refusal(
 
 def limited_by_rules(state: State, command: Motion, now: float) -> Limit:
     """Return what the rules would do to a command now, were it at its full speed."""
-    wheels = mix(power_of(command, state.settings), towards_deg(command), state.settings)
-    return limit(state, wheels, now)
+    return limit(state, sides_of(command, state.settings, state.base), now)
 
 
 def notes(state: State, command: Motion, now: float) -> Reason | None:
@@ -69,6 +67,10 @@ def notes(state: State, command: Motion, now: float) -> Reason | None:
     found: list[str] = []
     if isinstance(command, DriveCommand) and command.power > state.settings.max_power:
         found.append(f"limited to {state.settings.max_power:g}")
+    if isinstance(command, TwistCommand):
+        share = state.base.fitting(*asked_sides(command, state.settings), state.settings.max_power)
+        if share < 1.0:
+            found.append(f"limited to {share:.0%} of this twist: a motor may not get more")
     rule = limited_by_rules(state, command, now)
     if not rule.scale > 0.0:
         found.append(f"stopped by {rule.detail}")
@@ -102,6 +104,12 @@ def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
         return (("angle_deg", command.angle_deg, -360.0, 360.0),)
     if isinstance(command, HeadingCommand):
         return (("heading_deg", command.heading_deg, 0.0, 360.0),)
+    if isinstance(command, TwistCommand):
+        return (
+            ("vx_mps", command.vx_mps, -10.0, 10.0),
+            ("vy_mps", command.vy_mps, -10.0, 10.0),
+            ("wz_rps", command.wz_rps, -20.0, 20.0),
+        )
     return (
         ("power", command.power, 0.0, 1.0),
         ("angle_deg", command.angle_deg, -360.0, 360.0),
@@ -131,6 +139,11 @@ def _limits(state: State, event: Command, ask: LeaseRequest, now: float) -> Reas
     command = event.command
     if not ask.moves:
         return None
+    if isinstance(command, TwistCommand):
+        aside = command.vy_mps != 0.0 and not state.base.holonomic
+        return (
+            Reason("bad_value", f"vy_mps {command.vy_mps:g}: this base cannot move sideways, send 0") if aside else None
+        )
     if not isinstance(command, DriveCommand):
         return turn_goal.not_possible(command, state.heading, state.settings, now)
     if command.interval_s > state.settings.max_run_s:

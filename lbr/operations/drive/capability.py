@@ -7,6 +7,7 @@ from typing import Any
 
 from lbr.capability.context import Call, Context, Received
 from lbr.messages.drive import CheckVerdict, DriveState
+from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.sensing import RangeSensor
 from lbr.operations.drive.acceptance import to_be_checked
@@ -29,7 +30,7 @@ from lbr.operations.drive.state import (
 from lbr.operations.leasing.process import Answers, LeasingCapability, new_goal, said_by
 
 STATE_PERIOD_S = 0.1
-MOTIONS = frozenset({"command", "turn", "heading"})
+MOTIONS = frozenset({"command", "turn", "heading", "twist"})
 NO_ANSWERS: Mapping[str, Any] = {}
 UNANSWERED: Mapping[str, Any] = {"(none in time)": None}
 
@@ -40,6 +41,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
     ends, driver, tick = "drive operations end", "motors", Tick()
 
     def __init__(self, ctx: Context[DriveSettings]) -> None:
+        self._base = base_of(ctx.rows(Kinematics), ctx.rows(Wheel), ctx.settings.track_m)
         super().__init__(ctx)
         self.rate_hz = ctx.settings.rate_hz
         self.begin()
@@ -63,7 +65,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
 
     def first(self) -> State:
         """Return a base that nobody has moved."""
-        return first_state(self.ctx.settings, self.ctx.clock(), self.ctx.rows(RangeSensor))
+        return first_state(self.ctx.settings, self.ctx.clock(), self.ctx.rows(RangeSensor), self._base)
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
         """Return what the kernel makes of an event."""
@@ -103,7 +105,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
 
     def not_at_rest(self) -> str:
         """Return that a wheel is still to turn, if one is."""
-        return "" if self._state.left == 0.0 and self._state.right == 0.0 else "a wheel is still to turn"
+        return "a wheel is still to turn" if any(self._state.sides) else ""
 
     def report(self) -> None:
         """Tell the state ten times a second, and at once when it changed."""

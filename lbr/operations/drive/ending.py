@@ -14,6 +14,7 @@ from lbr.operations.leasing.lease import Ended, Ending, Happened, Lease, LeaseTa
 
 Decision = tuple[State, Outputs]
 ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0))
+"""For any base: no motor is named, and all stand still."""
 
 
 def end_what_is_over(state: State, now: float) -> Decision:

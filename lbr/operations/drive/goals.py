@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from math import inf, isfinite, isnan, nan
+from typing import TypeGuard
 
 from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
-from lbr.messages.drive import DriveCommand, GoalResult
+from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.sensing import Ranges
 from lbr.operations.drive import distance_goal, turn_goal
 from lbr.operations.drive.command import Motion, moves
@@ -22,10 +23,12 @@ FARTHEST_CM = 768.0
 LOST_AFTER_S = 0.3
 
 
-def bounded(command: Motion) -> bool:
+def bounded(command: Motion) -> TypeGuard[DriveCommand | TurnCommand | HeadingCommand]:
     """Say whether a command is a bounded move, as every turn is."""
-    if not isinstance(command, DriveCommand):
+    if isinstance(command, (TurnCommand, HeadingCommand)):
         return True
+    if isinstance(command, TwistCommand):
+        return False
     return moves(command) and (command.range_cm > 0.0 or command.interval_s > 0.0 or command.distance_cm > 0.0)
 
 
@@ -47,10 +50,10 @@ def not_plausible(
     return _out_of_reach(goal, command, settings)
 
 
-def start(command: Motion, name: str, state: State, now: float) -> Goal:
+def start(command: DriveCommand | TurnCommand | HeadingCommand, name: str, state: State, now: float) -> Goal:
     """Return the goal of a bounded move that starts now."""
     settings = state.settings
-    if not isinstance(command, DriveCommand):
+    if isinstance(command, (TurnCommand, HeadingCommand)):
         turn = turn_goal.start(command, state.heading, settings, now)
         return Goal(goal=name, sensor="forward", target_m=nan, closing=False, started=now, turn=turn)
     goal = _to_range(command, name, state.views, settings, now)

@@ -4,13 +4,13 @@ from math import copysign
 
 from msgspec.structs import replace
 
-from lbr.messages.motors import MotorSetpoint
+from lbr.messages.drive import TwistCommand
 from lbr.operations.drive import goals
 from lbr.operations.drive.acceptance import asks, notes, refusal
-from lbr.operations.drive.command import moves, power_of, towards_deg
+from lbr.operations.drive.command import fitting_sides, moves, power_of, towards_deg
 from lbr.operations.drive.ending import Decision, apply, halt
 from lbr.operations.drive.state import ActiveMotion, Command, State
-from lbr.operations.drive.wheels import next_wheels, tell
+from lbr.operations.drive.wheels import next_wheels, setpoint_of, tell
 from lbr.operations.leasing import decide
 from lbr.operations.leasing.lease import Lease, LeaseRequest, Reply, Setpoint, Stop, confirmed
 
@@ -45,7 +45,7 @@ def drive(state: State, now: float) -> Decision:
     """Say what the motors are to do now."""
     state = next_wheels(state, now)
     lease = state.lease.id if state.lease else ""
-    setpoint = Setpoint(message=MotorSetpoint(left=state.left, right=state.right, lease=lease))
+    setpoint = Setpoint(message=setpoint_of(state, lease))
     state, said = tell(state, now)
     return state, (setpoint, *said)
 
@@ -65,4 +65,6 @@ def _active_motion(state: State, event: Command, ask: LeaseRequest, now: float) 
         goal = goals.start(asked, offered.goal if offered else event.new_goal, state, now)
     turn = goal.turn if goal else None
     angle_deg = towards_deg(asked) if turn is None else copysign(90.0, turn.asked_deg)
-    return ActiveMotion(command=asked, power=power_of(asked, state.settings), angle_deg=angle_deg, goal=goal)
+    sides = fitting_sides(asked, state.settings, state.base) if isinstance(asked, TwistCommand) else None
+    power = power_of(asked, state.settings)
+    return ActiveMotion(command=asked, power=power, angle_deg=angle_deg, goal=goal, sides=sides)

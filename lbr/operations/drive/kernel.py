@@ -7,6 +7,7 @@ from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveState, LoopStatistics
+from lbr.messages.kinematics import Base, differential
 from lbr.messages.sensing import RangeSensor
 from lbr.operations.drive import (
     distance_goal,
@@ -50,12 +51,23 @@ LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late, and takes a moment to reach the motors."""
 
 
-def first_state(settings: DriveSettings, began: float = -inf, sensors: Iterable[RangeSensor] | None = None) -> State:
-    """Return the state of a base that nobody has moved since it `began`; without rows of sensors, with a ring of them."""
+def first_state(
+    settings: DriveSettings,
+    began: float = -inf,
+    sensors: Iterable[RangeSensor] | None = None,
+    base: Base | None = None,
+) -> State:
+    """Return the state of a base that nobody has moved since it `began`.
+
+    Without rows of sensors it has a ring of them, without those of wheels two driven ones.
+    """
+    base = differential(settings.track_m) if base is None else base
+    settings = replace(settings, track_m=base.track_m)
     ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
     return State(
         settings=settings,
         sensors=sensors_of(settings, sensors),
+        base=base,
         leases=first(PHRASING, settings.ttl_s, ahead_s, began=began),
     )
 
@@ -73,7 +85,7 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
     goal = _goal(state)
     why = _why_at_rest(state, now)
     return DriveState(
-        moving=state.left != 0.0 or state.right != 0.0,
+        moving=any(side != 0.0 for side in state.sides),
         power=lease.motion.power if lease else 0.0,
         angle_deg=lease.motion.angle_deg if lease else 0.0,
         left=state.left,
@@ -88,6 +100,7 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
         stopped_s=state.leases.stopped if isfinite(state.leases.stopped) else None,
         stopped_by=state.leases.stopped_by,
         sees=_sees(state, now),
+        aside=state.aside,
     )
 
 

@@ -71,14 +71,18 @@ class Ahead(Struct, frozen=True, kw_only=True):
 NOTHING = Ahead()
 
 
-def moved(memory: ObstacleMemory, left: float, right: float, dt_s: float, settings: DriveSettings) -> ObstacleMemory:
+def moved(
+    memory: ObstacleMemory, left: float, right: float, dt_s: float, settings: DriveSettings, aside: float = 0.0
+) -> ObstacleMemory:
     """Return the memory of a base whose wheels had these powers for a while."""
     if not memory.spots:
         return memory
     step_m = settings.max_speed_mps * dt_s
     turn_rad, way_m = (right - left) * step_m / settings.track_m, (left + right) * step_m / 2
     return replace(
-        _shifted(memory, way_m, turn_rad), turned_rad=memory.turned_rad + turn_rad, way_m=memory.way_m + way_m
+        _shifted(memory, way_m, turn_rad, aside * step_m),
+        turned_rad=memory.turned_rad + turn_rad,
+        way_m=memory.way_m + way_m,
     )
 
 
@@ -165,16 +169,28 @@ def limit(
     wheels: tuple[float, float],
     now: float,
     blocked: Iterable[Blocker] = (),
+    aside: float = 0.0,
 ) -> Limit:
-    """Return what the memory does to a motion of the wheels; a stop is held until there is some more room."""
-    if not (memory.spots and settings.memory_s > 0.0 and sweeps(wheels)):
+    """Return what the memory does to a motion of the wheels, and sideways to the left.
+
+    A stop is held until there is some more room.
+    """
+    if not (memory.spots and settings.memory_s > 0.0):
         return FREE
     memory = replace(memory, spots=tuple(_not_forgotten(memory.spots, now, settings)))
-    found = ahead(memory, wheels, settings)
+    arc = _limit(ahead(memory, wheels, settings), max(map(abs, wheels)), settings, blocked) if sweeps(wheels) else FREE
+    if aside == 0.0:
+        return arc
+    way = (wheels[0] + wheels[1]) / 2, aside
+    shift = _limit(_beside(memory, way, settings), hypot(*way), settings, blocked)
+    return min(arc, shift, key=lambda each: each.scale)
+
+
+def _limit(found: Ahead, speed: float, settings: DriveSettings, blocked: Iterable[Blocker]) -> Limit:
     keep_m = settings.memory_stop_m + (settings.memory_hold_m if MEMORY in blocked else 0.0)
     room_m = found.way_m - keep_m
     share = allowed_mps(room_m, settings) / settings.max_speed_mps if room_m > LEAST_M else 0.0
-    scale = min(1.0, share / max(abs(wheels[0]), abs(wheels[1])))
+    scale = min(1.0, share / speed)
     if scale >= 1.0:
         return FREE
     text = f"something remembered {WORDS[found.side]} at {found.distance_m:.2f} m"
@@ -210,6 +226,39 @@ def ahead(memory: ObstacleMemory, wheels: tuple[float, float], settings: DriveSe
     return Ahead(way_m=turn_rad * (abs(radius_m) + half_m), side=side, distance_m=distance_m)
 
 
+def _beside(memory: ObstacleMemory, way: tuple[float, float], settings: DriveSettings) -> Ahead:
+    """Return what a motion straight along a way, ahead and to the left, comes to first."""
+    reach_m = (
+        settings.body_length_m / 2 + settings.memory_margin_m,
+        settings.body_width_m / 2 + settings.memory_margin_m,
+    )
+    found = NOTHING
+    for x_m, y_m in _places(memory):
+        way_m = _until_m((x_m, y_m), way, reach_m)
+        if way_m < found.way_m:
+            side, distance_m = _named(x_m, y_m, settings)
+            found = Ahead(way_m=way_m, side=side, distance_m=distance_m)
+    return found
+
+
+def _until_m(spot: tuple[float, float], way: tuple[float, float], reach_m: tuple[float, float]) -> float:
+    """Return how far a rectangle goes along a way until a spot is in it; infinite: never, or it goes away from it."""
+    speed, first, last = hypot(*way), -inf, inf
+    for at_m, part, half_m in zip(spot, way, reach_m, strict=True):
+        if part == 0.0:
+            if abs(at_m) >= half_m:
+                return inf
+            continue
+        ends = sorted(((at_m - half_m) * speed / part, (at_m + half_m) * speed / part))
+        first, last = max(first, ends[0]), min(last, ends[1])
+    if not first < last or last <= 0.0:
+        return inf
+    if first > 0.0:
+        return first
+    nearer = spot[0] * way[0] + spot[1] * way[1] > 0.0
+    return 0.0 if nearer else inf
+
+
 def _not_forgotten(spots: Iterable[Spot], now: float, settings: DriveSettings) -> list[Spot]:
     return [spot for spot in spots if not now - spot.seen >= settings.memory_s]  # this way round, NaN forgets nothing
 
@@ -220,9 +269,10 @@ def _places(memory: ObstacleMemory) -> list[tuple[float, float]]:
     return [(c * x_m + s * y_m - x0_m, c * y_m - s * x_m - y0_m) for x_m, y_m, *_ in memory.spots]
 
 
-def _shifted(memory: ObstacleMemory, way_m: float, turn_rad: float) -> ObstacleMemory:
+def _shifted(memory: ObstacleMemory, way_m: float, turn_rad: float, aside_m: float = 0.0) -> ObstacleMemory:
     looks = memory.yaw_rad + turn_rad / 2
-    x_m, y_m = memory.x_m + way_m * cos(looks), memory.y_m + way_m * sin(looks)
+    x_m = memory.x_m + way_m * cos(looks) - aside_m * sin(looks)
+    y_m = memory.y_m + way_m * sin(looks) + aside_m * cos(looks)
     return replace(memory, x_m=x_m, y_m=y_m, yaw_rad=memory.yaw_rad + turn_rad)
 
 

@@ -31,11 +31,12 @@ class Odometer(Struct, frozen=True, kw_only=True):
     along_m: float = 0.0
     turned_m: float = 0.0
 
-    def driven(self, left: float, right: float, dt_s: float, max_speed_mps: float) -> "Odometer":
-        """Return the odometer after `dt_s` at these wheel powers."""
+    def driven(self, left: float, right: float, dt_s: float, max_speed_mps: float, aside: float = 0.0) -> "Odometer":
+        """Return the odometer after `dt_s` at these wheel powers; sideways counts as turning: side sensors see it."""
         step_m = dt_s * max_speed_mps / 2
         return Odometer(
-            along_m=self.along_m + abs(left + right) * step_m, turned_m=self.turned_m + abs(left - right) * step_m
+            along_m=self.along_m + abs(left + right) * step_m,
+            turned_m=self.turned_m + abs(left - right) * step_m + 2 * abs(aside) * step_m,
         )
 
 
@@ -124,14 +125,15 @@ def limit(
     wheels: tuple[float, float],
     now: float,
     blocked: Iterable[Blocker] = (),
+    aside: float = 0.0,
     *,
     rules: Iterable[Rule] | None = None,
 ) -> Limit:
-    """Return the strictest limit on this motion of the wheels; `blocked` are directions it already stopped for.
+    """Return the strictest limit on this motion of the wheels, and sideways to the left.
 
-    `rules` are those of the sensors; without them, the settings' own.
+    `blocked` are directions it already stopped for; `rules` those of the sensors, without them the settings' own.
     """
-    parts = towards(*wheels)
+    parts = towards(*wheels, aside)
     held = frozenset(blocked)
     found = [
         _apply(settings, rule, views, parts[rule.direction], now, held)
@@ -142,8 +144,8 @@ def limit(
     return replace(strictest, blocked=stopped) if strictest.scale < 1.0 else FREE
 
 
-def towards(left: float, right: float) -> dict[Direction, float]:
-    """Return how much of a motion of the wheels goes towards each side, as a fraction of full speed.
+def towards(left: float, right: float, aside: float = 0.0) -> dict[Direction, float]:
+    """Return how much of a motion goes towards each side, as a fraction of full speed; `aside` goes to the left.
 
     Ahead and back count unless it is a spin, the sides only in arcs and spins: an arc sweeps the side it curves to, a
     spin both. So a base beside a wall can still drive along it and curve away from it.
@@ -156,8 +158,8 @@ def towards(left: float, right: float) -> dict[Direction, float]:
     return {
         "forward": ahead if along and ahead > 0.0 else 0.0,
         "back": -ahead if along and ahead < 0.0 else 0.0,
-        "right": side if spin or ahead * turn > 0.0 else 0.0,
-        "left": side if spin or ahead * turn < 0.0 else 0.0,
+        "right": max(side if spin or ahead * turn > 0.0 else 0.0, -aside),
+        "left": max(side if spin or ahead * turn < 0.0 else 0.0, aside),
     }
 
 

@@ -36,11 +36,12 @@ DEFAULT_RULES = (
 
 
 class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How a base with two driven wheels is moved.
+    """How a base is moved.
 
     `mixing`: `normalised` keeps the shape of every arc, no wheel faster than the power asked; `clamped` sums and
     clamps in thousandths. `reverse_steering`: `rotation` keeps the sense of rotation when reversing, `travel` lets
     the path curve to the side that was asked for. `heading_offset_deg` is added straight ahead and straight back.
+    Where rows of `wheel` describe the base, they count instead of `track_m`.
     """
 
     rate_hz: Annotated[float, Meta(ge=50.0, le=100.0)] = 50.0

@@ -8,11 +8,12 @@ from msgspec import Struct
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import Reason
 from lbr.messages.drive import CheckVerdict
+from lbr.messages.kinematics import Base
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges, Scan
 from lbr.operations.drive import heading_view, odometry_view
-from lbr.operations.drive.command import Motion
+from lbr.operations.drive.command import Motion, Sides
 from lbr.operations.drive.distance_goal import DistanceGoal
 from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.obstacle_memory import ObstacleMemory
@@ -116,23 +117,32 @@ class Goal(Struct, frozen=True, kw_only=True):
 
 
 class ActiveMotion(Struct, frozen=True, kw_only=True):
-    """What the base is held for: a command, and its bounds. It moves with `power` at most, towards `angle_deg`."""
+    """What the base is held for: a command, and its bounds. It moves with `power` at most, towards `angle_deg`.
+
+    A twist moves with the powers in `sides` at most.
+    """
 
     command: Motion
     power: float
     angle_deg: float
     goal: Goal | None = None
+    sides: Sides | None = None
 
 
 class State(Struct, frozen=True, kw_only=True):
-    """Everything the kernel remembers. `left` and `right` are the setpoint now, `clock` is the time of the last event."""
+    """Everything the kernel remembers. `clock` is the time of the last event.
+
+    `left`, `right` and `aside`, to the left, are the setpoint now.
+    """
 
     settings: DriveSettings
     sensors: Sensors
+    base: Base
     leases: LeaseTable[ActiveMotion]
     clock: float = -inf
     left: float = 0.0
     right: float = 0.0
+    aside: float = 0.0
     ticked: float = nan
     motors: MotorsState | None = None
     motors_at: float = nan
@@ -149,6 +159,11 @@ class State(Struct, frozen=True, kw_only=True):
     told: str = ""
     told_stop: bool = False
     told_at: float = nan
+
+    @property
+    def sides(self) -> Sides:
+        """The setpoint now."""
+        return self.left, self.right, self.aside
 
     @property
     def lease(self) -> Lease[ActiveMotion] | None:

@@ -4,7 +4,9 @@ from math import isnan, nan
 
 from msgspec.structs import replace
 
+from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals, obstacle_memory
+from lbr.operations.drive.command import Sides, times
 from lbr.operations.drive.limits import limit
 from lbr.operations.drive.rules import FREE, Limit
 from lbr.operations.drive.state import Outputs, State
@@ -15,42 +17,51 @@ LONGEST_STEP_S = 0.1
 """Setpoints older than this move nothing, so no longer step counts."""
 TELL_AGAIN_S = 1.0
 
-Wheels = tuple[float, float]
-
 
 def next_wheels(state: State, now: float) -> State:
     """Return the state with the wheels' next powers, and the base's own estimate of how far it came meanwhile."""
     elapsed_s = min(max(0.0, now - state.ticked), LONGEST_STEP_S)  # this way round, NaN is no time
     settings = state.settings
-    odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps)
-    remembered = obstacle_memory.moved(state.memory, state.left, state.right, elapsed_s, settings)
+    odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps, state.aside)
+    remembered = obstacle_memory.moved(state.memory, state.left, state.right, elapsed_s, settings, state.aside)
     state = replace(state, odometer=odometer, memory=remembered, ticked=now)
     lease = state.lease
     if lease is None:
-        return replace(state, left=0.0, right=0.0, limited=FREE, blocked_since=nan, told="", told_stop=False)
+        still = replace(state, left=0.0, right=0.0, aside=0.0)
+        return replace(still, limited=FREE, blocked_since=nan, told="", told_stop=False)
     active = lease.motion
     goal = goals.driven(active.goal, state.left, elapsed_s, settings)
-    asked = goals.wheels(goal, active.power, active.angle_deg, settings, now)
+    asked = active.sides
+    if asked is None:
+        asked = (*goals.wheels(goal, active.power, active.angle_deg, settings, now), 0.0)
     limited = limit(state, asked, now, state.limited.blocked)
     step = settings.accel_per_s * elapsed_s
-    target = _scaled(asked, limited)
-    wheels = slew((state.left, state.right), target, step)
-    between = FREE if wheels == target else limit(state, wheels, now, limited.blocked)
-    left, right = (_within(wheel, settings.max_power) for wheel in _scaled(wheels, between))
+    target = times(asked, limited.scale)
+    sides = slew(state.sides, target, step)
+    between = FREE if sides == target else limit(state, sides, now, limited.blocked)
+    sides = times(sides, between.scale)
+    left, right, aside = times(sides, state.base.fitting(*sides, settings.max_power))
     state = replace(state, leases=with_motion(state.leases, replace(active, goal=goal)))
     blocked = active.power > 0.0 and not limited.scale > 0.0
     since = (now if isnan(state.blocked_since) else state.blocked_since) if blocked else nan
-    return replace(state, left=left, right=right, limited=limited, blocked_since=since)
+    return replace(state, left=left, right=right, aside=aside, limited=limited, blocked_since=since)
 
 
-def slew(wheels: Wheels, target: Wheels, step: float) -> Wheels:
-    """Go towards the target: slower at once, faster by `step` at most and both alike; a new sense begins at zero."""
-    goals = [0.0 if wheel * goal < 0.0 else goal for wheel, goal in zip(wheels, target, strict=True)]
-    kept = [goal if abs(goal) < abs(wheel) else wheel for wheel, goal in zip(wheels, goals, strict=True)]
-    growth = max(abs(goal - wheel) for wheel, goal in zip(kept, goals, strict=True))
+def setpoint_of(state: State, lease: str) -> MotorSetpoint:
+    """Return what the motors are to do now: by name where they are others than `left` and `right`."""
+    base = state.base
+    motors = {} if base.two else dict(zip(base.motors, base.powers(*state.sides), strict=True))
+    return MotorSetpoint(left=state.left, right=state.right, lease=lease, motors=motors)
+
+
+def slew(sides: Sides, target: Sides, step: float) -> Sides:
+    """Go towards the target: slower at once, faster by `step` at most and all alike; a new sense begins at zero."""
+    goals = [0.0 if side * goal < 0.0 else goal for side, goal in zip(sides, target, strict=True)]
+    kept = [goal if abs(goal) < abs(side) else side for side, goal in zip(sides, goals, strict=True)]
+    growth = max(abs(goal - side) for side, goal in zip(kept, goals, strict=True))
     share = step / growth if growth > step else 1.0
-    left, right = (wheel + (goal - wheel) * share for wheel, goal in zip(kept, goals, strict=True))
-    return left, right
+    left, right, aside = (side + (goal - side) * share for side, goal in zip(kept, goals, strict=True))
+    return left, right, aside
 
 
 def tell(state: State, now: float) -> tuple[State, Outputs]:
@@ -73,13 +84,3 @@ def _sentence(limited: Limit, *, stops: bool) -> str:
     if stops:
         return f"the {limited.direction} rule stops the base: {limited.detail}"
     return f"the {limited.direction} rule slows the base to {limited.scale:.0%}: {limited.text}"
-
-
-def _scaled(wheels: Wheels, limited: Limit) -> Wheels:
-    return wheels[0] * limited.scale, wheels[1] * limited.scale
-
-
-def _within(power: float, highest: float) -> float:
-    if not -highest <= power <= highest:
-        return highest if power > highest else -highest if power < -highest else 0.0
-    return power

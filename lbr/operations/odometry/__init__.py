@@ -6,6 +6,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
 
@@ -14,6 +15,7 @@ class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """What a row of kind `odometry` may set.
 
     `track_m` is the distance between the wheels as it works out when turning on the spot: more than what a ruler says.
+    Where rows of `wheel` describe the base, they count instead of `track_m` and `wheel_diameter_m`.
     A wheel stalls that is given `stall_power`, or draws `stall_a`, and counts nothing for `stall_s`. The base slips when
     wheels and attitude differ by more than `slip_dps`, and by more than `slip_share` of the faster, for `slip_s`.
     """
@@ -40,10 +42,11 @@ class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 KIND = Kind(
     name="odometry",
-    summary="distance, speed, stall and slip of a base with two driven wheels",
+    summary="distance, speed, stall and slip of a base on wheels",
     family="operation",
     entry="lbr.operations.odometry.capability:Odometry",
     settings=OdometrySettings,
     inputs={"motors": MotorsState, "attitude": AttitudeState},
     outputs={"state": OdometryState},
+    rows=(Kinematics, Wheel),
 )

@@ -4,6 +4,7 @@ import secrets
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
+from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.operations.odometry import OdometrySettings
 from lbr.operations.odometry.reckoning import Reckoning
 
@@ -18,6 +19,7 @@ class Odometry(Capability[OdometrySettings]):
 
     def __init__(self, ctx: Context[OdometrySettings]) -> None:
         super().__init__(ctx)
+        self._base = base_of(ctx.rows(Kinematics), ctx.rows(Wheel), ctx.settings.track_m)
         self._reckoning = self._fresh()
         self._said_s = 0.0
 
@@ -38,7 +40,7 @@ class Odometry(Capability[OdometrySettings]):
             self._publish()
 
     def _fresh(self) -> Reckoning:
-        return Reckoning(self.ctx.settings, secrets.token_hex(3))
+        return Reckoning(self.ctx.settings, secrets.token_hex(3), self._base)
 
     def _publish(self) -> None:
         self._said_s = self.ctx.clock()

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from math import cos, inf, isfinite, pi, radians, sin
 
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.kinematics import Base, Twist, differential
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.operations.odometry import OdometrySettings
@@ -20,26 +21,25 @@ NO_COUNTS = "the motor controller tells no encoder counts; look at its encoders'
 
 @dataclass(frozen=True, slots=True)
 class _Mark:
-    """Where the wheels and the body were at a time: metres along each wheel, radians anticlockwise."""
+    """Where the wheels and the body were at a time: metres along each motor's wheels, radians anticlockwise."""
 
     time_s: float
-    left_m: float
-    right_m: float
+    wheels_m: tuple[float, ...]
     yaw_rad: float
 
 
 @dataclass(slots=True)
 class _Run:
-    """What is counted in one epoch. `idle_s`: for how long each wheel was pushed and stood."""
+    """What is counted in one epoch. `idle_s`: for how long the wheels of each motor were pushed and stood."""
 
-    counts: tuple[int, int] | None = None
+    wheels_m: tuple[float, ...]
+    idle_s: tuple[float, ...]
+    counts: tuple[int, ...] | None = None
     counted_s: float = -inf
     x_m: float = 0.0
     y_m: float = 0.0
     yaw_rad: float = 0.0
     distance_m: float = 0.0
-    wheels_m: tuple[float, float] = (0.0, 0.0)
-    idle_s: tuple[float, float] = (0.0, 0.0)
     slip_s: float = 0.0
     seen: tuple[str, float, float] | None = None
     by_body: bool = False
@@ -49,14 +49,16 @@ class _Run:
 class Reckoning:
     """Takes what motors and attitude say, and says by `state` what follows."""
 
-    def __init__(self, settings: OdometrySettings, name: str) -> None:
+    def __init__(self, settings: OdometrySettings, name: str, base: Base | None = None) -> None:
         self._settings = settings
+        self._base = base = differential(settings.track_m) if base is None else base
         self._name = name
         self._epochs = 1
-        self._per_count_m = pi * settings.wheel_diameter_m / settings.counts_per_turn
+        diameters_m = (settings.wheel_diameter_m if one is None else one for one in base.diameters_m)
+        self._per_count_m = tuple(pi * one / settings.counts_per_turn for one in diameters_m)
         self._look: tuple[str, float, float] | None = None
         self._trouble = "the motor driver was not heard yet"
-        self._run = _Run()
+        self._run = self._fresh()
 
     @property
     def epoch(self) -> str:
@@ -71,10 +73,10 @@ class Reckoning:
 
     def count(self, motors: MotorsState, now: float) -> None:
         """Take in the motors' state, which came now."""
-        if motors.counts_left is None or motors.counts_right is None:
+        counts = self._counts(motors)
+        if counts is None:
             self._fail(NO_COUNTS if motors.reason == "" or motors.armed else f"{NO_COUNTS} ({motors.reason})")
             return
-        counts = (motors.counts_left, motors.counts_right)
         before, self._run.counts = self._run.counts, counts
         if self._trouble or before is None:
             self._trouble = ""
@@ -84,16 +86,18 @@ class Reckoning:
         if not elapsed_s > 0.0:  # this way round, NaN is no time
             self._run.counts = before
             return
-        left_m, right_m = (_difference(new, old) * self._per_count_m for new, old in zip(counts, before, strict=True))
+        way_m = tuple(
+            _difference(new, old) * metres for new, old, metres in zip(counts, before, self._per_count_m, strict=True)
+        )
         most_m = JUMP_M + JUMP_SHARE * self._settings.max_speed_mps * elapsed_s
-        if max(abs(left_m), abs(right_m)) > most_m:  # the controller began to count anew: how far it went is not known
+        if max(map(abs, way_m)) > most_m:  # the controller began to count anew: how far it went is not known
             self._begin_anew()
             self._run.counts = counts
             self._start(now)
             return
         self._run.counted_s = now
-        self._move(left_m, right_m)
-        self._feel(motors, (left_m, right_m), elapsed_s)
+        self._move(way_m)
+        self._feel(motors, way_m, elapsed_s)
 
     def silence(self, now: float) -> None:
         """Look whether the motors have been silent for too long."""
@@ -104,7 +108,7 @@ class Reckoning:
         """Return what is known."""
         if self._trouble:
             return OdometryState(valid=False, epoch=self.epoch, reason=self._trouble)
-        speed_mps, turn_rps, _ = self._speeds()
+        twist, turn_rps = self._speeds()
         return OdometryState(
             valid=True,
             epoch=self.epoch,
@@ -113,10 +117,11 @@ class Reckoning:
             y_m=round(self._run.y_m, 4),
             yaw_rad=round(self._run.yaw_rad, 4),
             distance_m=round(self._run.distance_m, 4),
-            speed_mps=round(speed_mps, 3),
+            speed_mps=round(twist.vx_mps, 3),
             turn_rps=round(turn_rps, 3),
             stalled=max(self._run.idle_s) >= self._settings.stall_s,
             slipping=self._run.slip_s >= self._settings.slip_s,
+            aside_mps=round(twist.vy_mps, 3) if self._base.holonomic else None,
         )
 
     def _fail(self, why: str) -> None:
@@ -126,25 +131,38 @@ class Reckoning:
 
     def _begin_anew(self) -> None:
         self._epochs += 1
-        self._run = _Run()
+        self._run = self._fresh()
+
+    def _fresh(self) -> _Run:
+        rest = (0.0,) * len(self._base.motors)
+        return _Run(wheels_m=rest, idle_s=rest)
+
+    def _counts(self, motors: MotorsState) -> tuple[int, ...] | None:
+        """Return the counts of each motor, in the order of the base's; None if one is not told."""
+        if self._base.two and not motors.motors:
+            told = {"left": motors.counts_left, "right": motors.counts_right}
+        else:
+            told = {name: motor.counts for name, motor in motors.motors.items()}
+        found = [counts for name in self._base.motors if (counts := told.get(name)) is not None]
+        return tuple(found) if len(found) == len(self._base.motors) else None
 
     def _start(self, now: float) -> None:
         self._run.counted_s = now
         self._run.seen = self._look
-        self._run.marks.append(_Mark(now, 0.0, 0.0, 0.0))
+        self._run.marks.append(_Mark(now, self._run.wheels_m, 0.0))
 
-    def _move(self, left_m: float, right_m: float) -> None:
-        way_m = (left_m + right_m) / 2
-        by_wheels_rad = (right_m - left_m) / self._settings.track_m
+    def _move(self, way_m: tuple[float, ...]) -> None:
+        way = self._base.twist(way_m)
+        ahead_m, aside_m, by_wheels_rad = way.vx_mps, way.vy_mps, way.wz_rps  # ways, not speeds
         by_body_rad = self._turned_rad()
         turned_rad = by_wheels_rad if by_body_rad is None else by_body_rad
         middle_rad = self._run.yaw_rad + turned_rad / 2
-        self._run.x_m += way_m * cos(middle_rad)
-        self._run.y_m += way_m * sin(middle_rad)
+        self._run.x_m += ahead_m * cos(middle_rad) - aside_m * sin(middle_rad)
+        self._run.y_m += ahead_m * sin(middle_rad) + aside_m * cos(middle_rad)
         self._run.yaw_rad += turned_rad
-        self._run.distance_m += way_m
-        self._run.wheels_m = (self._run.wheels_m[0] + left_m, self._run.wheels_m[1] + right_m)
-        mark = _Mark(self._run.counted_s, *self._run.wheels_m, self._run.yaw_rad)
+        self._run.distance_m += ahead_m
+        self._run.wheels_m = tuple(before + now for before, now in zip(self._run.wheels_m, way_m, strict=True))
+        mark = _Mark(self._run.counted_s, self._run.wheels_m, self._run.yaw_rad)
         self._run.marks.append(mark)
         while len(self._run.marks) > 2 and mark.time_s - self._run.marks[1].time_s >= self._settings.speed_window_s:
             self._run.marks.popleft()
@@ -157,31 +175,32 @@ class Reckoning:
             return None
         return -radians(self._look[1] - before[1]) if self._run.counted_s - self._look[2] <= LOOK_S else None
 
-    def _feel(self, motors: MotorsState, way_m: tuple[float, float], elapsed_s: float) -> None:
+    def _feel(self, motors: MotorsState, way_m: tuple[float, ...], elapsed_s: float) -> None:
         """Look whether a wheel stands that is pushed, and whether the wheels turn otherwise than the body."""
         settings = self._settings
-        wheels = ((motors.left, motors.amps_left_a), (motors.right, motors.amps_right_a))
+        wheels = [(motors.left, motors.amps_left_a), (motors.right, motors.amps_right_a)]
+        if motors.motors:
+            wheels = [(motors.motors[name].power, motors.motors[name].amps_a) for name in self._base.motors]
         pushed = [abs(power) >= settings.stall_power or abs(amps or 0.0) >= settings.stall_a for power, amps in wheels]
-        left_s, right_s = (
+        self._run.idle_s = tuple(
             idle_s + elapsed_s if push and step_m == 0.0 else 0.0
             for idle_s, push, step_m in zip(self._run.idle_s, pushed, way_m, strict=True)
         )
-        self._run.idle_s = (left_s, right_s)
-        _, by_body_rps, by_wheels_rps = self._speeds()
+        twist, by_body_rps = self._speeds()
+        by_wheels_rps = twist.wz_rps
         apart_rps = abs(by_wheels_rps - by_body_rps)
         faster_rps = max(abs(by_wheels_rps), abs(by_body_rps))
         slips = self._run.by_body and apart_rps > max(radians(settings.slip_dps), settings.slip_share * faster_rps)
         self._run.slip_s = self._run.slip_s + elapsed_s if slips else 0.0
 
-    def _speeds(self) -> tuple[float, float, float]:
-        """Return speed, turn rate of the body, and turn rate by the wheels, over the last moments."""
+    def _speeds(self) -> tuple[Twist, float]:
+        """Return how the base moves by its wheels, and how fast the body turns, over the last moments."""
         first, last = self._run.marks[0], self._run.marks[-1]
         elapsed_s = last.time_s - first.time_s
         if elapsed_s <= 0.0:
-            return 0.0, 0.0, 0.0
-        left_mps, right_mps = (last.left_m - first.left_m) / elapsed_s, (last.right_m - first.right_m) / elapsed_s
-        turn_rps = (last.yaw_rad - first.yaw_rad) / elapsed_s
-        return (left_mps + right_mps) / 2, turn_rps, (right_mps - left_mps) / self._settings.track_m
+            return Twist(), 0.0
+        speeds = [(now - then) / elapsed_s for now, then in zip(last.wheels_m, first.wheels_m, strict=True)]
+        return self._base.twist(speeds), (last.yaw_rad - first.yaw_rad) / elapsed_s
 
 
 def _difference(new: int, old: int) -> int:

@@ -105,7 +105,7 @@ def keeps_the_last_setpoint(state, inhibit, now, valid_s):
 
 
 def arms_on_a_motion(state, setpoint, now, valid_s):
-    kept = arming.receive(state, replace(setpoint, left=0.0, right=0.0), now, valid_s)
+    kept = arming.receive(state, replace(setpoint, powers=(0.0, 0.0)), now, valid_s)
     return arming.receive(kept, setpoint, now, valid_s)
 
 
