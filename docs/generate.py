@@ -27,6 +27,7 @@ from lbr.database.shipped import shipped
 from lbr.executive.planning import words
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_roles
+from lbr.executive.service.journal import CODES
 from lbr.executive.service.reports import NAMES as REPORTS
 from lbr.messages import codes, system
 from lbr.messages.system import Role, higher
@@ -164,6 +165,14 @@ def codes_page() -> str:
         "A program reads the code, a person the sentence. A code keeps its meaning for ever, and new ones are added: treat "
         "one that you do not know like `refused`, or like `failed` if it tells how something ended.\n\n"
         + _table(("code", "meaning"), rows)
+        + "\n## What the executive tells of\n\n"
+        "By the kinds of its own events. Those of a process (`degraded`, `crashed`, `hung`, `failed`, `need_lost`) have the code "
+        "that the process told, or `failed`, `timeout` and `unreachable`. In the status, each capability has the `code` of its "
+        "`reason` and the `end_code` of its `last_end`, and `problem_codes` are those of the `problems`.\n\n"
+        + _table(
+            ("event", "code"),
+            [(f"`{kind}`", f"`{code}`" if code else "none: it tells no why") for kind, code in CODES.items()],
+        )
     )
 
 

@@ -5,6 +5,7 @@ from typing import Any
 from msgspec import Raw, Struct
 
 from lbr.bus.access import Credentials
+from lbr.messages.codes import ReasonCode
 from lbr.messages.rows import RowSet
 from lbr.messages.system import EstopState
 
@@ -71,10 +72,11 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A line from a process to its executive; an empty line is a bare heartbeat.
 
-    `learnt` are rows to be written down, by table.
+    `code` says by the list of codes what `reason` says; `learnt` are rows to be written down, by table.
     """
 
     phase: str = ""
     reason: str = ""
+    code: ReasonCode = ""
     counts: dict[str, int] = {}
     learnt: dict[str, Raw] = {}

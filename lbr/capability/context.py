@@ -173,5 +173,5 @@ class Context(Protocol[S_co]):
     def ready(self, reason: str = "") -> None:
         """Say that this capability works (the runtime does so after `open`)."""
 
-    def warn(self, reason: str) -> None:
-        """Say that it works, but not as it should: degraded, with the reason."""
+    def warn(self, reason: str | Reason, code: Code = "failed") -> None:
+        """Say that it works, but not as it should: degraded, with the reason and its code; a `Reason` brings its own."""

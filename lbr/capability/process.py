@@ -27,6 +27,7 @@ from lbr.capability.confine import confine
 from lbr.capability.reporter import BEAT_S, HEARTBEAT_VARIABLE, Reporter
 from lbr.capability.runtime import ProcessContext
 from lbr.errors import DeviceError
+from lbr.messages.codes import Reason
 
 CRASHED = 70
 CLOSE_LIMIT_S = 0.5
@@ -98,7 +99,7 @@ class Process:
                 capability.close()
                 if time.monotonic() - opened > STEADY_S:
                     retry_s = RETRY_FIRST_S
-                self._wait_degraded(ctx, capability, str(err), retry_s)
+                self._wait_degraded(ctx, capability, Reason(err.code, str(err)), retry_s)
                 retry_s = min(retry_s * 2, RETRY_MOST_S)
         self._reporter.phase("stopping")
         capability.close()
@@ -145,15 +146,15 @@ class Process:
             self._collect_at = now + COLLECT_S
             gc.collect()
 
-    def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Any], reason: str, wait_s: float) -> None:
+    def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Any], reason: Reason, wait_s: float) -> None:
         ctx.warn(reason)
         tell, until = 0.0, time.monotonic() + wait_s
         while not self._stopping and time.monotonic() < until:
             if time.monotonic() >= tell:
                 tell = time.monotonic() + TELL_DEGRADED_S
-                capability.degraded(reason)
+                capability.degraded(str(reason))
             for call in ctx.calls():
-                call.refuse(f"{ctx.name}: {reason}", "unreachable")
+                call.refuse(f"{ctx.name}: {reason}", reason.code)
             self._reporter.beat(ctx.counts())
             self._wake.wait(min(until - time.monotonic(), BEAT_S))
 
@@ -194,7 +195,7 @@ def _told(err: BaseException) -> str:
 def _crash(process: Process | None, reporter: Reporter, err: BaseException) -> None:
     try:
         _end_within(CLOSE_LIMIT_S)
-        reporter.phase("failed", _told(err))
+        reporter.phase("failed", _told(err), "failed")
         if process is not None:
             process.close()
         traceback.print_exception(err)

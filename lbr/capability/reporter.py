@@ -8,15 +8,16 @@ from select import PIPE_BUF
 import msgspec
 
 from lbr.capability.config import Report
+from lbr.messages.codes import Code, ReasonCode
 
 BEAT_S = 0.2
 COUNTS_S = 1.0
 HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
 
 
-def final_report(phase: str, reason: str) -> tuple[int, bytes]:
+def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
     """Return the executive's pipe (-1: none), and what another process may write to it before it ends this one."""
-    return int(os.environ.get(HEARTBEAT_VARIABLE, "-1")), _encode(Report(phase=phase, reason=reason))
+    return int(os.environ.get(HEARTBEAT_VARIABLE, "-1")), _encode(Report(phase=phase, reason=reason, code=code))
 
 
 class Reporter:
@@ -26,14 +27,14 @@ class Reporter:
         self._fd = fd
         self._beat_at = 0.0
         self._counts_at = 0.0
-        self._said = ("", "")
+        self._said = ("", "", "")
         os.set_blocking(fd, False)
 
-    def phase(self, phase: str, reason: str = "") -> None:
+    def phase(self, phase: str, reason: str = "", code: ReasonCode = "") -> None:
         """Report a change of phase or reason."""
-        if (phase, reason) != self._said:
-            self._said = (phase, reason)
-            self._write(_encode(Report(phase=phase, reason=reason[:500])))
+        if (phase, reason, code) != self._said:
+            self._said = (phase, reason, code)
+            self._write(_encode(Report(phase=phase, reason=reason[:500], code=code)))
 
     def learnt(self, rows: dict[str, msgspec.Raw]) -> None:
         """Report rows to be written down, which must fit into what a pipe takes whole; ValueError says so."""

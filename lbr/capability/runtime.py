@@ -21,7 +21,7 @@ from lbr.capability.reporter import Reporter
 from lbr.capability.send_times import SendTimes
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
-from lbr.messages.codes import Code
+from lbr.messages.codes import Code, Reason
 from lbr.messages.leases import CommandReply
 from lbr.messages.rows import Row, RowSet, by_table, changes, with_rows
 from lbr.messages.system import EstopRequest, Event
@@ -277,9 +277,9 @@ class ProcessContext:
         """Say that this capability works."""
         self._reporter.phase("ready", reason)
 
-    def warn(self, reason: str) -> None:
+    def warn(self, reason: str | Reason, code: Code = "failed") -> None:
         """Say that it does not work as it should."""
-        self._reporter.phase("degraded", reason)
+        self._reporter.phase("degraded", str(reason), reason.code if isinstance(reason, Reason) else code)
 
     def calls(self) -> Iterator[Call]:
         """Yield the commands that wait; malformed ones are refused here.

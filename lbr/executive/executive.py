@@ -146,7 +146,7 @@ class Executive:
         )
         self._supervisor = Supervisor(
             self._start,
-            self._happened,
+            self._process_happened,
             lambda name: name in self._presence.names,
             learnt=self._rows.learnt,
             at_once=machine.at_once(),
@@ -279,7 +279,7 @@ class Executive:
                 for name in self._profile.hosts
             },
             version=host_protocol.version(),
-            happened=self._happened,
+            happened=self._process_happened,
             learnt=self._rows.learnt,
             begun=self._begun_elsewhere,
             ways=self._lan,
@@ -505,6 +505,10 @@ class Executive:
             estop=self._emergency.state(),
             capabilities=capabilities,
             problems=(*self._rows.problems, *self._troubles.current),
+            problem_codes=(
+                *(self._rows.code for _ in self._rows.problems),
+                *("failed" for _ in self._troubles.current),
+            ),
             revision=self.plan.rows.revision,
         )
 
@@ -523,10 +527,20 @@ class Executive:
         self._journal.flush()
 
     def _happened(
-        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
+        self,
+        kind: str,
+        subject: str,
+        text: str,
+        level: str = "info",
+        data: dict[str, Any] | None = None,
+        *,
+        code: str | None = None,
     ) -> None:
         self._status_due = 0.0
-        self._journal.happened(kind, subject, text, level, data)
+        self._journal.happened(kind, subject, text, level, data, code=code)
+
+    def _process_happened(self, kind: str, subject: str, text: str, level: str, code: str) -> None:
+        self._happened(kind, subject, text, level, code=code)
 
     def _remember(self, event: Event) -> None:
         self._recent = [*self._recent[-49:], event]

@@ -121,7 +121,7 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
     """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count.
 
     `reason` is about its state now, `last_end` says how its process last ended unasked. `host` is the other machine that
-    it is placed on; empty: it runs where the robot does.
+    it is placed on; empty: it runs where the robot does. `code` is why by the list of codes, `end_code` that of `last_end`.
     """
 
     name: str
@@ -137,10 +137,12 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
     nice: int | None = None
     last_end: str = ""
     host: str = ""
+    code: ReasonCode = ""
+    end_code: ReasonCode = ""
 
 
 class Status(Struct, frozen=True, kw_only=True):
-    """The whole robot at a glance."""
+    """The whole robot at a glance; `problem_codes` are those of its `problems`, in their order."""
 
     robot: str
     profile: str
@@ -150,4 +152,5 @@ class Status(Struct, frozen=True, kw_only=True):
     estop: EstopState
     capabilities: tuple[CapabilityStatus, ...]
     problems: tuple[str, ...] = ()
+    problem_codes: tuple[ReasonCode, ...] = ()
     revision: int = 0

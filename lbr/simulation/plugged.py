@@ -21,7 +21,7 @@ def tell_of_drawing(ctx: Context, said: Iterable[Drawing]) -> None:  # type: ign
     """Say what draws the cameras' pictures, or why nothing does."""
     for drawing in said:
         if not drawing.renderer:
-            ctx.warn(f"the emulated cameras show nothing: {drawing.note}")
+            ctx.warn(f"the emulated cameras show nothing: {drawing.note}", "not_possible")
             continue
         note = f", because {drawing.note}" if drawing.note else ""
         ctx.event("cameras_drawn", f"the cameras' pictures are drawn by {drawing.renderer}{note}")
@@ -55,7 +55,7 @@ class Plugged:
         """Say which devices have no twin, and which twins were refused."""
         refused, self._refused = self._refused, []
         for said in refused:
-            self._ctx.warn(said)
+            self._ctx.warn(said, "not_possible")
             self._ctx.event("twin_refused", said, level="warning")
         self._tell_of([device for device in self._devices if device.name not in self._by_name])
 
@@ -69,7 +69,7 @@ class Plugged:
         away = [_placed(one) for one in others if one.type in twins.names() and not one.address.startswith(_LOCAL)]
         if away:
             text = f"no emulated twin for {', '.join(away)}: there are twins for addresses that are paths"
-            self._ctx.warn(text)
+            self._ctx.warn(text, "not_possible")
 
     def add(self, call: Call, request: PlugRequest, plug_in: Callable[[Twin], str]) -> None:
         """Emulate one more device while time runs, and answer; `plug_in` says why its twin cannot come in now."""

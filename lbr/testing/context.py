@@ -248,9 +248,10 @@ class FakeContext(Generic[S]):
         del reason
         self.health.append("ready")
 
-    def warn(self, reason: str) -> None:
-        """Keep why it works, but not as it should."""
-        self.health.append(reason)
+    def warn(self, reason: str | Reason, code: Code = "failed") -> None:
+        """Keep why it works, but not as it should; the last code is in `health_code`."""
+        self.health.append(str(reason))
+        self.health_code = reason.code if isinstance(reason, Reason) else code
 
 
 if TYPE_CHECKING:

@@ -61,6 +61,7 @@ class Stage:
         self.now = 100.0
         self.log = []
         self.told = []
+        self.codes = {}
         self.processes = {}
         self.hidden = set()
         self.closed = set()
@@ -68,7 +69,7 @@ class Stage:
         self.units = {unit.name: unit for unit in units}
         self.supervisor = Supervisor(
             self.start,
-            lambda *about: self.told.append(about),
+            self.tell,
             lambda name: name not in self.hidden,
             clock=lambda: self.now,
             dice=random.Random(1),
@@ -76,6 +77,10 @@ class Stage:
             look=lambda _pid, now, **_how: Look(now, Thread(waited=now if self.busy else 0.0)),
         )
         self.adopt(Change(start=tuple(self.units)))
+
+    def tell(self, kind, name, text, level, code):
+        self.told.append((kind, name, text, level))
+        self.codes[kind] = code
 
     def adopt(self, change):
         self.supervisor.adopt(self.units, change)
@@ -89,8 +94,8 @@ class Stage:
         self.processes[unit.name] = process
         return process
 
-    def says(self, name, phase="ready", reason=""):
-        self.processes[name].said.append(Report(phase=phase, reason=reason))
+    def says(self, name, phase="ready", reason="", code=""):
+        self.processes[name].said.append(Report(phase=phase, reason=reason, code=code))
         self.supervisor.step()
 
     def passes(self, seconds, beating=()):
@@ -426,3 +431,30 @@ def test_what_is_degraded_while_the_machine_is_busy_is_told_if_it_lasts_beyond_t
     stage.busy = False
     stage.passes(14.0, beating=("ranges", "camera"))
     assert [(kind, name) for kind, name, *_ in stage.told][-2:] == [("busy_over", "machine"), ("degraded", "ranges")]
+
+
+def test_each_phase_and_each_event_of_a_process_says_why_by_a_code():
+    stage = Stage(unit("motors"), unit("drive", needs=("motors",)), unit("camera", needs=("drive",)))
+    slots = stage.supervisor.slots
+    stage.says("motors", "degraded", "no such device", "unreachable")
+    stage.says("drive")
+    stage.passes(SETTLING_S + 0.2, beating=["motors", "drive"])
+    assert (slots["motors"].code, stage.codes["degraded"]) == ("unreachable", "unreachable")
+    stage.says("motors")
+    assert slots["motors"].code == ""
+    stage.dies("motors", -9)
+    assert (slots["motors"].code, slots["motors"].end_code, stage.codes["crashed"]) == ("failed",) * 3
+    assert stage.codes["need_lost"] == "unreachable"
+    stage.passes(0.2)
+    stage.says("motors")
+    assert (slots["motors"].code, slots["motors"].end_code) == ("", "failed")
+    stage.passes(HANG_S + 5, beating=["drive"])
+    stage.dies("motors", -9)
+    assert (slots["motors"].code, stage.codes["hung"]) == ("timeout", "timeout")
+
+
+def test_who_waits_for_what_has_failed_says_so_by_a_code():
+    stage = Stage(unit("bad", restart="never"), unit("camera", needs=("bad",)))
+    stage.dies("bad")
+    assert stage.supervisor.settled()
+    assert stage.supervisor.slots["camera"].code == "unreachable"

@@ -178,7 +178,7 @@ class Executive:
         self.hosts = RemoteHosts(
             {"operator": self.wire, "bench": Wire()},
             version="1",
-            happened=lambda *about: self.told.append(about),
+            happened=lambda *about: self.told.append(about[:4]),
             learnt=lambda *learnt: self.learnt.append(learnt),
             begun=self.begun.append,
             ways=lambda: ("tls/0.0.0.0:7447",),

@@ -80,7 +80,7 @@ class Stage:
     ) -> None:
         self.events.append((kind, text, level))
 
-    def warn(self, reason: str) -> None:
+    def warn(self, reason: str, code: str = "failed") -> None:
         self.warned.append(reason)
 
     def publish(self, output: str, message: Any) -> None:

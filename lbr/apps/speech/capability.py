@@ -245,7 +245,7 @@ class Speech(Capability[SpeechSettings]):
 
     def _tell(self) -> None:
         reason = "; ".join(self._what_is_missing())
-        self.ctx.warn(reason) if reason else self.ctx.ready()
+        self.ctx.warn(reason, "not_possible") if reason else self.ctx.ready()
         state = self._state(reason)
         now = self.ctx.clock()
         if state != self._told or now >= self._tell_at:

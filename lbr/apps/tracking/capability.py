@@ -233,7 +233,7 @@ class Tracking(Capability[TrackingSettings]):
         if why != self._warned:
             self._warned = why
             if why:
-                self.ctx.warn(why)
+                self.ctx.warn(why, "stale_sensor")
             else:
                 self.ctx.ready()
             self._tell()

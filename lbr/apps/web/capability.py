@@ -94,7 +94,7 @@ class Web(Capability[WebSettings]):
         if (trouble := self._faces.trouble) != self._told:
             self._told = trouble
             self.ctx.event("face_refused", trouble, level="error")
-            self.ctx.warn(trouble)
+            self.ctx.warn(trouble, "not_possible")
         while self._counts.news:
             kind, text, level = self._counts.news.popleft()
             self.ctx.event(kind, text, level=level)

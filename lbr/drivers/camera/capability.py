@@ -172,7 +172,9 @@ class Camera(Capability[CameraSettings]):
         elif state.phase == "off":
             self.ctx.ready("off")
         elif state.phase == "lost" or now - self._opened_at > OPENING_S:
-            self.ctx.warn(state.reason or "waiting for the first picture")
+            self.ctx.warn(
+                state.reason or "waiting for the first picture", "unreachable" if state.reason else "not_ready"
+            )
 
     def _state(self) -> CameraState:
         capture, newest, device = self._capture, self._newest, self.ctx.device

@@ -70,7 +70,7 @@ class Infrared(Capability[InfraredSettings]):
         except DeviceError as err:
             self.close()
             self._retry_at = self.ctx.clock() + RETRY_S
-            self.ctx.warn(str(err))
+            self.ctx.warn(str(err), err.code)
             return []
 
     def _open(self) -> None:

@@ -81,7 +81,7 @@ class Ld06(Capability[Ld06Settings]):
         """Opening the line is not enough: ready is who has scanned."""
         waiting = self._scans == 0
         if waiting and not self._waiting:
-            self.ctx.warn("waiting for the first scan")
+            self.ctx.warn("waiting for the first scan", "not_ready")
         elif self._waiting and not waiting:
             self.ctx.ready()
         self._waiting = waiting

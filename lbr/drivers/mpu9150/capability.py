@@ -45,7 +45,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
         if unit.compass_trouble != self._compass_trouble:
             self._compass_trouble = unit.compass_trouble
             if self._compass_trouble:
-                self.ctx.warn(f"no compass: {self._compass_trouble}")
+                self.ctx.warn(f"no compass: {self._compass_trouble}", "unreachable")
             else:
                 self.ctx.ready()
 

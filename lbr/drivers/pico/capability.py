@@ -73,7 +73,8 @@ class Pico(Capability[PicoSettings]):
         self._publish(state)
         trouble = state.reason
         if bool(trouble) != bool(self._trouble):
-            self.ctx.warn(f"device '{self.ctx.settings.device}': {trouble}") if trouble else self.ctx.ready()
+            told = f"device '{self.ctx.settings.device}': {trouble}"
+            self.ctx.warn(told, "unreachable") if trouble else self.ctx.ready()
         elif trouble not in {"", self._trouble}:
             self._notices.tell("ups", f"device '{self.ctx.settings.device}': {trouble}")
         self._trouble = trouble

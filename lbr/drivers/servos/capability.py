@@ -237,7 +237,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         if wrong != self._warned and now - self._warned_at >= self.warn_every_s:
             self._warned, self._warned_at = wrong, now
             if wrong:
-                self.ctx.warn(wrong)
+                self.ctx.warn(wrong, "unreachable")
             else:
                 self.ctx.ready()
 

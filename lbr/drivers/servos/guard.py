@@ -29,7 +29,9 @@ class Guard(guard.Guard):
         settling_s: float = 0.0,
     ) -> None:
         silence_ms = settings.guard_silence_ms
-        fd, last = final_report("hung", f"the servo driver stood still for {silence_ms} ms while a servo had torque")
+        fd, last = final_report(
+            "hung", f"the servo driver stood still for {silence_ms} ms while a servo had torque", "timeout"
+        )
 
         def command(pipe: int, driver: int) -> list[str]:
             numbers = (line, pipe, driver, silence_ms, fd)

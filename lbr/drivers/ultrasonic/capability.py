@@ -52,7 +52,7 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         """Opening the line is not enough: ready is who has measured."""
         waiting = board.frames == 0
         if waiting and not self._waiting:
-            self.ctx.warn("waiting for the first reading")
+            self.ctx.warn("waiting for the first reading", "not_ready")
         elif self._waiting and not waiting:
             self.ctx.ready()
         self._waiting = waiting

@@ -245,7 +245,7 @@ class Wheels(Capability[S], ABC):
         if faults:
             text = UNASKED if EMERGENCY_STOP in faults else f"the controller reports {', '.join(faults)}"
             self.ctx.event("fault", text, level="error", data={"faults": list(faults)})
-            self.ctx.warn(text)
+            self.ctx.warn(text, "latched")
         else:
             self.ctx.event("fault", "the controller reports no fault any more")
             self.ctx.ready()

@@ -16,7 +16,9 @@ class Guard(guard.Guard):
     """Kills a driver that is silent for `silence_ms` while a motor may turn, and writes the stop after its end."""
 
     def __init__(self, line: int, stop: GuardStop, silence_ms: int, clock: Callable[[], float]) -> None:
-        fd, words = final_report("hung", f"the motor driver stood still for {silence_ms} ms while a motor could turn")
+        fd, words = final_report(
+            "hung", f"the motor driver stood still for {silence_ms} ms while a motor could turn", "timeout"
+        )
 
         def command(pipe: int, driver: int) -> list[str]:
             numbers = [str(number) for number in (line, pipe, driver, silence_ms)]

@@ -19,6 +19,7 @@ from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.process_specs import read_by
 from lbr.executive.planning.watch import RowWatch
 from lbr.executive.planning.wiring import least_roles
+from lbr.messages.codes import Code
 from lbr.messages.rows import Row, by_table
 
 PROBLEMS_TOLD = 3
@@ -29,13 +30,20 @@ class Happened(Protocol):
     """Makes an event."""
 
     def __call__(
-        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
+        self,
+        kind: str,
+        subject: str,
+        text: str,
+        level: str = "info",
+        data: dict[str, Any] | None = None,
+        *,
+        code: str | None = None,
     ) -> None:
         """Make it."""
 
 
 class LiveRows:
-    """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force.
+    """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force, `code` which sort of why.
 
     While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a process go on with what it learnt,
     `plug(name, devices)` with more emulated devices.
@@ -60,6 +68,7 @@ class LiveRows:
         self._kept = kept
         self._plug = plug
         self.problems: tuple[str, ...] = ()
+        self.code: Code = "bad_value"
         self.held = False
         self.plan = watch.first()
         self.vocabulary = _words(self.plan)
@@ -73,9 +82,10 @@ class LiveRows:
             self._keeper.not_well()
             if news.problems != self.problems:
                 self.problems = news.problems
+                self.code = "failed" if news.unreadable else "bad_value"
                 what = "the rows cannot be read" if news.unreadable else "the edit is not applied"
                 text = f"{what}, the robot goes on as it was: {_first(news.problems)}"
-                self._happened("rows_refused", "executive", text, "error")
+                self._happened("rows_refused", "executive", text, "error", code=self.code)
         if news.plan is None:
             return
         if not news.problems:

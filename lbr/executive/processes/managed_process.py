@@ -33,7 +33,7 @@ class Started(Protocol):
 
 
 class ManagedProcess:
-    """`reason` is about now; `final_report` is what was said of an end to come; `last_end` how it last ended unasked.
+    """`reason` is about now, with its `code`; `final_report` is what was said of an end to come; `last_end` how it last ended unasked.
 
     `suspect` is the first look at its threads in a silence, `look_at` when to look again, and `usual` the last look at
     how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
@@ -43,6 +43,7 @@ class ManagedProcess:
         self.unit = unit
         self.phase: CapabilityPhase = "waiting"
         self.reason = ""
+        self.code: str = ""
         self.child: Started | None = None
         self.restarts = 0
         self.deaths: tuple[float, ...] = ()
@@ -51,12 +52,13 @@ class ManagedProcess:
         self.suspect: Look | None = None
         self.look_at = 0.0
         self.usual: Look | None = None
-        self.said: tuple[str, str] | None = None
+        self.said: tuple[str, str, str] | None = None
         self.told = ("", "")
         self.settled_at = 0.0
         self.tell_at: float | None = None
         self.final_report = ""
         self.last_end = ""
+        self.end_code: str = ""
         self.due_at: float | None = 0.0
         self.kill_at: float | None = None
         self.hung = False

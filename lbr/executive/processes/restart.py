@@ -6,6 +6,8 @@ from typing import Literal
 
 from msgspec import Struct
 
+from lbr.messages.codes import Code
+
 FIRST_S = 0.1
 MOST_S = 5.0
 WINDOW_S = 30.0
@@ -21,6 +23,10 @@ class End(Enum):
     CLEAN = "ended"
     CRASHED = "crashed"
     HUNG = "hung"
+
+
+CODES: dict[End, Code] = {End.CLEAN: "done", End.CRASHED: "failed", End.HUNG: "timeout"}
+"""Why a process that ended so is down, by the list of codes."""
 
 
 class Decision(Struct, frozen=True):

@@ -17,7 +17,7 @@ from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import starvation as starving
 from lbr.executive.processes.busy import Busy
 from lbr.executive.processes.managed_process import ManagedProcess, Started
-from lbr.executive.processes.restart import HEALTHY_S, WINDOW_S, End, decide, ended_by
+from lbr.executive.processes.restart import CODES, HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.processes.scheduling import BACKGROUND, MOTION, niceness
 from lbr.executive.processes.starvation import OTHERS_STRETCH, RUNS_SHARE, SUSPICIOUS_S, Look, verdict
 
@@ -40,7 +40,7 @@ MACHINE = "machine"
 
 
 class Supervisor:
-    """Owns every process of the plan. `happened(kind, subject, text, level)` is told whatever people should know.
+    """Owns every process of the plan. `happened(kind, subject, text, level, code)` is told whatever people should know.
 
     `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
     `learnt(name, rows)` is told which rows a capability has learnt, by table. `start(unit)` returns None while its way onto the bus is being opened. At most `at_once` start at a
@@ -50,7 +50,7 @@ class Supervisor:
     def __init__(
         self,
         start: Callable[[ProcessSpec], Started | None],
-        happened: Callable[[str, str, str, str], None],
+        happened: Callable[[str, str, str, str, str], None],
         present: Callable[[str], bool] = lambda _name: True,
         *,
         clock: Callable[[], float] = time.monotonic,
@@ -112,7 +112,7 @@ class Supervisor:
         lost = [need for need in needs if need.phase in HELD or (need.phase == "waiting" and self._held_up(need))]
         if slot.phase != "waiting" or not lost:
             return False
-        slot.reason = f"waits for '{lost[0].unit.name}', which is {lost[0].phase}"
+        slot.reason, slot.code = f"waits for '{lost[0].unit.name}', which is {lost[0].phase}", "unreachable"
         return True
 
     def step(self) -> float:
@@ -130,7 +130,7 @@ class Supervisor:
             self._load_at = now + LOAD_S
             self._look_at_load(now)
         if text := self._busy.over(now):
-            self._happened("busy_over", MACHINE, text, "info")
+            self._happened("busy_over", MACHINE, text, "info", "")
         for slot in self.slots.values():
             if slot.child is not None and slot.tell_at is not None and now >= slot.tell_at and not self._busy.on:
                 self._tell_phase(slot)
@@ -185,10 +185,10 @@ class Supervisor:
         slot.child = child
         slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
         slot.told, slot.tell_at = ("", ""), None
-        slot.reason = slot.final_report = ""
+        slot.reason = slot.code = slot.final_report = ""
         slot.phase, slot.said = "starting", None
         if slot.unit.program is not None:
-            slot.said = ("ready", "")
+            slot.said = ("ready", "", "")
             if slot.unit.program.ready == "start":
                 self._phase(slot, *slot.said)
                 slot.said = None
@@ -201,7 +201,7 @@ class Supervisor:
             if report.learnt:
                 self._learnt(slot.unit.name, report.learnt)
             if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
-                slot.said = (report.phase, report.reason)
+                slot.said = (report.phase, report.reason, report.code)
             elif report.phase in {"failed", "hung"}:
                 slot.final_report = report.reason
                 slot.hung = report.phase == "hung"
@@ -216,7 +216,8 @@ class Supervisor:
             slot.rates = {name: round((n - slot.counts.get(name, 0)) / spent, 1) for name, n in counts.items()}
         slot.counts, slot.counted_at = counts, now
 
-    def _phase(self, slot: ManagedProcess, phase: str, reason: str) -> None:
+    def _phase(self, slot: ManagedProcess, phase: str, reason: str, code: str) -> None:
+        slot.code = code
         if slot.phase == phase and slot.reason == reason:
             return
         now = self._clock()
@@ -296,13 +297,13 @@ class Supervisor:
     def _starved(self, slot: ManagedProcess, waited_s: float, now: float) -> None:
         text = self._busy.starved(slot.unit.name, waited_s, now)
         if text:
-            self._happened("too_busy", MACHINE, text, "warning")
+            self._happened("too_busy", MACHINE, text, "warning", "busy")
 
     def _ended(self, slot: ManagedProcess, child: Started, code: int, now: float) -> None:
         child.close()
         slot.child, slot.kill_at = None, None
         if not slot.wanted:
-            slot.phase, slot.reason = "stopped", ""
+            slot.phase, slot.reason, slot.code = "stopped", "", "done"
             self._tell("stopped", slot, "stopped", "info")
             return
         end = End.HUNG if slot.hung else End.CLEAN if code == 0 and slot.unit.program is not None else End.CRASHED
@@ -321,6 +322,7 @@ class Supervisor:
         slot.deaths = (*(death for death in slot.deaths if now - death < WINDOW_S), now)
         slot.rates, slot.counts = {}, {}
         slot.reason = slot.last_end = f"{end.value}: {why}"
+        slot.code = slot.end_code = CODES[end]
         if decision.what == "restart":
             slot.restarts += 1
             slot.phase, slot.due_at = "waiting", now + decision.delay_s
@@ -335,7 +337,8 @@ class Supervisor:
     def _tell_dependants(self, gone: ManagedProcess) -> None:
         for slot in self.slots.values():
             if gone.unit.name in slot.unit.needs and slot.phase in RUNNING:
-                self._tell("need_lost", slot, f"'{gone.unit.name}', which it needs, has {gone.reason}", "warning")
+                text = f"'{gone.unit.name}', which it needs, has {gone.reason}"
+                self._tell("need_lost", slot, text, "warning", "unreachable")
 
     def _retire(self, slot: ManagedProcess) -> None:
         slot.wanted = False
@@ -358,10 +361,10 @@ class Supervisor:
         times += [_look_due(slot) for slot, _ in self.children() if slot.unit.program is None and slot.wanted]
         return max(0.0, min((due - now for due in times), default=1.0))
 
-    def _tell(self, kind: str, slot: ManagedProcess, text: str, level: str) -> None:
+    def _tell(self, kind: str, slot: ManagedProcess, text: str, level: str, code: str | None = None) -> None:
         if not self._throttle.take(f"{slot.unit.name} {kind}", self._clock()):
             return
-        self._happened(kind, slot.unit.name, text, level)
+        self._happened(kind, slot.unit.name, text, level, slot.code if code is None else code)
 
 
 def _look_due(slot: ManagedProcess) -> float:

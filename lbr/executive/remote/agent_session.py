@@ -247,10 +247,10 @@ class AgentSession:
         children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
         self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
 
-    def _happened(self, kind: str, subject: str, text: str, level: str) -> None:
+    def _happened(self, kind: str, subject: str, text: str, level: str, code: str) -> None:
         self._say(f"{subject}: {text}")
-        event = Event(kind=kind, subject=subject, text=text[: host_protocol.LONGEST_TEXT], level=level)  # type: ignore[arg-type]
-        self._events.append(event)
+        told = text[: host_protocol.LONGEST_TEXT]
+        self._events.append(Event(kind=kind, subject=subject, text=told, level=level, code=code))  # type: ignore[arg-type]
 
     def _learnt(self, name: str, rows: dict[str, Raw]) -> None:
         """Go on with what was learnt here: rows that say the same restart nothing."""

@@ -36,7 +36,7 @@ class Host:
 class RemoteHosts:
     """Answers agents, at the key that `served` has for each host, from one thread.
 
-    `happened(kind, subject, text, level)` hears what people should know, `learnt(name, rows)` what is to be written down, and
+    `happened(kind, subject, text, level, code)` hears what people should know, `learnt(name, rows)` what is to be written down, and
     `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines come in at, and
     `present(name)` says who is on the bus.
     """
@@ -46,7 +46,7 @@ class RemoteHosts:
         served: Mapping[str, wire.QueryServer],
         *,
         version: str,
-        happened: Callable[[str, str, str, str], None],
+        happened: Callable[[str, str, str, str, str], None],
         learnt: Callable[[str, dict[str, Raw]], None],
         begun: Callable[[str], None],
         ways: Callable[[], tuple[str, ...]],
@@ -128,7 +128,7 @@ class RemoteHosts:
         if not host.agent:
             host.agent, host.where, host.states = report.agent, report.where[:80], {}
             names = ", ".join(host.units) or "nothing at present"
-            self._happened("host_joined", host.name, f"{host.where} runs {names}", "info")
+            self._happened("host_joined", host.name, f"{host.where} runs {names}", "info", "")
         host.heard_at = now
         self._hear(host, report)
         return answer if report.share == host.mark else replace(answer, units=host.share)
@@ -142,7 +142,7 @@ class RemoteHosts:
         host.states = states
         for event in report.events:
             if event.subject in host.units and event.kind in TOLD:
-                self._happened(event.kind, event.subject, event.text, event.level)
+                self._happened(event.kind, event.subject, event.text, event.level, event.code)
         for one in report.learnt:
             if one.name in host.units:
                 self._learnt(one.name, one.rows)
@@ -157,7 +157,8 @@ class RemoteHosts:
         running = [name for name, state in host.states.items() if state.phase in RUNNING]
         host.agent, host.states, host.seen = "", {}, False
         lost = f"; gone with it: {', '.join(running)}" if running else ""
-        self._happened("host_lost", host.name, f"{why}{lost}", level)
+        code = "unreachable" if level == "error" else "shutting_down"
+        self._happened("host_lost", host.name, f"{why}{lost}", level, code)
 
     def _status(self, host: Host, unit: ProcessSpec) -> CapabilityStatus:
         found = host.states.get(unit.name) if host.agent else None
@@ -173,6 +174,7 @@ class RemoteHosts:
             restarts=0,
             uptime_s=None,
             reason=reason,
+            code="not_ready" if host.agent else "unreachable",
             rates_hz={},
             host=host.name,
         )

@@ -3,7 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 
@@ -57,14 +57,31 @@ AUDITED = frozenset(
 )
 """The kinds of events that go into the audit trail, whoever tells of them."""
 
-CODES: dict[str, Code] = {
+CODES: dict[str, Code | Literal[""]] = {
+    "run": "",
+    "ready": "",
+    "rows_changed": "",
+    "rows_good": "",
+    "edit": "",
+    "external": "",
+    "python": "",
+    "host_joined": "",
+    "trouble_over": "",
+    "busy_over": "",
+    "not_ready": "failed",
+    "restarting": "changed",
+    "shutdown": "shutting_down",
     "estop": "estop",
+    "estop_reset": "done",
     "refused": "malformed",
     "rows_refused": "bad_value",
+    "learnt_lost": "failed",
+    "slow_disk": "timeout",
+    "trouble": "failed",
+    "too_busy": "busy",
     "host_lost": "unreachable",
-    "crashed": "failed",
 }
-"""Why what the executive itself tells of is so, where that is told."""
+"""Why what the executive itself tells of is so, unless it is told closer; empty: its kind tells no why."""
 WRITTEN_FIRST = frozenset(["rows_changed"])
 """Told only when it is written: who hears of an edit may begin the next, and is not to meet our own transaction."""
 
@@ -113,8 +130,9 @@ class Journal:
         level: str = "info",
         data: dict[str, Any] | None = None,
         about: str = "",
+        code: str | None = None,
     ) -> None:
-        """Tell everybody; from the executive's own thread."""
+        """Tell everybody, by the code that the kind has or another; from the executive's own thread."""
         now = time.time_ns()
         event = Event(
             kind=kind,
@@ -123,7 +141,7 @@ class Journal:
             level=level,  # type: ignore[arg-type]
             wall_ns=now,
             data=data or {},
-            code=CODES.get(kind, ""),
+            code=CODES.get(kind, "") if code is None else code,
             about=about,
         )
         if kind in WRITTEN_FIRST:

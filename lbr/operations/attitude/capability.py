@@ -84,7 +84,7 @@ class Attitude(Capability[AttitudeSettings]):
                 self.ctx.ready()
         elif now - self._known_s > TELL_S and _gist(state.reason) != _gist(self._warned):
             self._warned = state.reason
-            self.ctx.warn(state.reason)
+            self.ctx.warn(state.reason, "stale_sensor")
 
 
 def _gist(reason: str) -> str:

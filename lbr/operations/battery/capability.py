@@ -36,7 +36,7 @@ class Battery(Capability[BatterySettings]):
             self._shown, self._publish_at = state, now + PUBLISH_S
             self.ctx.publish("state", state)
         if before is None or state.valid != before.valid:
-            self.ctx.ready() if state.valid else self.ctx.warn(state.reason)
+            self.ctx.ready() if state.valid else self.ctx.warn(state.reason, "stale_sensor")
         self._tell(state, before, now)
 
     def _tell(self, state: BatteryState, before: BatteryState | None, now: float) -> None:

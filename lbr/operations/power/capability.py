@@ -195,7 +195,7 @@ class Power(Capability[PowerSettings]):
             self.ctx.publish("state", state)
         health = self._unwell()
         if bool(health) != bool(self._health):
-            self.ctx.warn(health) if health else self.ctx.ready()
+            self.ctx.warn(health, "not_possible") if health else self.ctx.ready()
         self._health = health
 
     def _state(self, now: float) -> PowerState:
