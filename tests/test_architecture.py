@@ -368,6 +368,26 @@ def test_every_registered_kind_carries_its_own_name():
     assert json.loads(done.stdout) == {name: name for name in names}
 
 
+def named(tree: ast.AST, name: str) -> bool:
+    """Say whether a module has a function or class of this name, `Class.method` too."""
+    first, _, rest = name.partition(".")
+    kinds = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+    found = next((one for one in ast.iter_child_nodes(tree) if isinstance(one, kinds) and one.name == first), None)
+    return found is not None and (not rest or named(found, rest))
+
+
+def test_every_file_and_function_that_the_page_of_the_architecture_names_is_there():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    places = re.findall(r"`(lbr/[a-z0-9_/]+\.py)(?::([A-Za-z_.]+))?`", page)
+    assert len(places) > 15
+    gone = [
+        f"{path}:{name}"
+        for path, name in places
+        if not (ROOT / path).is_file() or (name and not named(ast.parse((ROOT / path).read_text()), name))
+    ]
+    assert gone == []
+
+
 def is_module(name: str) -> bool:
     place = ROOT.joinpath(*name.split("."))
     return place.with_suffix(".py").exists() or (place / "__init__.py").exists()

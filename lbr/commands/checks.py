@@ -13,6 +13,7 @@ from lbr import home, ownership
 from lbr.commands import device_checks, power_checks, service_checks, web_checks
 from lbr.commands.finding import Finding
 from lbr.errors import LbrError
+from lbr.executive.planning import joining
 from lbr.robots import registry
 
 EXTRAS = {
@@ -75,8 +76,8 @@ def _packages() -> Iterator[Finding]:
 def _robots() -> Iterator[Finding]:
     """Look whether what packages bring can be used."""
     for found in registry.every():
-        if found.fault:
-            yield Finding(about=f"robot '{found.name}'", level="hint", text=f"{found.fault}; all others run")
+        if fault := joining.fault(found):
+            yield Finding(about=f"robot '{found.name}'", level="hint", text=f"{fault}; all others run")
 
 
 def _extras() -> Iterator[Finding]:

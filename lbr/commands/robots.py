@@ -12,10 +12,10 @@ def command(as_json: bool) -> int:
 
     A robot of a package that cannot be used is told with the reason; the others run. Needs no running robot.
     """
-    from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.executive.planning import joining, profile  # noqa: PLC0415 - kept out of `lbr --help`
     from lbr.robots import registry  # noqa: PLC0415
 
-    found = registry.every()
+    found = [(one, joining.fault(one)) for one in registry.every()]
     if as_json:
         print_json(
             [
@@ -24,16 +24,16 @@ def command(as_json: bool) -> int:
                     "package": one.package,
                     "summary": one.robot.summary if one.robot is not None else "",
                     "profiles": profile.of_robot(one),
-                    "fault": one.fault,
+                    "fault": fault,
                 }
-                for one in found
+                for one, fault in found
             ]
         )
         return 0
-    for one in found:
-        if one.robot is not None:
+    for one, fault in found:
+        if one.robot is not None and not fault:
             click.echo(f"{one.name}: {one.robot.summary} ({one.package})")
             click.echo("".join(f"  lbr run {name}\n" for name in profile.of_robot(one)), nl=False)
         else:
-            click.echo(f"{one.name}: cannot be used: {one.fault}", err=True)
+            click.echo(f"{one.name}: cannot be used: {fault}", err=True)
     return 0

@@ -164,18 +164,21 @@ class Vocabulary:
         if name in self._external:
             return ExternalStop(command=self._external[name])
         there = f"there is {listed(sorted(self._external), 'and')}" if self._external else "there is none"
-        raise InputError(f"no external command is called '{shown(name)}' ({there}); 'stop' alone stops the robot")
+        text = f"no external command is called '{shown(name)}' ({there}); 'stop' alone stops the robot"
+        raise InputError(text, "unknown_name")
 
     def _unknown(self, word: str) -> InputError:
         if word.lower().lstrip("/") in _HINTS:
-            return InputError(f"'{shown(word)}' is not a word of this robot; {_HINTS[word.lower().lstrip('/')]}")
+            text = f"'{shown(word)}' is not a word of this robot; {_HINTS[word.lower().lstrip('/')]}"
+            return InputError(text, "unknown_command")
         words = {verb.pattern.word if verb.pattern.alias else f"/{verb.pattern.word}" for verb in self._verbs}
         words |= set(self._external)
         said = {known.lstrip("/"): known for known in sorted(words)}
         exact = [known for known in said if known.lower() == word.lower().lstrip("/")]
         near = exact or difflib.get_close_matches(word[:80].lstrip("/"), sorted(said), n=1, cutoff=0.6)
         hint = f"did you mean '{said[near[0]]}'? " if near else ""
-        return InputError(f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said")
+        text = f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said"
+        return InputError(text, "unknown_command")
 
 
 class _Verb:

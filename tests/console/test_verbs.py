@@ -124,6 +124,23 @@ def test_bad_input_gets_one_line_that_says_what_is_allowed(line, complaint):
     assert str(err.value).isprintable()
 
 
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("/x/1", "unknown_command"),
+        ("stpo", "unknown_command"),
+        ("quit", "unknown_command"),
+        ("stop it", "unknown_name"),
+        ("/r/3/0", "bad_value"),
+        ("/r", "bad_value"),
+    ],
+)
+def test_a_program_tells_a_word_that_is_not_there_from_one_with_a_wrong_value(line, code):
+    with pytest.raises(InputError) as err:
+        VOCABULARY.parse(line)
+    assert err.value.code == code
+
+
 def test_an_external_command_takes_what_its_row_allows_and_is_stopped_by_name():
     assert VOCABULARY.parse("beam left '12 cm'") == ExternalCall(command=BEAM, arguments=("left", "12 cm"))
     assert VOCABULARY.parse("beam") == ExternalCall(command=BEAM)

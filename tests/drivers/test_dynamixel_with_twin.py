@@ -12,8 +12,8 @@ from lbr.drivers.dynamixel.bus import Bus
 from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.drivers.dynamixel.recovery import recovery
 from lbr.drivers.dynamixel.setup import Setup
+from lbr.drivers.servos.line import ServoLine
 from lbr.drivers.servos.poller import Poller
-from lbr.drivers.servos.protocol1.line import ServoLine
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 from lbr.simulation.devices.dynamixel import DynamixelFaults

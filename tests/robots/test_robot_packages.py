@@ -134,6 +134,7 @@ def test_rows_that_do_not_validate_are_refused_with_package_and_row_and_all_othe
     refused = lbr(home, "run", "crawler-sim", "--no-console")
     assert refused.returncode == 2
     assert why in refused.stderr
+    assert why in robots(home)["crawler"]["fault"]
     assert looked(home, "SELECT count(*) FROM revision") == [(0,)]
 
 

@@ -56,6 +56,18 @@ def test_a_joint_that_is_no_hinge_is_named(tmp_path):
     assert "the joint 'left_knee' is no hinge" in refusal(path, {"left_knee"})
 
 
+def test_a_joint_whose_range_was_written_in_the_other_unit_is_named_with_what_to_write(tmp_path):
+    def body(head):
+        text = ONE.format(inside=JOINT.format(name="left_knee", more='range="-1.6 1.6"'), beside="")
+        return made(tmp_path, text.replace("<mujoco>", f"<mujoco>{head}"))
+
+    told = refusal(body(""), {"left_knee"})
+    assert "the joint 'left_knee' turns from -0.028 to 0.028 rad, and its row says" in told
+    assert '<compiler angle="radian"/>' in told
+    joints = [joint for joint in rows()[0] if joint.name == "left_knee"]
+    assert load(body('<compiler angle="radian"/>'), joints, HumanoidWorldSettings(model="mine"))
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

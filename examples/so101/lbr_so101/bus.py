@@ -5,9 +5,9 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from struct import Struct
 
 from lbr.drivers.servos.contract import SlowState
+from lbr.drivers.servos.line import ServoLine
 from lbr.drivers.servos.protocol1 import packet
 from lbr.drivers.servos.protocol1.bus import ProtocolBus
-from lbr.drivers.servos.protocol1.line import ServoLine
 from lbr_so101 import table
 from lbr_so101.table import Motion, motion
 

@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 from lbr.capability.context import Device
 from lbr.drivers.servos.contract import ServoLink
-from lbr.drivers.servos.guard import Guard
-from lbr.drivers.servos.protocol1.line import ServoLine, open_servo_line
+from lbr.drivers.servos.line import open_servo_line
 from lbr.drivers.servos.registers import RegisterServos
 from lbr_so101 import FeetechSettings
 from lbr_so101.bus import FeetechBus
@@ -29,11 +28,7 @@ class Feetech(RegisterServos[FeetechSettings, FeetechBus]):
         return ServoLink(
             bus=bus,
             model=Sts3215(setup.kept.get),
-            guard=lambda: self._guard(line),
+            guard=lambda: self.guard(RELEASE, line.fileno(), line.baud, line.margin_s),
             recovery=setup.recovery,
             prepare=setup.prepare,
         )
-
-    def _guard(self, line: ServoLine) -> Guard:
-        words = (line.baud, line.margin_s)
-        return Guard(RELEASE, line.fileno(), self.ctx.settings, list(self._joints), self.ctx.clock, words=words)

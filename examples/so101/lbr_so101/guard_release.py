@@ -4,7 +4,7 @@ import sys
 from collections.abc import Sequence
 
 from lbr.drivers.servos.guard_release import run
-from lbr.drivers.servos.protocol1.line import ServoLine
+from lbr.drivers.servos.line import ServoLine
 from lbr.drivers.servos.register_release import RegisterRelease
 from lbr_so101.bus import FeetechBus
 from lbr_so101.model import Sts3215

@@ -17,9 +17,9 @@ from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.packet import ADAPTER, adapter_sync_read, error_mask, error_names
 from lbr.drivers.dynamixel.table import MODEL_NUMBER, MOTION_ADDRESS, MOTION_BYTES, POSITION_STEPS, Motion
 from lbr.drivers.servos.contract import SlowState
+from lbr.drivers.servos.line import ServoLine, open_servo_line
 from lbr.drivers.servos.protocol1 import packet
 from lbr.drivers.servos.protocol1.bus import MARGIN_S, ProtocolBus
-from lbr.drivers.servos.protocol1.line import ServoLine, open_servo_line
 from lbr.drivers.servos.protocol1.question import Question
 
 ADAPTER_MODEL = 0x4201

@@ -10,8 +10,7 @@ from lbr.drivers.dynamixel.packet import error_mask
 from lbr.drivers.dynamixel.recovery import recovery
 from lbr.drivers.dynamixel.setup import Setup, SetupNews
 from lbr.drivers.servos.contract import ServoLink
-from lbr.drivers.servos.guard import Guard
-from lbr.drivers.servos.protocol1.line import ServoLine, open_servo_line
+from lbr.drivers.servos.line import open_servo_line
 from lbr.drivers.servos.protocol1.register import Register
 from lbr.drivers.servos.registers import RegisterServos
 
@@ -36,16 +35,12 @@ class Dynamixel(RegisterServos[DynamixelSettings, Bus]):
         return ServoLink(
             bus=Bus(line, clock=clock, urgent=urgent),
             model=Ax12(setup.kept.get),
-            guard=lambda: self._guard(line),
+            guard=lambda: self.guard(RELEASE, line.fileno(), line.baud, line.margin_s),
             recovery=job,
             prepare=setup.prepare,
             begin=self._find_adapter,
             judge=SetupNews(setup, clock, self.tell).step,
         )
-
-    def _guard(self, line: ServoLine) -> Guard:
-        words = (line.baud, line.margin_s)
-        return Guard(RELEASE, line.fileno(), self.ctx.settings, list(self._joints), self.ctx.clock, words=words)
 
     def _find_adapter(self, bus: Bus) -> None:
         if self.ctx.settings.sync_read:

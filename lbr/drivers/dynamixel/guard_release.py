@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from lbr.drivers.dynamixel.bus import Bus
 from lbr.drivers.dynamixel.model import Ax12
 from lbr.drivers.servos.guard_release import run
-from lbr.drivers.servos.protocol1.line import ServoLine
+from lbr.drivers.servos.line import ServoLine
 from lbr.drivers.servos.register_release import RegisterRelease
 
 

@@ -19,7 +19,10 @@ Tell = Callable[[str, str, str], None]
 
 
 class Motion(Protocol):
-    """Where a servo is and what it does, as one read gives it: raw, and in SI units with counter-clockwise positive."""
+    """Where a servo is and what it does, as one read gives it: raw, and in SI units with counter-clockwise positive.
+
+    What a servo does not tell is 0: error bits, speed, load.
+    """
 
     @property
     def error(self) -> int:
@@ -48,7 +51,11 @@ class Motion(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SlowState:
-    """What a servo says of itself apart from its motion; `at` is when. Read of one servo in each round of the poller."""
+    """What a servo says of itself apart from its motion; `at` is when. Read of one servo in each round of the poller.
+
+    `enabled` and `goal` are to be what the servo says: by them a stop is acknowledged and the guard knows whom to hold. A
+    servo that knows no speed says 0, one without a torque limit its `full_torque`.
+    """
 
     at: float
     enabled: bool
@@ -132,13 +139,16 @@ class ServoBus(Protocol):
         """Return all of one servo, asked once; an answer later than wire and servo explain gets `patience_s`."""
 
     def write_positions(self, goals: Mapping[int, int]) -> None:
-        """Give each servo a goal at the same time; the speed stays as it is."""
+        """Give each servo a goal at the same time; the speed stays as it is. Servos are held by this, where they are."""
 
     def write_goals(self, goals: Mapping[int, tuple[int, int]]) -> None:
         """Give each servo goal and speed at the same time."""
 
     def write_limits(self, limits: Mapping[int, int]) -> None:
-        """Give each servo its torque limit at the same time."""
+        """Give each servo its torque limit at the same time.
+
+        Servos without one cannot fade: then nothing is written, and they are let go at once when the time is over.
+        """
 
     def torque_off(self, servos: Collection[int]) -> None:
         """Take the torque off all of them at the same time, without waiting for any."""
@@ -193,15 +203,15 @@ class ServoLink(Generic[B]):
     """An open line of servos, as a driver hands it to the capability.
 
     `prepare` sees each servo before it is polled, also one that comes back, and says what is wrong with it, or nothing;
-    in the bus's thread, as `begin`, which is called once before the first servo. `recovery` returns the job that takes a
-    servo out of its faults, which returns why it did not; None: it was not prepared yet. `guard` starts the guard.
-    `judge` is called in the loop's thread, now and then, to tell what there is to tell.
+    in the bus's thread, as `begin`, which is called once before the first servo. `guard` starts the guard. `recovery` returns
+    the job that takes a servo out of its latched faults, which returns why it did not; None: there is nothing to do, or it
+    was not prepared yet. `judge` is called in the loop's thread, now and then, to tell what there is to tell.
     """
 
     bus: B
     model: ServoModel
     guard: "Callable[[], Guard]"
-    recovery: Callable[[int], Callable[[B], str] | None]
+    recovery: Callable[[int], Callable[[B], str] | None] = lambda _servo: None
     prepare: Callable[[B, int], str] = lambda _bus, _servo: ""
     begin: Callable[[B], None] = lambda _bus: None
     judge: Callable[[], None] = lambda: None

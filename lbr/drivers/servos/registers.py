@@ -11,6 +11,7 @@ from lbr.drivers.servos import RegisterServosSettings
 from lbr.drivers.servos.bus_thread import READ, WRITE
 from lbr.drivers.servos.capability import Servos
 from lbr.drivers.servos.contract import B, ServoLink, Snapshot
+from lbr.drivers.servos.guard import Guard
 from lbr.drivers.servos.session import NOTABLE_BYTES, ServoSession
 from lbr.drivers.servos.view import servo_state, statistics
 from lbr.errors import DeviceError
@@ -31,6 +32,10 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         self._snapshot = Snapshot(0, -inf, {})
         self._estopped = False
         self._asked_at = -inf
+
+    def guard(self, program: str, line: int, *words: object) -> Guard:
+        """Start the guard of a line by its descriptor: `program` is the module that calls `guard_release.run`, told `words`."""
+        return Guard(program, line, self.ctx.settings, tuple(self._joints), self.ctx.clock, words=words)
 
     @abstractmethod
     def connect(self, device: Device, urgent: Callable[[], bool]) -> ServoLink[B]:

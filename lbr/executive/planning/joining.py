@@ -4,13 +4,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from lbr import home
-from lbr.database import shipped, store
+from lbr.database import packaged, shipped, store
 from lbr.database.rows import RobotRows
 from lbr.database.store import Database
+from lbr.errors import RowError
 from lbr.executive.planning import planner
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.robots import registry
+from lbr.robots.registry import Found
 
 
 def judge(rows: RobotRows) -> Iterator[str]:
@@ -28,6 +30,17 @@ def create(path: Path, sql: Path | None = None) -> tuple[str, ...]:
 def add(database: Database, robot: str) -> dict[str, int]:
     """Add what a robot brings and is not there yet; return how many rows of each table."""
     return shipped.add(database, robot, judge)
+
+
+def fault(found: Found) -> str:
+    """Return why a start would refuse the robot of a package, by what it declares or by its rows; empty if it would not."""
+    if found.robot is None or found.robot.rows is None:
+        return found.fault
+    try:
+        packaged.rows_of(found, judge)
+    except RowError as err:
+        return "; ".join(err.problems)
+    return ""
 
 
 def join(database: Database, robot: str) -> str:

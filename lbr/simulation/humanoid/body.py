@@ -15,6 +15,8 @@ from lbr.robots import registry
 from lbr.simulation.humanoid.settings import Ball, HumanoidWorldSettings
 from lbr.simulation.physics import mujoco
 
+STIFF_SHARE = 0.1
+"""A joint that turns through less of what its row allows is written in another unit: degrees are 57 times as many."""
 TIMESTEP_S = 0.004
 """250 steps a second, as often as the inertial unit measures; 1 ms walks and holds alike, for three times the work."""
 
@@ -75,6 +77,8 @@ def load(path: Path, joints: Iterable[Joint], settings: HumanoidWorldSettings) -
     feet = {model.body(at).name: at for at in range(model.nbody) if model.body(at).name.endswith("foot")}
     cameras = tuple(model.camera(at).name for at in range(model.ncam))
     found = [model.joint(row.name) for row in rows]
+    if stiff := [said for row in rows if (said := _stiff(model, row))]:
+        raise InputError(f"body {path}: {'; '.join(stiff)}")
     return Body(
         model=model,
         trunk=model.body(trunk.name).id,
@@ -121,6 +125,18 @@ def _checked(path: Path, spec: Any, rows: tuple[Joint, ...]) -> Any:
     if problems:
         raise InputError(f"body {path}: {'; '.join(problems)}")
     return tops[0]
+
+
+def _stiff(model: Any, row: Joint) -> str:
+    """Say that a joint hardly turns, against what its row says: then angles were written in the other unit."""
+    joint = model.joint(row.name)
+    lowest, highest = map(float, joint.range)
+    if not model.jnt_limited[joint.id] or highest - lowest >= STIFF_SHARE * (row.upper_rad - row.lower_rad):
+        return ""
+    return (
+        f"the joint '{row.name}' turns from {lowest:.3f} to {highest:.3f} rad, and its row says {row.lower_rad:g} to "
+        f'{row.upper_rad:g}: MJCF counts degrees unless it has <compiler angle="radian"/>'
+    )
 
 
 def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:

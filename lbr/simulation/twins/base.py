@@ -160,7 +160,10 @@ def make(device: Device, around: Surroundings) -> Twin:
     """Return the twin of a device row; raise InputError for its row, and TwinError for the package that brings it."""
     found = twins.find(device.type)
     if found is None:
-        raise InputError(f"device '{device.name}': there is no twin for type '{device.type}'")
+        raise InputError(
+            f"device '{device.name}': there is no twin for type '{device.type}'; there are {', '.join(twins.names())}. A "
+            "package brings one by the entry point lbr.twins, once it is installed (pip install -e .)"
+        )
     twin: Twin = found.load()(device, around)
     return twin
 

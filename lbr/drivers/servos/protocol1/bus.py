@@ -8,8 +8,8 @@ from types import TracebackType
 from typing import Literal, Self
 
 from lbr.drivers.servos.contract import Counts
+from lbr.drivers.servos.line import ServoLine
 from lbr.drivers.servos.protocol1 import packet
-from lbr.drivers.servos.protocol1.line import ServoLine
 from lbr.drivers.servos.protocol1.packet import Status, StatusParser
 from lbr.drivers.servos.protocol1.question import GOOD_SUM, Question, packet_in
 from lbr.drivers.servos.protocol1.register import Register
