@@ -106,7 +106,8 @@ class DriveState(Struct, frozen=True, kw_only=True):
     """What the base is doing, who holds it, and why it is slower than asked or stands still.
 
     What was sent before `stopped_s`, monotonic, begins nothing any more: then all was stopped, also if nothing moved;
-    `stopped_by` says who did, if it was a stop. `code` is that of `reason`. `sees` has what stands in the way by sensors
+    `stopped_by` says who did, if it was a stop. What was typed or written before `halted_s` begins nothing either, but for
+    whoever said that stop, `halted_by`. `code` is that of `reason`. `sees` has what stands in the way by sensors
     that watch by themselves, in metres from the outline of the base, by sensor and side; null is not known. `aside` is
     the part of the motion that goes to the left, as a fraction of full speed.
     """
@@ -124,6 +125,8 @@ class DriveState(Struct, frozen=True, kw_only=True):
     loop: LoopStatistics | None
     stopped_s: float | None = None
     stopped_by: str = ""
+    halted_s: float | None = None
+    halted_by: str = ""
     code: ReasonCode = ""
     sees: dict[str, float | None] = {}
     aside: SignedPower = 0.0

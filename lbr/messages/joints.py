@@ -316,7 +316,8 @@ class JointsState(Struct, frozen=True, kw_only=True):
     """All joints out of one sweep of the bus, who moves them, and why they stand still.
 
     `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before `stopped_s`,
-    monotonic, begins nothing any more: then `stopped_by` stopped all, if it was a stop. `code` is that of `reason`. `stored` is the slot that the controller plays, for
+    monotonic, begins nothing any more: then `stopped_by` stopped all, if it was a stop. What was typed or written before `halted_s`
+    begins nothing either, but for whoever said that stop, `halted_by`. `code` is that of `reason`. `stored` is the slot that the controller plays, for
     `left_s` more.
     """
 
@@ -334,6 +335,8 @@ class JointsState(Struct, frozen=True, kw_only=True):
     reason: str = ""
     code: ReasonCode = ""
     stopped_by: str = ""
+    halted_s: float | None = None
+    halted_by: str = ""
     estop: bool = False
     loop: LoopStatistics | None = None
 

@@ -1,5 +1,6 @@
 """Two consoles of a real robot: what one has written ahead does not move it once the other has stopped it."""
 
+import json
 import subprocess
 import time
 from collections.abc import Iterator
@@ -7,6 +8,7 @@ from contextlib import contextmanager
 
 import pytest
 
+from lbr.bus import wire
 from lbr.messages.leases import STOPPED_SINCE
 from tests.support import programs
 from tests.support import robot as robots
@@ -90,6 +92,37 @@ def test_a_script_that_stops_the_robot_itself_goes_on(robot, trace):
     with script(robot, BOUNDED, "s", "/r/0.3/270/0/forward/1") as ours:
         out, err = ours.communicate(timeout=8)
         assert (ours.returncode, err) == (0, ""), out
+
+
+@pytest.mark.parametrize("key", ["drive/stop", "@estop"])
+def test_a_program_that_waited_does_not_start_after_a_stop_past_the_executive(robot, trace, key):
+    robot.edit("UPDATE external_command SET role = 'operate' WHERE robot = 'lbr' AND name = 'clock'")
+    until(lambda: ("clock", "operate") in words(robot), what="a program that not everybody may start")
+    typed_s = time.monotonic()
+    assert waiting(robot, "clock", typed_s)["code"] == 0
+    if key == "@estop":
+        robot.put("@estop", {"engaged": True, "reason": "a ladder"}, source="a page")
+        until(lambda: robot.ask("drive/state")["estop"], what="the drive hears of it")
+        until(lambda: robot.line("reset")["code"] == 0, what="it is released")
+    else:
+        assert robot.ask("drive/stop", {"whole": True}, source="a page")["accepted"]
+    said = until(lambda: after(waiting(robot, "clock", typed_s)), what="the program is not started any more")
+    assert said["text"].startswith(STOPPED_SINCE)
+    assert waiting(robot, "clock", time.monotonic())["code"] == 0
+
+
+def words(robot) -> set[tuple[str, str]]:
+    return {(entry["word"], entry["role"]) for entry in robot.line("help")["data"]}
+
+
+def waiting(robot, line: str, typed_s: float) -> dict:
+    (answer,) = wire.ask(robot.bus, "lbr/@console", line, source="us", waited_s=time.monotonic() - typed_s)
+    return json.loads(answer.payload)
+
+
+def after(result: dict) -> dict | None:
+    """Return a refusal for a stop; how it came to be known may take a moment."""
+    return result if result["reason_code"] == "stopped_since" else None
 
 
 def test_lines_typed_ahead_do_not_move_what_another_console_stopped(tmp_path):

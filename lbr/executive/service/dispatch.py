@@ -7,7 +7,7 @@ import json
 import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from lbr import home
@@ -17,7 +17,7 @@ from lbr.capability.halts import Halts
 from lbr.capability.kind import STOP
 from lbr.console.printable import clean
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
-from lbr.errors import InputError, LbrError
+from lbr.errors import InputError, LbrError, MalformedError
 from lbr.executive.service import reports
 from lbr.executive.service.completion_values import choices
 from lbr.executive.service.reports import Reports
@@ -31,6 +31,8 @@ STOPPED = "stopped"
 MAX_RUN_S = 30.0
 BOUNDED_RUN_S = 86_400.0
 """What knows its own end is held until then, unless its capability sets a limit."""
+HALTED_S = 0.5
+"""So long movers are asked for a stop; their bus library answers, so that only one that is frozen does not."""
 MOST_LEASES = 256
 MOST_RECORDED = 200
 
@@ -134,13 +136,29 @@ class Dispatcher:
     def _too_late(self, parsed: Parsed, needed: Role, by: _Speaker) -> Reason | None:
         """Return why a line that waited does nothing any more: another stopped the robot in the meantime.
 
-        Each mover knows this of motion; here it holds for programs and whatever else may come to move something.
+        Each mover knows this of motion; here it holds for programs and whatever else may come to move something. What
+        stopped the robot past the executive, a page or a program, the movers are asked for.
         """
         ends = isinstance(parsed, ExternalStop) or (isinstance(parsed, VerbCall) and parsed.command in {STOP, "estop"})
         if ends or by.waited_s == 0.0 or RANKS[needed] <= RANKS["view"]:
             return None
-        at, who = self._halts.by_others(by.source)
+        movers = self._robot.plan.stoppable()
+        own = isinstance(parsed, VerbCall) and parsed.capability in movers
+        heard = [self._halts.by_others(by.source), *(() if own else self._halted(movers, by.source))]
+        at, who = max(heard)
         return None if by.sent_s - by.waited_s > at else Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
+
+    def _halted(self, movers: Iterable[str], source: str) -> list[tuple[float, str]]:
+        """Return when movers were stopped last, and by which others; what one does not say in time is not known."""
+        keys_of = [keys.port(self._robot.plan.robot, name, "state") for name in movers]
+        found = []
+        for answer in wire.ask_all(self._bus, keys_of, source="executive", timeout_s=HALTED_S):
+            with contextlib.suppress(MalformedError):  # what a program publishes may be anything
+                said = codec.decode(answer.payload)
+                at, who = (said.get("halted_s"), said.get("halted_by")) if isinstance(said, dict) else (None, None)
+                if isinstance(at, float) and isinstance(who, str) and who not in {"", source}:
+                    found.append((at, who))
+        return found
 
     def _halt(self, by: _Speaker) -> None:
         with self._halting:

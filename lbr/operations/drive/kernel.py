@@ -99,6 +99,8 @@ def drive_state(state: State, now: float, loop: LoopStatistics | None = None) ->
         loop=loop,
         stopped_s=state.leases.stopped if isfinite(state.leases.stopped) else None,
         stopped_by=state.leases.stopped_by,
+        halted_s=state.leases.halts.at if isfinite(state.leases.halts.at) else None,
+        halted_by=state.leases.halts.source,
         sees=_sees(state, now),
         aside=state.aside,
     )
