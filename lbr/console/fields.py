@@ -33,6 +33,8 @@ _UNITS = {
     "percent": "percent",
 }
 _PATTERNS = {NAME_PATTERN: "is no name: those are of lower-case letters, digits and _, a letter first"}
+_NAMES = (NAME_PATTERN, f"^$|{NAME_PATTERN}")
+"""Names have no capitals: who types one, as in Forward, means the small letter."""
 _FLAGS = {"true": True, "yes": True, "1": True, "on": True, "false": False, "no": False, "0": False, "off": False}
 
 
@@ -129,6 +131,8 @@ class Field(Struct, frozen=True):
         if len(text) < self.schema.get("minLength", 0):
             raise InputError(f"{self.word} is too short; at least {self.schema['minLength']} characters")
         pattern = self.schema.get("pattern")
+        if pattern in _NAMES and re.search(pattern, text.lower()):
+            return text.lower()
         if pattern is not None and not re.search(pattern, text):
             why = _PATTERNS.get(pattern, f"does not fit the pattern {shown(pattern)}")
             raise InputError(f"{self.word} '{shown(text)}' {why}")
