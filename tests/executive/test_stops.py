@@ -6,6 +6,7 @@ import time
 import pytest
 
 from lbr.bus import stamp, wire
+from lbr.executive.service import console_service
 from lbr.executive.service.console_service import STOPPERS, Stops
 from lbr.messages.system import ConsoleResult
 from tests.support.robot import until
@@ -69,6 +70,27 @@ def test_a_stop_that_comes_while_others_wait_is_begun_at_once(robot):
     until(lambda: "another" in robot.begun)
 
 
+def test_more_than_there_are_threads_for_are_begun_at_once_and_threads_do_not_stay(robot):
+    before = threading.active_count()
+    say(robot, *(f"client {number}" for number in range(5 * STOPPERS)))
+    until(lambda: len(robot.begun) == 5 * STOPPERS, limit_s=2.0)
+    robot.over.set()
+    until(lambda: threading.active_count() <= before, what="the threads end that were for these alone")
+    assert say(robot, "another")
+    until(lambda: "another" in robot.begun)
+
+
+def test_a_machine_without_threads_still_stops(robot, monkeypatch):
+    def start(_thread):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", start)
+    late = say(robot, *(f"client {number}" for number in range(2 * STOPPERS)))
+    until(lambda: len(robot.begun) == STOPPERS)
+    robot.over.set()
+    until(lambda: all(one.answered == DONE for one in late))
+
+
 def test_a_stop_is_never_answered_by_one_that_was_begun_before_it_came(robot):
     say(robot, "a")
     until(lambda: robot.begun == ["a"])
@@ -76,7 +98,8 @@ def test_a_stop_is_never_answered_by_one_that_was_begun_before_it_came(robot):
     until(lambda: robot.begun == ["a", "a"])
 
 
-def test_those_that_wait_are_one_only_if_the_same_source_says_the_same(robot):
+def test_those_that_wait_are_one_only_if_the_same_source_says_the_same(robot, monkeypatch):
+    monkeypatch.setattr(console_service, "MOST_STOPPERS", STOPPERS)
     say(robot, *(f"client {number}" for number in range(STOPPERS)))
     until(lambda: len(robot.begun) == STOPPERS)
     late = say(robot, "b", "b", "c", "b")

@@ -17,7 +17,8 @@ from lbr.messages.system import ConsoleResult, Role, Stamp
 MAX_LINE_BYTES = 1 << 16
 MOST_UNDER_WAY = 64
 STOPPERS = 16
-"""Stops that wait for something that does not answer, each 2 s at most."""
+MOST_STOPPERS = 256
+"""Stops that wait for something that does not answer, each 2 s at most: as many as come in that time from all who may."""
 MOST_RESETS = 4
 STOPS = ("s", "stop", "estop")
 
@@ -26,7 +27,8 @@ class Stops:
     """Answers stops, several at once. Those that the same source says in the same words, and that nobody has begun to
     answer, are one: it is done after the last of them came, and answers all.
 
-    Its threads are there from the beginning, so that a machine that has no more to give does not cost the stop.
+    Its threads are there from the beginning, so that a machine that has no more to give does not cost the stop. Where all
+    of them wait, more are begun for as long as there is something to do.
     """
 
     def __init__(self, answer: Callable[[wire.Request, str | bytes, Role], ConsoleResult]) -> None:
@@ -34,6 +36,7 @@ class Stops:
         self._changed = threading.Condition()
         self._waiting: dict[tuple[tuple[str, bool], str | bytes, Role], list[wire.Request]] = {}
         self._closed = False
+        self._idle = self._helpers = 0
 
     def start(self) -> None:
         """Begin to answer."""
@@ -47,6 +50,8 @@ class Stops:
         with self._changed:
             self._waiting.setdefault((who, line, role), []).append(request)
             self._changed.notify()
+            if len(self._waiting) > self._idle and self._helpers < MOST_STOPPERS - STOPPERS:
+                self._begin_helper()
 
     def close(self) -> None:
         """Begin no more; those under way end by themselves."""
@@ -54,11 +59,19 @@ class Stops:
             self._closed = True
             self._changed.notify_all()
 
-    def _run(self) -> None:
+    def _begin_helper(self) -> None:
+        with contextlib.suppress(RuntimeError):  # the machine has no more to give: those that are there do it later
+            threading.Thread(target=self._run, args=(True,), name="stop_more", daemon=True).start()
+            self._helpers += 1
+
+    def _run(self, helper: bool = False) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._closed or self._waiting)
-                if self._closed:
+                self._idle += 1
+                self._changed.wait_for(lambda: self._closed or self._waiting, 0.0 if helper else None)
+                self._idle -= 1
+                if self._closed or not self._waiting:
+                    self._helpers -= helper
                     return
                 key = next(iter(self._waiting))
                 requests = self._waiting.pop(key)
