@@ -120,7 +120,7 @@ def _cut(results: Results, door: Door, net: Network, manner: str, dice: random.R
 def _driven(door: Door, name: str, manner: str, dice: random.Random) -> Iterator["subprocess.Popen[str]"]:
     """Have somebody drive from afar; what it does is up to the caller, from a moment that chance chooses."""
     with door.plain(name, manner) as client:
-        until(door.moving, what="it drives")
+        until(door.moving, limit_s=20.0, what="it drives")
         _wait(0.3 + dice.uniform(0.0, 0.3))
         yield client
     door.rest()

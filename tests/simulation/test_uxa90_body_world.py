@@ -1,5 +1,6 @@
 """The running world of a UXA-90: its main board on a real tty, its head's camera on a real socket, in real time."""
 
+import queue
 import threading
 
 import msgspec
@@ -40,15 +41,22 @@ class Stage:
         self.ctx.robot, self.ctx.home, self.ctx.given = "uxa90", str(folder), joints()
         self.world = HumanoidWorld(self.ctx)
         self.over = threading.Event()
+        self.calls = queue.SimpleQueue()
         self.thread = threading.Thread(target=self._step)
 
     def _step(self):
         while not self.over.wait(0.01):
+            while not self.calls.empty():
+                call, taken = self.calls.get()
+                self.world.command(call)
+                taken.set()
             self.world.step()
 
     def ask(self, name, message):
-        call = FakeCall(name, message)
-        self.world.command(call)
+        """Have its thread take a command between two steps, as its process would."""
+        call, taken = FakeCall(name, message), threading.Event()
+        self.calls.put((call, taken))
+        assert self.until(taken.is_set)
         return call
 
     def until(self, condition, seconds=8.0):
