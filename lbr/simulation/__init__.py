@@ -2,6 +2,7 @@
 
 from lbr.capability.kind import Command, Kind
 from lbr.capability.word import Word
+from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.leases import CommandReply
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.simulation import WorldPose, WorldScene
@@ -36,7 +37,7 @@ KIND = Kind(
     },
     roles={"picture": "admin", "fault": "admin", "plug": "admin", "place": "admin", "remove": "admin"},
     emulates=True,
-    rows=(RangeSensor,),
+    rows=(RangeSensor, Kinematics, Wheel),
     replies={
         "picture": PictureReply,
         "fault": FaultReply,

@@ -1,18 +1,21 @@
-"""The physics of the simulated world: a differential-drive robot among furniture, and what its devices measure there."""
+"""The physics of the simulated world: a robot on wheels among furniture, and what its devices measure there."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import atan2, cos, hypot, isfinite, pi, sin
 
 import msgspec
+from msgspec.structs import replace
 
+from lbr.errors import InputError
+from lbr.messages.kinematics import TWO, Wheel
 from lbr.messages.sensing import RangeSensor, ring
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
 from lbr.simulation.docking import DockSense, world_dock
 from lbr.simulation.inertial import InertialUnit
-from lbr.simulation.measured import Beam, ImuReading, Sensed
-from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml
+from lbr.simulation.measured import Beam, ImuReading, MotorSensed, Sensed
+from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml, two_wheels
 from lbr.simulation.physics import mujoco, packed
 from lbr.simulation.placing import Placed
 from lbr.simulation.ranging import Rangers
@@ -26,18 +29,23 @@ _AMPS_SETTLE = 0.15
 
 
 class Engine:
-    """The world, moved by the power of its two wheels; the same steps with the same seed give the same run.
+    """The world, moved by the power of its motors; the same steps with the same seed give the same run.
 
-    `sensors` are the robot's sensors of distance; None: a ring around its outline.
+    `sensors` are the robot's sensors of distance; None: a ring around its outline. `wheels` are its wheels; none: two.
     """
 
-    def __init__(self, settings: WorldSettings, sensors: Sequence[RangeSensor] | None = None) -> None:
+    def __init__(
+        self, settings: WorldSettings, sensors: Sequence[RangeSensor] | None = None, wheels: Sequence[Wheel] = ()
+    ) -> None:
         self.settings = settings
+        self._wheels = tuple(wheels) or two_wheels(settings.body)
+        if any(wheel.yaw_rad != 0.0 or wheel.roller_rad != 0.0 for wheel in self._wheels):
+            raise InputError("the simulated world has plain wheels that roll ahead, and none with rollers")
         self.battery = BatteryState(settings.battery)
-        self._model = mujoco.MjModel.from_xml_string(model_xml(settings))
+        self._model = mujoco.MjModel.from_xml_string(model_xml(settings, self._wheels))
         self._data = mujoco.MjData(self._model)
-        self._amps = self._drawn = (0.0, 0.0)
-        self._power = (0.0, 0.0)
+        self._amps, self._drawn = [0.0] * len(self._wheels), [0.0] * len(self._wheels)
+        self._power: dict[str, float] = {}
         self._owed_s = 0.0
         self._steps = 0
         self._ranges: dict[str, float | None] = {}
@@ -51,7 +59,7 @@ class Engine:
         self._placed = Placed(self._model)
         self._walls = frozenset(self._geoms(STANDING)) - {self._model.geom(DOCK).id if settings.dock else -1}
         self._robot = frozenset(self._geoms(ROBOT))
-        joints = [self._model.joint(name) for name in ("left", "right")]
+        joints = [self._model.joint(wheel.name) for wheel in self._wheels]
         self._wheel_q = [int(joint.qposadr[0]) for joint in joints]
         self._wheel_v = [int(joint.dofadr[0]) for joint in joints]
         self._settle()
@@ -63,8 +71,12 @@ class Engine:
         return float(self._data.time)
 
     def step(self, left: float, right: float, dt_s: float) -> None:
-        """Run the world for `dt_s` with the wheels at a fraction of full power, forward positive."""
-        self._power = (_limited(left), _limited(right))
+        """Run the world for `dt_s` with the two motors at a fraction of full power, forward positive."""
+        self.drive({"left": left, "right": right}, dt_s)
+
+    def drive(self, powers: Mapping[str, float], dt_s: float) -> None:
+        """Run the world for `dt_s` with motors at a fraction of full power, forward positive; others rest."""
+        self._power = {motor: _limited(power) for motor, power in powers.items()}
         self._owed_s += dt_s
         while self._owed_s >= TIMESTEP_S - 1e-9:
             self._owed_s -= TIMESTEP_S
@@ -73,14 +85,21 @@ class Engine:
     def sensed(self) -> Sensed:
         """Return what devices can measure now."""
         per_turn = self.settings.body.counts_per_turn
-        turns = [float(self._data.qpos[wheel]) / (2 * pi) for wheel in self._wheel_q]
-        speeds = [float(self._data.qvel[wheel]) * 30 / pi for wheel in self._wheel_v]
+        motors: dict[str, MotorSensed] = {}
+        for at, wheel in enumerate(self._wheels):
+            turns = float(self._data.qpos[self._wheel_q[at]]) / (2 * pi)
+            speed_rpm = float(self._data.qvel[self._wheel_v[at]]) * 30 / pi
+            known = motors.get(wheel.motor, MotorSensed(counts=int(turns * per_turn), speed_rpm=speed_rpm))
+            amps_a, drawn_a = known.amps_a + self._amps[at], known.battery_amps_a + self._drawn[at]
+            motors[wheel.motor] = replace(known, amps_a=amps_a, battery_amps_a=drawn_a)
+        left, right = (motors.get(name, MotorSensed()) for name in TWO)
         return Sensed(
             battery_v=self.battery.voltage_v,
-            amps_a=self._amps,
-            battery_amps_a=self._drawn,
-            counts=(int(turns[0] * per_turn), int(turns[1] * per_turn)),
-            speeds_rpm=(speeds[0], speeds[1]),
+            amps_a=(left.amps_a, right.amps_a),
+            battery_amps_a=(left.battery_amps_a, right.battery_amps_a),
+            counts=(left.counts, right.counts),
+            speeds_rpm=(left.speed_rpm, right.speed_rpm),
+            motors=motors,
             ranges_m=self._ranges,
             scans_m=self._scans,
             imu=self.imu(),
@@ -128,8 +147,8 @@ class Engine:
             yaw_rad=yaw,
             speed_mps=ahead * cos(yaw) + leftward * sin(yaw),
             turn_rps=turn,
-            left=self._power[0],
-            right=self._power[1],
+            left=self._side(1.0),
+            right=self._side(-1.0),
             touching=self.touching(),
             battery_v=self.battery.voltage_v,
             time_s=self.time_s,
@@ -152,6 +171,11 @@ class Engine:
         pairs = (data.contact.geom[index] for index in range(data.ncon))
         return any((a in self._walls and b in self._robot) or (b in self._walls and a in self._robot) for a, b in pairs)
 
+    def _side(self, sense: float) -> float:
+        """Return the power of one side: that of its wheels, on average."""
+        powers = [self._power.get(wheel.motor, 0.0) for wheel in self._wheels if wheel.y_m * sense > 0.0]
+        return sum(powers) / max(1, len(powers))
+
     def _place(self) -> tuple[float, float, float]:
         x, y, _, qw, qx, qy, qz = (float(value) for value in self._data.qpos[:7])
         return x, y, atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
@@ -171,8 +195,9 @@ class Engine:
 
     def _step_once(self) -> None:
         self._placed.apply(self._model, self._data)
-        for index, power in enumerate(self._power):
-            self._data.ctrl[index] = self._ramped(float(self._data.ctrl[index]), power)
+        for index, wheel in enumerate(self._wheels):
+            power = self._power.get(wheel.motor, 0.0)
+            self._data.ctrl[index] = self._ramped(float(self._data.ctrl[index]), power, wheel.diameter_m / 2)
         mujoco.mj_step(self._model, self._data)
         self._imu.follow(self._data)
         self._load()
@@ -180,10 +205,9 @@ class Engine:
         if self._steps % _SENSE_EVERY == 0:
             self._sense()
 
-    def _ramped(self, now_radps: float, power: float) -> float:
+    def _ramped(self, now_radps: float, power: float, radius: float) -> float:
         """Return the wheel speed asked for next: motors speed up and slow down at what the drive can do."""
         body = self.settings.body
-        radius = body.wheel_diameter_m / 2
         wanted = power * body.max_speed_mps / radius
         slowing = abs(wanted) < abs(now_radps) or wanted * now_radps < 0
         most = (body.deceleration_mps2 if slowing else body.acceleration_mps2) / radius * TIMESTEP_S
@@ -191,21 +215,17 @@ class Engine:
 
     def _load(self) -> None:
         """Update motor and battery currents from the torques."""
-        left_nm, right_nm = self._data.actuator_force.tolist()
-        left = self._amps[0] + (left_nm * _AMPS_PER_NM - self._amps[0]) * _AMPS_SETTLE
-        right = self._amps[1] + (right_nm * _AMPS_PER_NM - self._amps[1]) * _AMPS_SETTLE
-        speeds = self._data.qvel.tolist()
-        self._amps = (left, right)
-        self._drawn = (
-            left * self._duty(speeds[self._wheel_v[0]], left_nm),
-            right * self._duty(speeds[self._wheel_v[1]], right_nm),
-        )
+        torques, speeds = self._data.actuator_force.tolist(), self._data.qvel.tolist()
+        for at, torque_nm in enumerate(torques):
+            self._amps[at] += (torque_nm * _AMPS_PER_NM - self._amps[at]) * _AMPS_SETTLE
+            duty = self._duty(speeds[self._wheel_v[at]], torque_nm, self._wheels[at].diameter_m / 2)
+            self._drawn[at] = self._amps[at] * duty
         dock = self.settings.dock
         self.battery.draw(sum(self._drawn), TIMESTEP_S, dock.current_a if dock and self._charging else 0.0)
 
-    def _duty(self, speed_radps: float, torque_nm: float) -> float:
+    def _duty(self, speed_radps: float, torque_nm: float, radius: float) -> float:
         """Return how far a bridge is open: as the wheel turns, and more as it is held."""
-        full_radps = self.settings.body.max_speed_mps / (self.settings.body.wheel_diameter_m / 2)
+        full_radps = self.settings.body.max_speed_mps / radius
         return max(-1.0, min(1.0, speed_radps / full_radps + torque_nm / (2 * MAX_TORQUE_NM)))
 
     def _sense(self) -> None:

@@ -23,8 +23,17 @@ class ImuReading(Struct, frozen=True, kw_only=True):
     temperature_c: float = 30.0
 
 
+class MotorSensed(Struct, frozen=True, kw_only=True):
+    """What can be measured of one motor, forward positive; amperes of all its wheels, counts and speed of the first."""
+
+    amps_a: float = 0.0
+    battery_amps_a: float = 0.0
+    counts: int = 0
+    speed_rpm: float = 0.0
+
+
 class Sensed(Struct, frozen=True, kw_only=True):
-    """What the world lets its devices measure; pairs are left and right wheel, forward positive.
+    """What the world lets its devices measure; pairs are the motors left and right, forward positive; `motors` has all.
 
     `scans_m` are distances along the rays of each scanner; null is nothing within reach. A world without wheels or ranges
     leaves theirs out. `imu` is as old as this; whoever is read more often is told of each step. `charging`: both contacts of the dock touch,
@@ -36,6 +45,7 @@ class Sensed(Struct, frozen=True, kw_only=True):
     battery_amps_a: tuple[float, float] = (0.0, 0.0)
     counts: tuple[int, int] = (0, 0)
     speeds_rpm: tuple[float, float] = (0.0, 0.0)
+    motors: dict[str, MotorSensed] = {}
     ranges_m: dict[str, float | None] = {}
     scans_m: dict[str, tuple[float | None, ...]] = {}
     imu: ImuReading = ImuReading()

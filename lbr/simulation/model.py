@@ -1,8 +1,10 @@
 """The MuJoCo description of the robot and its room."""
 
+from collections.abc import Sequence
 from math import cos, pi, radians, sin
 from xml.sax.saxutils import quoteattr
 
+from lbr.messages.kinematics import Wheel
 from lbr.simulation.room import BoxSettings
 from lbr.simulation.settings import Body, Dock, Mount, WorldSettings
 
@@ -29,13 +31,19 @@ _STIFFNESS_NMS = 4.0
 _CLEARANCE_M = 0.04
 _DECK_M = 0.20
 _WHEEL_WIDTH_M = 0.04
+_WHEELS_SHARE = 0.1
+"""Of the robot's mass, in its wheels."""
 _CASTER_M = 0.03
 _CASTER_GAP_M = 0.002
 _SMOOTH = 'friction="0.3 0.005 0.0001"'
 
 
-def model_xml(settings: WorldSettings) -> str:
-    """Return the model, with a camera for each of the robot's; `FLOOR`, `STANDING` and `ROBOT` are its groups."""
+def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = ()) -> str:
+    """Return the model, with a camera for each of the robot's; `FLOOR`, `STANDING` and `ROBOT` are its groups.
+
+    Without rows of wheels the robot has two. Each wheel, its joint and its motor have the name of its row.
+    """
+    wheels = wheels or two_wheels(settings.body)
     return f"""
 <mujoco model="world">
   <compiler angle="radian"/>
@@ -44,9 +52,9 @@ def model_xml(settings: WorldSettings) -> str:
   <worldbody>
     <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001" rgba="0.74 0.68 0.6 1"/>
 {"".join(_thing(box) for box in settings.walls)}{_dock(settings.dock)}{"".join(map(_placeable, PLACEABLE))}
-{_robot(settings)}
+{_robot(settings, wheels)}
   </worldbody>
-  <actuator>{_motor("left")}{_motor("right")}</actuator>
+  <actuator>{"".join(_motor(wheel.name) for wheel in wheels)}</actuator>
   <sensor><gyro site="{IMU}"/><accelerometer site="{IMU}"/><magnetometer site="{IMU}"/></sensor>
 </mujoco>"""
 
@@ -54,6 +62,20 @@ def model_xml(settings: WorldSettings) -> str:
 def wheel_track_m(body: Body) -> float:
     """Return the distance between the wheels' middles."""
     return body.width_m - _WHEEL_WIDTH_M
+
+
+def two_wheels(body: Body) -> tuple[Wheel, ...]:
+    """Return the wheels of a robot without rows of them."""
+    half = wheel_track_m(body) / 2
+    return tuple(
+        Wheel(name=name, motor=name, y_m=side * half, diameter_m=body.wheel_diameter_m)
+        for name, side in (("left", 1), ("right", -1))
+    )
+
+
+def axle_m(wheels: Sequence[Wheel]) -> float:
+    """Return how high the middle of the base is above the floor: as high as the axle of its largest wheel."""
+    return max(wheel.diameter_m for wheel in wheels) / 2
 
 
 def _thing(box: BoxSettings) -> str:
@@ -82,9 +104,9 @@ def _placeable(name: str) -> str:
     </body>"""
 
 
-def _robot(settings: WorldSettings) -> str:
+def _robot(settings: WorldSettings, wheels: Sequence[Wheel]) -> str:
     body, start = settings.body, settings.start
-    radius = body.wheel_diameter_m / 2
+    radius = axle_m(wheels)
     half_length, half_width = body.length_m / 2, body.width_m / 2 - _WHEEL_WIDTH_M
     deck_z, mast = _CLEARANCE_M + _DECK_M / 2 - radius, (body.height_m - _CLEARANCE_M - _DECK_M) / 2
     caster_x, caster_z = half_length - _CASTER_M, _CASTER_M + _CASTER_GAP_M - radius
@@ -95,10 +117,10 @@ def _robot(settings: WorldSettings) -> str:
             mass="{body.mass_kg * 0.82}" {_SMOOTH}/>
       <geom name="mast" type="box" group="{ROBOT}" size="0.03 0.03 {mast}" pos="0 0 {deck_z + _DECK_M / 2 + mast}"
             mass="{body.mass_kg * 0.08}"/>
-      {_caster("front", caster_x, caster_z)}{_caster("rear", -caster_x, caster_z)}
-      {_wheel("left", body, 1)}{_wheel("right", body, -1)}
+      {"" if _stands(wheels) else _caster("front", caster_x, caster_z) + _caster("rear", -caster_x, caster_z)}
+      {"".join(_wheel(wheel, radius, body.mass_kg * _WHEELS_SHARE / len(wheels)) for wheel in wheels)}
       <site name="{IMU}" {_place(settings.imu.mount, radius)} {_turned(settings.imu.mount)}/>
-      {"".join(_camera(name, mount, settings) for name, mount in settings.cameras.items())}
+      {"".join(_camera(name, mount, settings, radius) for name, mount in settings.cameras.items())}
     </body>"""
 
 
@@ -108,23 +130,28 @@ def _caster(name: str, x: float, z: float) -> str:
             friction="0.001 0.0001 0.0001" priority="1" condim="1"/>"""
 
 
-def _wheel(name: str, body: Body, side: int) -> str:
-    radius = body.wheel_diameter_m / 2
+def _stands(wheels: Sequence[Wheel]) -> bool:
+    """Say whether the wheels alone keep the base from tipping over, ahead and back."""
+    return min(wheel.x_m for wheel in wheels) < 0.0 < max(wheel.x_m for wheel in wheels)
+
+
+def _wheel(wheel: Wheel, base_m: float, mass_kg: float) -> str:
+    name, radius = wheel.name, wheel.diameter_m / 2
     return f"""
-      <body name="{name}_wheel" pos="0 {side * wheel_track_m(body) / 2} 0">
+      <body name="{name}_wheel" pos="{wheel.x_m} {wheel.y_m} {radius - base_m}">
         <joint name="{name}" type="hinge" axis="0 1 0" frictionloss="{ROLLING_NM}" armature="0.02"/>
         <geom name="{name}_wheel" type="cylinder" group="{ROBOT}" size="{radius} {_WHEEL_WIDTH_M / 2}"
-              euler="{pi / 2} 0 0" mass="{body.mass_kg * 0.05}" friction="1.0 0.005 0.0001" condim="4"/>
+              euler="{pi / 2} 0 0" mass="{mass_kg}" friction="1.0 0.005 0.0001" condim="4"/>
       </body>"""
 
 
-def _camera(name: str, mount: Mount, settings: WorldSettings) -> str:
+def _camera(name: str, mount: Mount, settings: WorldSettings, base_m: float) -> str:
     """MuJoCo's cameras look along -z with x to the right: turned so, they look along their mount's x."""
     pitch, yaw = radians(mount.pitch_deg), radians(mount.yaw_deg)
     right = (sin(yaw), -cos(yaw), 0.0)
     up = (cos(yaw) * sin(pitch), sin(yaw) * sin(pitch), cos(pitch))
     return f"""
-      <camera name={quoteattr(name)} {_place(mount, settings.body.wheel_diameter_m / 2)}
+      <camera name={quoteattr(name)} {_place(mount, base_m)}
               xyaxes="{_numbers(*right, *up)}" fovy="{settings.camera_fov_deg}"/>"""
 
 

@@ -1,12 +1,13 @@
-"""The physics of a robot on wheels, moved by the twin of its motor controller."""
+"""The physics of a robot on wheels, moved by the twins of its motor controllers."""
 
 from collections.abc import Sequence
 
+from lbr.messages.kinematics import TWO
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine
 from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.model import TIMESTEP_S
-from lbr.simulation.twins import Twin, WheelDrive
+from lbr.simulation.twins import MotorDrive, Twin, WheelDrive
 
 
 class WheeledPhysics:
@@ -17,13 +18,12 @@ class WheeledPhysics:
     def __init__(self, engine: Engine, twins: Sequence[Twin], cameras: CameraHost) -> None:
         self.pose, self.ranges_m = engine.pose(), engine.ranges_m
         self._engine = engine
-        self._motors = next((twin for twin in twins if isinstance(twin, WheelDrive)), None)
+        self._motors = [twin for twin in twins if isinstance(twin, WheelDrive | MotorDrive)]
         self._cameras = cameras
 
     def advance(self, now: float, dt_s: float) -> None:
-        """Run for a while with the wheels as the motor controller has them."""
-        left, right = self._motors.wheels(now) if self._motors else (0.0, 0.0)
-        self._engine.step(left, right, dt_s)
+        """Run for a while with the wheels as the motor controllers have them."""
+        self._engine.drive(self._powers(now), dt_s)
 
     def imu(self) -> ImuReading:
         """Return what an inertial unit measures at the newest step."""
@@ -39,8 +39,15 @@ class WheeledPhysics:
 
     def moved_by(self, twin: Twin) -> bool:
         """Say whether a twin turns wheels."""
-        return isinstance(twin, WheelDrive)
+        return isinstance(twin, WheelDrive | MotorDrive)
 
     def at_rest(self, now: float) -> bool:
         """Say whether no wheel has power."""
-        return self._motors is None or self._motors.wheels(now) == (0.0, 0.0)
+        return not any(self._powers(now).values())
+
+    def _powers(self, now: float) -> dict[str, float]:
+        """Return the power of each motor."""
+        found: dict[str, float] = {}
+        for twin in self._motors:
+            found |= dict(zip(TWO, twin.wheels(now), strict=True)) if isinstance(twin, WheelDrive) else twin.motors(now)
+        return found

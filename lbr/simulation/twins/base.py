@@ -115,6 +115,14 @@ class WheelDrive(Protocol):
 
 
 @runtime_checkable
+class MotorDrive(Protocol):
+    """A twin that turns motors of a robot on wheels, whatever they are called."""
+
+    def motors(self, now: float) -> Mapping[str, float]:
+        """Return the power of each of its motors, by their names in rows of `wheel`, forward positive."""
+
+
+@runtime_checkable
 class PowerSwitch(Protocol):
     """A twin that gives the servos their power, or not."""
 
