@@ -1,0 +1,147 @@
+"""The rover in simulation, through its front door: it drives, turns, stops, knows how far it came, and heeds its lidar."""
+
+import subprocess
+import sys
+from math import cos, dist, pi, sin
+
+import pytest
+
+from lbr.testing.robot import running, until
+
+NAMES = ("motors", "lidar", "imu", "drive", "attitude", "odometry", "world")
+SENDER = """
+import json, sys, time
+from lbr.bus import session, wire
+bus, lease = session.open_client(sys.argv[1:]), ""
+while True:
+    twist = {"vx_mps": -0.15, "lease": lease}
+    for answer in wire.ask(bus, "rover/drive/twist", twist, source="sender", timeout_s=2.0):
+        lease = json.loads(answer.payload).get("lease", "")
+    time.sleep(0.1)
+"""
+"""Drives back for as long as it lives."""
+pytestmark = pytest.mark.timeout(100)
+
+
+@pytest.fixture(scope="module")
+def rover():
+    with running("rover-sim") as robot:
+        until(lambda: phases(robot) == dict.fromkeys(NAMES, "ready"), "all is ready", within_s=30.0)
+        for state in ("odometry", "attitude"):
+            until(lambda state=state: (robot.ask(f"{state}/state") or {}).get("valid"), f"its {state}", within_s=30.0)
+        yield robot
+
+
+@pytest.fixture(autouse=True)
+def at_rest(rover):
+    yield
+    rover.say("/obstacle/off")
+    rover.say("s")
+    until(lambda: not rover.ask("drive/state")["moving"], "it stands")
+
+
+def phases(robot):
+    return {one["name"]: one["phase"] for one in robot.ask("@status")["capabilities"]}
+
+
+def pose(robot):
+    return robot.ask("world/pose")
+
+
+def place(robot):
+    found = pose(robot)
+    return found["x_m"], found["y_m"]
+
+
+def ended(robot, line):
+    """Say a line that has an end, holding its lease by saying it again and again; return how it ended."""
+    before = (robot.ask("drive/result") or {}).get("goal")
+    goal = lease = None
+    word, *numbers = line.strip("/").split("/")
+    command = {
+        "t": lambda angle: ("turn", {"angle_deg": float(angle)}),
+        "go": lambda cm, power: ("command", {"distance_cm": float(cm), "power": float(power)}),
+    }[word](*numbers)
+
+    def over():
+        nonlocal goal, lease
+        result = robot.ask("drive/result")
+        if result is not None and result["goal"] == goal != before:
+            return True
+        reply = robot.ask(f"drive/{command[0]}", {**command[1], **({"lease": lease} if lease else {})})
+        if lease is None:
+            assert reply["accepted"], reply
+            goal, lease = reply["goal"], reply["lease"]
+        return False
+
+    until(over, f"the end of {line}", within_s=25.0)
+    return robot.ask("drive/result")
+
+
+def drives(robot, message, enough, what):
+    """Move by a twist for as long as it takes."""
+    lease = ""
+
+    def done():
+        nonlocal lease
+        reply = robot.ask("drive/twist", {**message, "lease": lease})
+        lease = reply["lease"] if reply["accepted"] else ""
+        return enough()
+
+    until(done, what, within_s=20.0)
+
+
+def test_a_word_of_the_console_drives_it(rover):
+    began = place(rover)
+    until(lambda: rover.say("/r/0.3/0")["code"] == 0 and dist(began, place(rover)) > 0.05, "it drives")
+    assert rover.say("s")["text"] == "stopped"
+
+
+def test_it_goes_a_distance_by_its_odometry(rover):
+    began, before = place(rover), rover.ask("odometry/state")["distance_m"]
+    result = ended(rover, "/go/30/0.3")
+    assert result["code"] == "done", result
+    assert dist(began, place(rover)) == pytest.approx(0.30, abs=0.06)
+    until(
+        lambda: rover.ask("odometry/state")["distance_m"] - before == pytest.approx(0.30, abs=0.05), "odometry agrees"
+    )
+
+
+def test_it_turns_by_an_angle_though_its_wheels_slip(rover):
+    before = pose(rover)["yaw_rad"]
+    result = ended(rover, "/t/90")
+    assert result["code"] == "done", result
+    turned = (before - pose(rover)["yaw_rad"]) % (2 * pi)
+    assert turned == pytest.approx(pi / 2, abs=0.12)
+
+
+def test_a_twist_takes_it_along_an_arc(rover):
+    began = pose(rover)["yaw_rad"]
+    turned = lambda: (pose(rover)["yaw_rad"] - began + pi) % (2 * pi) - pi  # noqa: E731 - short
+    drives(rover, {"vx_mps": 0.1, "wz_rps": 0.8}, lambda: turned() > 0.4, "it turns left")
+    rover.say("s")
+    reply = rover.ask("drive/twist", {"vy_mps": 0.2})
+    assert (reply["accepted"], reply["code"]) == (False, "bad_value")
+
+
+def test_it_stands_when_its_sender_is_killed(rover):
+    sender = subprocess.Popen([sys.executable, "-c", SENDER, *rover.endpoints])
+    try:
+        until(lambda: rover.ask("drive/state")["moving"] and pose(rover)["speed_mps"] < -0.05, "it drives back", 20.0)
+    finally:
+        sender.kill()
+        sender.wait()
+    until(lambda: not rover.ask("drive/state")["moving"], "no motor gets power", 2.0)
+    until(lambda: abs(pose(rover)["speed_mps"]) < 0.01, "it stands", 2.0)
+
+
+def test_it_does_not_start_towards_what_its_lidar_sees_and_may_back_away(rover):
+    now = pose(rover)
+    ahead = now["x_m"] + 0.6 * cos(now["yaw_rad"]), now["y_m"] + 0.6 * sin(now["yaw_rad"])
+    placed = rover.say(f"/obstacle/{ahead[0]:.3f}/{ahead[1]:.3f}")
+    assert placed["code"] == 0, placed
+    until(lambda: (rover.ask("drive/state")["sees"]["lidar forward"] or 9.0) < 0.25, "the lidar sees the box")
+    reply = rover.ask("drive/twist", {"vx_mps": 0.3})
+    assert (reply["accepted"], reply["code"]) == (False, "obstacle")
+    assert "lidar" in reply["reason"]
+    assert rover.ask("drive/twist", {"vx_mps": -0.1})["accepted"]
