@@ -62,7 +62,7 @@ CREATE TABLE channel (
         CHECK (source GLOB '[a-z]*.[a-z]*' AND source NOT GLOB '*[^a-z0-9_.]*' AND source NOT GLOB '*.*.*'),
     target  TEXT    NOT NULL  -- capability.input
         CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
-    rate_hz REAL              -- at most so many messages a second; NULL: every one
+    rate_hz REAL              -- at most this many messages a second; NULL: every one
         CHECK (rate_hz > 0 AND rate_hz <= 1000000),
     history INTEGER NOT NULL DEFAULT 1  -- how many of the newest messages wait for the reader
         CHECK (history BETWEEN 1 AND 64),
@@ -161,7 +161,7 @@ CREATE TABLE range_sensor (
         CHECK (min_m BETWEEN 0 AND 100),
     max_m     REAL    NOT NULL DEFAULT 4  -- a number above this is a fault
         CHECK (max_m > 0 AND max_m <= 100),
-    rays      INTEGER NOT NULL DEFAULT 1  -- 1: it tells one distance; more: a scan of so many
+    rays      INTEGER NOT NULL DEFAULT 1  -- 1: it tells one distance; more: a scan of this many
         CHECK (rays BETWEEN 1 AND 4096),
     stop_m    REAL    DEFAULT 0.25  -- the base stops so far before what it sees; NULL: only rules of the drive that name it count
         CHECK (stop_m > 0 AND stop_m <= 10),
@@ -176,7 +176,7 @@ CREATE TABLE kinematics (
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     kind         TEXT NOT NULL  -- what its wheels let it do: mecanum and omni move sideways
         CHECK (kind IN ('differential', 'skid', 'mecanum', 'omni')),
-    track_factor REAL NOT NULL DEFAULT 1  -- a turn takes the wheels so many times as far as their places say: more than 1 where they slip
+    track_factor REAL NOT NULL DEFAULT 1  -- a turn takes the wheels this many times as far as their places say: more than 1 where they slip
         CHECK (track_factor BETWEEN 0.5 AND 5),
     PRIMARY KEY (robot, name)
 ) STRICT;

@@ -25,7 +25,7 @@ from tests.support.figures import Report, machine, table
 
 SMOKE_S = 120.0
 SPARE = 1
-"""They wait more than they compute: so many more at a time than there are cores."""
+"""They wait more than they compute: this many more at a time than there are cores."""
 
 
 def main(words: list[str]) -> int:

@@ -127,7 +127,7 @@ def _driven(door: Door, name: str, manner: str, dice: random.Random) -> Iterator
 
 
 def _nothing_moves(results: Results, door: Door, deliver: Callable[[], None], how: str) -> None:
-    """A client that asks anew may begin anew, by a question of its own time; everybody else's lease is dead."""
+    """A client that asks again may start over, by a question of its own time; everybody else's lease is dead."""
     since_ns = time.monotonic_ns()
     deliver()
     _wait(STANDS_S)

@@ -116,7 +116,7 @@ def _measure(under_test: Bench, queues: TwoHops, n: int) -> dict[str, list[float
         for power in STEPS:
             measured = _slow_down(under_test, power)
             if measured is None:
-                break  # the machine was busy for too long and the robot stands; begin anew
+                break  # the machine was busy for too long and the robot stands; start over
             lines.append(measured[0])
             answers.append(measured[1])
             if (half := ping.once()) is not None:

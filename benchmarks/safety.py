@@ -44,7 +44,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     """Add how much, of what, on which robot; or what to keep."""
     amount = parser.add_mutually_exclusive_group()
     amount.add_argument("--n", type=int, default=10, help="how much; 300 is the full amount (default %(default)s)")
-    amount.add_argument("--tries", type=int, default=0, help="so many tries of each scenario, as in --only S1,S8")
+    amount.add_argument("--tries", type=int, default=0, help="this many tries of each scenario, as in --only S1,S8")
     amount.add_argument("--gate", action="store_true", help="everything in under five minutes")
     amount.add_argument("--full", action="store_true", help="the full amount, in ten rounds")
     parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no round of --full that ends later")

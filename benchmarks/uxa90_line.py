@@ -181,7 +181,7 @@ def streaming(seconds: float) -> dict[str, float]:
 
 
 def fuzzing(enough: int, seed: int, good_s: float) -> dict[str, Any]:
-    """Return what was believed on a line that is spoilt until so many bytes were, and what is once it is good again."""
+    """Return what was believed on a line that is spoilt until this many bytes were, and what is once it is good again."""
     truth = Fuzzer(seed=seed).truth
     lies: set[tuple[int, int, int]] = set()
     crashes, looks, began = 0, 0, time.monotonic()

@@ -25,8 +25,8 @@ SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a su
 class Running(Struct, frozen=True, kw_only=True):
     """A robot that runs on this machine, and how to reach it.
 
-    `endpoints` let anybody in to look and operate; at `core`, `password` lets in whoever may read this home, with all
-    rights. `lan` is where other machines come in.
+    `endpoints` let every local user in to look and operate; at `core`, `password` lets in users that may read this
+    home, with all rights. `lan` is where other machines come in.
     """
 
     robot: str
@@ -154,7 +154,7 @@ class RunLock:
             raise InputError(f"{self._record} cannot be written ({err.strerror}): check the disk") from err
 
     def release(self) -> None:
-        """Let go."""
+        """Release the lock."""
         self._record.unlink(missing_ok=True)
         os.close(self._fd)
 
@@ -173,12 +173,12 @@ def _ours(path: Path) -> Path:
 
 
 def _owner_of_home() -> tuple[int, ...]:
-    """Return who else may have written down what runs: root may look at somebody's robots."""
+    """Return who else may have written down what runs: root may look at another user's robots."""
     return (home().stat().st_uid,) if os.geteuid() == 0 else ()
 
 
 def _locked_within(fd: int, limit_s: float) -> bool:
-    """Take the lock; whoever only looks whether a robot runs holds it for an instant."""
+    """Take the lock; a process that looks whether a robot runs holds it only for an instant."""
     end = time.monotonic() + limit_s
     while True:
         try:

@@ -1,7 +1,8 @@
-"""Who could change what is at a path: one check for the home, its keys, the database and its logs, and capability files.
+"""Who could change what is at a path: one check for the home, its keys, the database and its logs, and capability
+files.
 
-A place is ours if it belongs to us or to root, if nobody else may write it, and if that holds for each folder and link
-on the way to it. A folder with the sticky bit may be written by everybody, as long as what we use in it is ours.
+A place is ours if it belongs to us or to root, if no other user may write it, and if that holds for each folder and
+link on the way to it. A folder with the sticky bit may be written by everybody, as long as what we use in it is ours.
 """
 
 import grp
@@ -44,7 +45,7 @@ class _Step(Struct, frozen=True):
 def faults(path: Path, *, secret: bool = False, owners: Iterable[int] = ()) -> tuple[Fault, ...]:
     """Return what keeps a file or folder from being ours alone; of what is not there, the way to it.
 
-    A secret is to be read by nobody else either. `owners` are users who may own it beside us and root.
+    A secret is not readable for others either. `owners` are users who may own it beside us and root.
     """
     trusted = {0, os.geteuid(), *owners}
     found: list[Fault] = []
@@ -184,7 +185,7 @@ def _has_others(gid: int) -> bool:
 
 
 def _is_unmapped(uid: int) -> bool:
-    """Say whether an owner is somebody outside of this user namespace, whom nobody inside can be."""
+    """Say whether an owner is outside of this user namespace, so that no user inside can be it."""
     try:
         overflow = int(Path("/proc/sys/kernel/overflowuid").read_text())
         return uid == overflow and " ".join(Path("/proc/self/uid_map").read_text().split()) != WHOLE_MAP

@@ -23,7 +23,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the backg
 
 NOTE, LEFT = "machine", "left"
 ENDS_S = 2.0
-"""What was told to end may take so long after the last test."""
+"""What was told to end may take this long after the last test."""
 AGAIN_S = 0.5
 CACHES = {".cache", ".config"}
 """OpenGL keeps its shaders in the one, the sound server's library a link in the other."""
@@ -32,7 +32,7 @@ settings.register_profile("lbr", deadline=None, suppress_health_check=[HealthChe
 settings.load_profile("lbr")  # how long an example takes is the machine's affair; in CI, too, examples are random
 
 WAITERS = 2
-"""Tests wait more than they compute, for lines, clocks and robots: so many more at a time than there are cores."""
+"""Tests wait more than they compute, for lines, clocks and robots: this many more at a time than there are cores."""
 
 left_over = pytest.StashKey[list[str]]()
 

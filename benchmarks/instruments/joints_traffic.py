@@ -37,7 +37,7 @@ class Client:
         self.late_ms: list[float] = []
         """By how much each command left later than it should."""
         self.refused: Counter[str] = Counter()
-        """Why a motion could not begin anew."""
+        """Why a motion could not start over."""
 
     def start(self) -> "Client":
         """Begin to move, once that is accepted."""
@@ -82,7 +82,7 @@ class Watched:
 
     def __init__(self) -> None:
         self.ended = 0
-        """How often a motion ended, and was begun anew."""
+        """How often a motion ended, and was started over."""
         self._reasons: Counter[str] = Counter()
         self._moved_at = nan
         self._longest_s = 0.0

@@ -26,8 +26,8 @@ class Rights(Struct, frozen=True, kw_only=True):
     """What a user may do, each as key expressions; nothing else passes.
 
     `put` to publish, `ask` to query, `serve` to answer queries, `hear` to subscribe and be given, `alive` to show
-    presence and `watch` to see it. `never_put` takes back part of `put`, `never_hear` part of what others put and `hear`
-    has. `trusted` may do all else in the key space.
+    presence and `watch` to see it. `never_put` takes back part of `put`, `never_hear` part of what others put and
+    `hear` has. `trusted` may do all else in the key space.
     """
 
     put: tuple[str, ...] = ()
@@ -150,7 +150,8 @@ def limits(found: Limits) -> dict[str, Any]:
 
 
 def never_waiting(key_exprs: tuple[str, ...]) -> dict[str, Any]:
-    """Return Zenoh's overwriting of what is asked on these keys: nobody waits for who asks and does not listen.
+    """Return Zenoh's overwriting of what is asked on these keys: no process waits for a client that asks and does not
+    read.
 
     An answer goes as its question came, and one that may not be dropped blocks who answers for seconds.
     """

@@ -1,6 +1,7 @@
 """Motion borrowed from a capability: asked for, renewed at 10 Hz, heard of, and given up whenever it is lost.
 
-Whoever borrows motion does it by this client: a capability by its request ports, a program by its session on the bus.
+Everything that borrows motion does it by this client: a capability by its request ports, a program by its session on
+the bus.
 """
 
 from collections.abc import Mapping
@@ -17,8 +18,8 @@ from lbr.messages.leases import CommandReply, StopCommand
 
 RENEW_S = 0.1
 SILENT_S = 0.5
-"""A lender that answers nothing for so long is silent. A round of ours counts as `RENEW_S` at most: while we were held
-up ourselves we neither asked nor read, and the lease alone tells whether that was too long."""
+"""A lender that answers nothing for this long is silent. A round of ours counts as `RENEW_S` at most: while we were
+held up ourselves we neither asked nor read, and the lease alone tells whether that was too long."""
 ANSWER_S = 1.0
 MOST_WAITING = 8
 MOST_RESULTS = 8
@@ -49,8 +50,8 @@ class Transport(Protocol):
 class LeaseTarget:
     """Whom to borrow from: the requests to move and to halt it, what it is, and what it does once it is silent.
 
-    Without a request to halt it, motion that is not wanted any more lapses. Where a lease dies, the result that says why
-    may be heard `result_s` later.
+    Without a request to halt it, motion that is not wanted any more lapses. Where a lease dies, the result that says
+    why may be heard `result_s` later.
     """
 
     motion: str

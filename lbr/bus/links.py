@@ -12,7 +12,7 @@ MOST_WAITING = 256
 
 
 class Coming(Struct, frozen=True):
-    """Somebody came (or went): from where, and its session's id."""
+    """A client came (or went): from where, and its session's id."""
 
     here: bool
     address: str

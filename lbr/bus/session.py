@@ -30,8 +30,8 @@ MAX_MESSAGE_BYTES = 1 << 20
 DEAF_MS = 200
 """Who comes from another machine and takes nothing that must be delivered is cut off then: all others wait for it."""
 ACCEPT_MS, MOST_PENDING = 3000, 500
-"""Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are many.
-What fails before that, the library answers with a pause of 0.1 s, which nothing can set."""
+"""Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are
+many. What fails before that, the library answers with a pause of 0.1 s, which nothing can set."""
 
 
 class Tls(Struct, frozen=True, kw_only=True):
@@ -44,7 +44,7 @@ class Tls(Struct, frozen=True, kw_only=True):
 class Router(Struct, frozen=True, kw_only=True):
     """A router to open: where it listens, whom it knows, what they may do, and the router it hangs on.
 
-    Without `users` it asks nobody for a password. `links` are the rights of routers it connects to, by their `id`.
+    Without `users` it asks for no password. `links` are the rights of routers it connects to, by their `id`.
     What it asks others on the keys `never_waiting` is dropped where it cannot go on at once, and so are the answers.
     """
 

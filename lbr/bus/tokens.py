@@ -1,4 +1,4 @@
-"""Tokens: what somebody on another machine shows a robot, and by what that machine knows the robot again."""
+"""Tokens: what a user on another machine shows a robot, and by what that machine knows the robot again."""
 
 import hashlib
 import re

@@ -46,7 +46,7 @@ def _leave(err: BaseException) -> None:
 
 
 on_callback_error: Callable[[BaseException], None] = _leave
-"""What follows an exception on one of Zenoh's threads, where nobody would see it; by default the process ends."""
+"""What follows an exception on one of Zenoh's threads, where it would go unseen; by default the process ends."""
 
 
 def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # only the stub is generic
@@ -64,8 +64,8 @@ def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # 
 class Publisher:
     """One stream: publishes stamped messages, and answers a `get` with its latest value. One thread publishes.
 
-    It carries JSON, or, with `pictures`, the bytes of JPEG files. `renew` makes of the latest value what a `get` is told,
-    on Zenoh's thread, where a part of it may have changed since; it must be quick and thread-safe.
+    It carries JSON, or, with `pictures`, the bytes of JPEG files. `renew` makes of the latest value what a `get` is
+    told, on Zenoh's thread, where a part of it may have changed since; it must be quick and thread-safe.
     """
 
     def __init__(
@@ -184,7 +184,7 @@ class Request:
 
     @property
     def answerable(self) -> bool:
-        """Say whether somebody waits for the answer; nobody does after a `put`."""
+        """Say whether the sender waits for an answer; after a `put` it does not."""
         return self._query is not None
 
     def reply(self, message: Any, source: str) -> None:
@@ -192,7 +192,7 @@ class Request:
         self.forward_reply(encode(message), stamps.make(source, 0))
 
     def forward_reply(self, payload: bytes, attachment: bytes) -> None:
-        """Answer with the bytes of somebody else's answer, once."""
+        """Answer with the bytes of another's answer, once."""
         query, self._query = self._query, None
         if query is None:
             return
@@ -229,7 +229,7 @@ class QueryServer:
 
     def _asked(self, query: zenoh.Query) -> None:
         if str(query.key_expr) != self.key:
-            return  # somebody looks around with a wildcard; a command is meant for one
+            return  # a query with a wildcard only looks around; a command is meant for one
         payload, attachment = query.payload, query.attachment
         self._queue(
             Request(
@@ -256,7 +256,8 @@ class QueryServer:
 class PendingQuery:
     """A query under way; its answers arrive on Zenoh's thread. `attachment` passes on a stamp instead of our own.
 
-    `proof` is the token by which we came in at a robot's door: it tells there who asks. `waited_s`: so long it waited here.
+    `proof` is the token by which we came in at a robot's door: it tells there who asks. `waited_s`: this long it waited
+    here.
     """
 
     def __init__(
@@ -314,9 +315,9 @@ def ask(
     attachment: bytes = b"",
     waited_s: float = 0.0,
 ) -> list[RawMessage]:
-    """Query a key and wait for all answers; an empty list means that nobody answered in time.
+    """Query a key and wait for all answers; an empty list means that no answer came in time.
 
-    `sent_s` is when what is passed on was said first, so that nobody takes it for fresher than it is, and
+    `sent_s` is when what is passed on was said first, so that it is not taken for fresher than it is, and
     `waited_s` for how long it had waited by then; `attachment` passes on the stamp itself.
     """
     payload = encode(message) if message is not None else b""
@@ -360,8 +361,8 @@ def ask_all(
 def put(
     session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False, to_others: bool = False
 ) -> None:
-    """Publish once; `urgent` overtakes streams, `to_others` passes by this session's own subscriptions, which are called
-    within. BusError: it was not sent."""
+    """Publish once; `urgent` overtakes streams, `to_others` passes by this session's own subscriptions, which are
+    called within. BusError: it was not sent."""
     try:
         session.put(
             key,
@@ -378,7 +379,7 @@ def put(
 
 
 def forward(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:
-    """Publish the bytes of somebody else's message at once; lost rather than late."""
+    """Publish the bytes of another's message at once; lost rather than late."""
     session.put(
         key,
         payload,

@@ -39,4 +39,4 @@ class Capability(Generic[S]):
         """Tell the others that the device is away; called when it goes and every half second until it is back."""
 
     def close(self) -> None:
-        """Stop motion first, then let go of everything; called on every way out that allows it."""
+        """Stop motion first, then close everything; called on every way out that allows it."""

@@ -47,7 +47,7 @@ class BusCall:
         self._refused = refused
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
-        """Answer, once. A refusal is an event too, unless it is `quiet` and somebody waits for the answer."""
+        """Answer, once. A refusal is an event too, unless it is `quiet` and the sender waits for the answer."""
         if getattr(answer, "accepted", True) is False and not getattr(answer, "code", "refused"):
             answer = replace(answer, code="refused")
         if isinstance(answer, CommandReply) and not answer.accepted and not (quiet and self._request.answerable):

@@ -24,7 +24,7 @@ class InputWire(Struct, frozen=True, kw_only=True):
 
 
 class OutputWire(Struct, frozen=True, kw_only=True):
-    """A key on which an output is published; sealed if it is somebody's setpoint."""
+    """A key on which an output is published; sealed if it is a setpoint."""
 
     key: str
     seal: str = ""
@@ -42,10 +42,11 @@ class DeviceConfig(Struct, frozen=True, kw_only=True):
 class ProcessConfig(Struct, frozen=True, kw_only=True):
     """Everything a process needs to know; it reads nothing else.
 
-    `wiring` maps inputs and setpoints to the streams that feed them, `outputs` every output to its keys, `requests`
-    to the capabilities asked and their keys. `simulated`: the robot's devices are emulated. `release_key` proves that a release of the e-stop is the executive's.
-    `rows` are those that its kind reads, by table, and `private` is a document between its kind and the executive alone. `host` is the other machine that it runs on, where
-    `certificate` (PEM) is the only one that the robot's door may show; both are empty where the robot runs.
+    `wiring` maps inputs and setpoints to the streams that feed them, `outputs` every output to its keys, `requests` to
+    the capabilities asked and their keys. `simulated`: the robot's devices are emulated. `release_key` proves that a
+    release of the e-stop is the executive's. `rows` are those that its kind reads, by table, and `private` is a
+    document between its kind and the executive alone. `host` is the other machine that it runs on, where `certificate`
+    (PEM) is the only one that the robot's door may show; both are empty where the robot runs.
     """
 
     robot: str

@@ -26,7 +26,7 @@ def confine(places: Iterable[str] = ()) -> None:
     kept = {CAP_DAC_OVERRIDE} if _needs_override(places) else set()
     for number in range(LAST_CAPABILITY + 1):
         if number not in kept:
-            libc.prctl(PR_CAPBSET_DROP, number, 0, 0, 0)  # refused to whoever has none anyway
+            libc.prctl(PR_CAPBSET_DROP, number, 0, 0, 0)  # refused to a process that has none anyway
     libc.prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0)
     _set_capabilities(libc, kept)
     _must(libc.prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), "new privileges cannot be refused")
@@ -35,7 +35,7 @@ def confine(places: Iterable[str] = ()) -> None:
 
 
 def keep_private() -> None:
-    """Let nobody else read the files that this process makes, nor its memory."""
+    """Keep others from reading the files that this process makes, and its memory."""
     os.umask(OWNER_ONLY)
     ctypes.CDLL(None).prctl(PR_SET_DUMPABLE, 0, 0, 0, 0)
 

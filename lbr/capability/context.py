@@ -31,7 +31,7 @@ class Call(Protocol):
     """A command waiting for its answer; a `put` is one too, that is not `answerable`.
 
     `arrived`: when it was sent, or else came, on our clock. `remote`: from another machine, where it was sent at
-    `sender_s` by that machine's monotonic clock (NaN: unknown). `waited_s`: for so long it had waited at its sender.
+    `sender_s` by that machine's monotonic clock (NaN: unknown). `waited_s`: for this long it had waited at its sender.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Call(Protocol):
     answerable: bool
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
-        """Answer, once. A refusal is an event too, unless it is `quiet` and somebody waits for the answer."""
+        """Answer, once. A refusal is an event too, unless it is `quiet` and the sender waits for the answer."""
 
     def refuse(self, reason: str | Reason, code: Code = "refused") -> None:
         """Answer `{"accepted": false, "reason": …, "code": …}`; a `Reason` brings its own code."""
@@ -156,10 +156,11 @@ class Context(Protocol[S_co]):
         code: str = "",
         about: str = "",
     ) -> None:
-        """Publish on `@event`; the executive writes it down. `code` says why, `about` whose command or motion it concerns."""
+        """Publish on `@event`; the executive writes it down. `code` says why, `about` whose command or motion it
+        concerns."""
 
     def engage_estop(self, reason: str) -> None:
-        """Latch the emergency stop of everything that moves; whoever moves hears it past the executive."""
+        """Latch the emergency stop of everything that moves; each mover hears it directly, not through the executive."""
 
     def learn(self, *rows: Row) -> None:
         """Have rows that the kind learns written down; `rows` has them at once, and it goes on without a restart."""
@@ -167,7 +168,7 @@ class Context(Protocol[S_co]):
     def adopt(self, rows: Iterable[Row]) -> None:
         """Go on with the rows of an edit that was accepted, as far as the kind reads them: `rows` has them at once.
 
-        The executive counts on it, and does not start this capability anew for them.
+        The executive counts on it, and does not restart this capability for them.
         """
 
     def ready(self, reason: str = "") -> None:

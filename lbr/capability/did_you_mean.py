@@ -1,4 +1,4 @@
-"""Which name somebody may have meant."""
+"""Suggests which name may have been meant."""
 
 import difflib
 from collections.abc import Iterable

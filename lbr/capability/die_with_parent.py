@@ -1,4 +1,4 @@
-"""Run a program that dies with whoever started it: `python -I -S tether.py PARENT_PID HOME ARGV…`.
+"""Run a program that dies with the process that started it: `python -I -S die_with_parent.py PARENT_PID HOME ARGV…`.
 
 It costs about 10 ms and leaves no process behind: it becomes the program. With a HOME the program is confined.
 """

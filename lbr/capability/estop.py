@@ -17,7 +17,7 @@ _decoder = Decoder(EstopRequest)
 
 
 class EstopLatch:
-    """Latches on anything that is not a well-formed "not engaged"; only the executive's sealed release lets go."""
+    """Latches on anything that is not a well-formed "not engaged"; only the executive's sealed release unlatches it."""
 
     def __init__(self, config: ProcessConfig, wake: Callable[[], None]) -> None:
         self.engaged = config.estop.engaged
@@ -77,7 +77,7 @@ class EstopLatch:
         sent_ns = int(stamp.sent_s(found, request.arrived) * 1e9)
         if not self._releases.newer(found) or sent_ns <= max(self._released_ns, self._pressed_ns):
             return Reason("estop", "it was pressed again meanwhile")
-        if self.engaged and not self._noticed:  # a stop is never so short that nobody stopped
+        if self.engaged and not self._noticed:  # a stop is never too short to stop anything
             return Reason("not_ready", "it has not stopped yet")
         self._released_ns = sent_ns
         return None

@@ -1,4 +1,5 @@
-"""How many events of a kind may be told: a burst, then a steady trickle; what was left out is counted, never lost silently."""
+"""How many events of a kind may be told: a burst, then a steady trickle; what was left out is counted, never lost
+silently."""
 
 BURST = 20.0
 PER_S = 2.0
@@ -6,7 +7,7 @@ MOST_KINDS = 256
 
 
 class Throttle:
-    """A bucket of tokens for each kind of event. Pure: whoever calls says what time it is."""
+    """A bucket of tokens for each kind of event. Pure: the caller says what time it is."""
 
     def __init__(self) -> None:
         self._buckets: dict[str, tuple[float, float]] = {}

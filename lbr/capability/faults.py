@@ -90,7 +90,7 @@ def _entry(entry: Any) -> Iterator[str]:
         if not _ENTRY.fullmatch(entry):
             yield f"'entry' is {_shown(entry)}, and must be a class or \"module:Class\""
         return
-    from lbr.capability.base import Capability  # noqa: PLC0415 - whoever has a class has imported it
+    from lbr.capability.base import Capability  # noqa: PLC0415 - a caller with a class has imported it
 
     if not (isinstance(entry, type) and issubclass(entry, Capability)):
         yield f"'entry' is {_shown(entry)}, and must be a class that is a Capability, or \"module:Class\""
@@ -184,7 +184,7 @@ def _unfit(message: type[Struct]) -> str:
 
 
 def _shown(value: Any) -> str:
-    """Return a value of somebody's own as one short line; its `repr` may be anything."""
+    """Return a foreign value as one short line; its `repr` may be anything."""
     try:
         text = value.__name__ if isinstance(value, type) else repr(value)
     except Exception:  # noqa: BLE001 - see above

@@ -6,7 +6,8 @@ from msgspec import Struct
 
 
 class Halts(Struct, frozen=True, kw_only=True):
-    """When another's stop came last, for each who may ask: the last one `at`, by `source`; `before` it, by others than that."""
+    """When another's stop came last, for each who may ask: the last one `at`, by `source`; `before` it, by others than
+    that."""
 
     at: float = -inf
     source: str = ""
@@ -14,7 +15,7 @@ class Halts(Struct, frozen=True, kw_only=True):
     before_source: str = ""
 
     def heard(self, at: float, source: str) -> "Halts":
-        """Return what is known after one more; an empty source is nobody who may ask."""
+        """Return what is known after one more; an empty source is not one that may ask."""
         if source and source == self.source:
             return Halts(at=max(at, self.at), source=source, before=self.before, before_source=self.before_source)
         if at >= self.at:

@@ -60,7 +60,7 @@ Choices = Callable[[Known], Iterable[str]]
 class Command:
     """A command with what else there is to say of it than its message.
 
-    One that is `leased` is held: whoever says it goes on saying it under its lease. `choices` are what its fields may
+    One that is `leased` is held: its sender repeats it under its lease. `choices` are what its fields may
     be on this robot, to complete a line by.
     """
 
@@ -82,7 +82,7 @@ class Kind:
     `inputs` are streams it reads and `setpoints` streams sent to its own key, which only the wired source may write.
     `outputs` are streams it publishes, `commands` what it answers, `requests` what it asks of others' commands; who
     says no type of `replies` is answered by a CommandReply.
-    `optional` are the inputs that it can do without: nobody is told that nothing feeds them.
+    `optional` are the inputs that it can do without: it is not reported that nothing feeds them.
     `roles` are the commands that need another role than `operate`; anybody may stop.
     `words` are what the console of every robot with a capability of this kind understands, besides the robot's rows.
     `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
@@ -141,7 +141,7 @@ class Kind:
         return found if isinstance(found, Command) else Command(found)
 
     def role(self, command: str) -> Role:
-        """Return the role that a command needs of whoever asks from another machine."""
+        """Return the role that a command needs of a sender on another machine."""
         return self.roles.get(command, "view" if command == STOP else "operate")
 
     def lacks(self) -> str:

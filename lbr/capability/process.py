@@ -106,7 +106,7 @@ class Process:
         ctx.close()
 
     def close(self) -> None:
-        """Stop the motion of a capability that crashed; whoever calls sets a bound."""
+        """Stop the motion of a capability that crashed; the caller sets a bound."""
         if self._capability is not None:
             self._capability.close()
 
@@ -177,7 +177,7 @@ def _watch_lifeline(process: Process) -> None:
 
 
 def _end_within(seconds: float) -> None:
-    """Let the kernel end this process then, whatever hangs in it and whoever holds the interpreter."""
+    """Let the kernel end this process then, whatever hangs in it, and whichever thread holds the interpreter."""
     signal.setitimer(signal.ITIMER_REAL, seconds)
 
 

@@ -342,7 +342,7 @@ def _told(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
 def _subscribe(
     bus: session.Session, feed: InputWire, wake: Callable[[], None] | None
 ) -> wire.Subscription | wire.PolledSubscription:
-    """Receive a stream; one that wakes nobody waits within Zenoh."""
+    """Receive a stream; one that wakes no loop waits within Zenoh."""
     if wake is None:
         return wire.PolledSubscription(bus, feed.key, depth=feed.history)
     return wire.Subscription(bus, feed.key, depth=feed.history, wake=wake)
@@ -375,7 +375,7 @@ def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> l
 
 
 def _schema(kind: Kind, name: str, message: type[Struct]) -> dict[str, Any]:
-    """Return the JSON Schema of a message, and for a command the role it needs of whoever comes from another machine."""
+    """Return the JSON Schema of a message, and for a command the role it needs of a sender on another machine."""
     if message is JpegFrame:
         return {"title": message.__name__, "description": message.__doc__, "contentMediaType": "image/jpeg"}
     found = msgspec.json.schema(message)

@@ -26,7 +26,7 @@ class SendTimes:
         self._turn_s = -inf
 
     def newer(self, found: Stamp) -> bool:
-        """Say whether a sealed message was sent after all before it; a machine that started anew counts from there."""
+        """Say whether a sealed message was sent after all before it; a machine that restarted counts from there."""
         if found.boot != self._boot:
             if found.boot in self._past:
                 return False

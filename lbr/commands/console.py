@@ -12,15 +12,16 @@ from lbr.commands.options import Whom, robot_options
     "hold_s",
     type=click.FloatRange(0.0, 30.0),
     metavar="SECONDS",
-    help="For lines from a pipe: hold each unbounded motion so long. Without it a motion is held until a later line "
+    help="For lines from a pipe: hold each unbounded motion this long. Without it a motion is held until a later line "
     "moves or stops the robot, or the input ends.",
 )
 def command(whom: Whom, hold_s: float | None) -> int:
     """Open a console on a running robot.
 
-    End of input, Ctrl-C and a closed terminal stop what this console moves, and leave; the robot runs on. Lines may also
-    come from a pipe (empty ones and those that begin with # are skipped): results go to standard output, errors to standard error, and the exit code is the worst line's. Once another stops the
-    robot, the lines that had come by then are not said any more.
+    End of input, Ctrl-C and a closed terminal stop what this console moves, and leave; the robot runs on. Lines may
+    also come from a pipe (empty ones and those that begin with # are skipped): results go to standard output, errors to
+    standard error, and the exit code is the worst line's. Once another stops the robot, the lines that had come by then
+    are not said any more.
     """
     from lbr.console import local, target  # noqa: PLC0415 - prompt-toolkit is for those who have a console
 

@@ -1,4 +1,4 @@
-"""Puts the service's files in place and takes them away, and never touches one that somebody has edited unasked."""
+"""Puts the service's files in place and takes them away, and never touches one that was edited by hand unasked."""
 
 import tempfile
 from pathlib import Path
@@ -40,7 +40,7 @@ def state(path: Path, text: str) -> State:
 
 
 def installed(root: Path) -> list[Path]:
-    """Return the files that are there, whoever wrote them."""
+    """Return the files that are there, whichever program wrote them."""
     fixed = (root / name for name in (UNIT, RULES, SYSUSERS, POLKIT, RELAY_UNIT))
     drop_ins = (path for name in (DROP_IN, RELAY_DROP_IN) for path in sorted(root.glob(name.format("*"))))
     return [*(path for path in fixed if path.exists()), *drop_ins]

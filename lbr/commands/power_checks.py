@@ -13,7 +13,7 @@ ANSWER_S = 3.0
 
 
 def power(root: Path = MACHINE, booted: Path = BOOTED, bus: str = "") -> Iterator[Finding]:
-    """Look at the rule and ask logind, as whoever asks here; without a robot that watches its supply, nothing."""
+    """Look at the rule and ask logind, as this user; without a robot that watches its supply, nothing."""
     if not booted.exists() or not (_robots() or unitfiles.extras_of(root).power_off):
         return
     yield _rule(root)

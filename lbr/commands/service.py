@@ -24,7 +24,7 @@ RULED = ("tty", "usb", "usb-serial", "i2c-dev", "lirc")
 
 profile_argument = click.argument("profile", default="lbr", shell_complete=complete_profile)
 user_option = click.option(
-    "--user", metavar="NAME", help="Run as this user, who exists; 'lbr', made anew, if left out."
+    "--user", metavar="NAME", help="Run as this user, who exists; 'lbr', made again, if left out."
 )
 root_option = click.option(
     "--root", type=click.Path(path_type=Path, file_okay=False), default=MACHINE, metavar="DIR",
@@ -37,7 +37,7 @@ motor_relay_option = click.option(
     "--motor-relay", metavar="ADDRESS", help="Have the relay of the UPS PIco there (i2c:1:0x69) feed the motors."
 )
 dry_run_option = click.option("--dry-run", is_flag=True, help="Only say what would be done.")
-overwrite_option = click.option("--overwrite", is_flag=True, help="Files that somebody has edited, too.")
+overwrite_option = click.option("--overwrite", is_flag=True, help="Files that were edited by hand, too.")
 
 
 @click.group("service")

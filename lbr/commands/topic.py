@@ -32,7 +32,7 @@ def command() -> None:
 @robot_options
 @json_option
 def list_topics(whom: Whom, as_json: bool) -> int:
-    """List streams and commands, with message types and rates; listens a second for streams that nobody describes."""
+    """List streams and commands, with message types and rates; listens a second for streams without a description."""
     from lbr.console import topics  # noqa: PLC0415 - the bus is for those who use it
 
     with _bus(whom) as (bus, name, source):

@@ -80,7 +80,7 @@ def program_places() -> tuple[Path, ...]:
 
 
 def extras_of(root: Path) -> Extras:
-    """Return the extras that are installed at `root`, as far as whoever asks may look: polkit's rules only root may."""
+    """Return the extras that are installed at `root`, as far as this user may look: polkit's rules only root may."""
     unit, power_off = root / RELAY_UNIT, False
     found = _RELAY.search(unit.read_text(errors="replace")) if unit.exists() else None
     with suppress(PermissionError):

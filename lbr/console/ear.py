@@ -72,7 +72,7 @@ class Contact:
         self.on_answer()
 
     def typed(self) -> None:
-        """Hear of a line: a terminal that sends one is there, and is asked anew if it still owes an answer."""
+        """Hear of a line: a terminal that sends one is there, and is asked again if it still owes an answer."""
         if self.lost():
             self._asked = None
 

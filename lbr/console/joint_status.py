@@ -9,12 +9,12 @@ Piece = tuple[int, str, str]
 """Rank (the highest goes first where there is no room), style, text."""
 
 HOT_C = 60.0
-"""From here on a joint's temperature is worth a look; small servos let go at 70 by themselves."""
+"""From here on a joint's temperature is worth a look; small servos release at 70 by themselves."""
 _PHASES = {
     "released": ("", "torque off"),
     "following": ("", "holding"),
     "holding": (DOUBTFUL, "mover lost: holding"),
-    "releasing": (DOUBTFUL, "mover lost: letting go"),
+    "releasing": (DOUBTFUL, "mover lost: releasing"),
 }
 
 

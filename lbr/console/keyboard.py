@@ -15,7 +15,7 @@ INTERRUPT = "\x03"
 LINES_AT_ONCE = 8
 """More than people type while a busy machine holds the console up, and fewer than what is worth a paste."""
 QUIET_S = 0.25
-"""So long nothing comes once a flood is over, or within a paste whose end got lost: slow lines pause for less."""
+"""How long nothing comes once a flood is over, or within a paste whose end got lost: slow lines pause for less."""
 LONGEST = 1000
 PASTE_BEGINS, PASTE_ENDS = "\x1b[200~", "\x1b[201~"
 CURSOR_IS_HERE = re.compile(r"\x1b\[[0-9]+;[0-9]+R")
@@ -37,7 +37,8 @@ class Overhearing:
     """Follows what is typed, piece by piece: hears stops in it, and knows a flood of lines from typing.
 
     A stop word is heard although keys came before it that the editor takes for the beginning of something else: an
-    escape, a sequence cut short, a byte that is no text, a search, a paste that has no end. What a whole paste holds is not said.
+    escape, a sequence cut short, a byte that is no text, a search, a paste that has no end. What a whole paste holds is
+    not said.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:

@@ -90,14 +90,14 @@ class LeaseKeeper:
         return self.ending
 
     def join(self) -> None:
-        """Wait until its thread has let go of the session; a session must not close under a thread that uses it."""
+        """Wait until its thread no longer uses the session; a session must not close under a thread that uses it."""
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(JOIN_S)
 
     def _run(self) -> None:
         try:
             self._renew_until_ended()
-        except Exception as err:  # noqa: BLE001 - whoever waits for the end must be told
+        except Exception as err:  # noqa: BLE001 - those who wait for the end must be told
             self._end(
                 Ending(good=False, text=f"the bus is gone ({err}); the robot has stopped by itself", code="unreachable")
             )

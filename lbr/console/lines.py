@@ -39,12 +39,12 @@ def read(text: str, at: float) -> Read:
 
 
 class Lines:
-    """Says lines in order, except empty ones and comments (`# …`). A bounded motion is waited for. An unbounded one is held for `hold_s` if that is given, and
-    otherwise until a later line moves or stops the robot, or the input ends.
+    """Says lines in order, except empty ones and comments (`# …`). A bounded motion is waited for. An unbounded one is
+    held for `hold_s` if that is given, and otherwise until a later line moves or stops the robot, or the input ends.
 
     A stop never waits for a motion's end. One that comes while a line is under way waits for no other line either: what
-    came before it and was not said yet is dropped. Once another stops the robot, the lines that had come by then are not
-    said any more, except a stop.
+    came before it and was not said yet is dropped. Once another stops the robot, the lines that had come by then are
+    not said any more, except a stop.
     """
 
     def __init__(self, operator: Operator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
@@ -154,7 +154,7 @@ class Lines:
         futures.wait([result], ENDING_S)
         if result.done():
             return result.result()
-        raise BusError("the console ends; nobody waited for the answer")
+        raise BusError("the console ends; the answer was not waited for")
 
     def _hold(self, held: LeaseKeeper) -> Ending | None:
         until = time.monotonic() + self._hold_s if self._hold_s is not None else None

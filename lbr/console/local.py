@@ -40,7 +40,8 @@ _open = _Open()
 
 
 def run_local(robot: str, connect: Callable[[], session.Session], submit: Callable[[str, float], ConsoleResult]) -> int:
-    """Run the robot's own console in this thread, until it is left; `submit` says a line directly, and how long it waited."""
+    """Run the robot's own console in this thread, until it is left; `submit` says a line directly, and how long it
+    waited."""
     _open.over.clear()
     atexit.register(leave)  # a thread must not be inside the bus library when the interpreter ends
     try:
@@ -53,7 +54,7 @@ def run_local(robot: str, connect: Callable[[], session.Session], submit: Callab
 
 
 def leave() -> None:
-    """End the console of this process from another thread, and wait until it has let go of bus and terminal."""
+    """End the console of this process from another thread, and wait until it has closed bus and terminal."""
     if not _open.over.is_set():
         _open.close()
         _open.over.wait(LEAVE_S)

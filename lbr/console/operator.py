@@ -31,7 +31,7 @@ LATE_ANSWER_S = 1.0
 STOP_TIMEOUT_S = 5.0
 """A stop is answered within 2 s, also where what moves does not answer."""
 STOPS = frozenset({"s", "stop", "estop"})  # after these, the end of a motion is no news
-LET_GO = "the operator let go"
+LET_GO = "the operator released it"
 
 _BUILT_IN = Vocabulary(())
 
@@ -84,7 +84,7 @@ class Operator(Protocol):
         """Stop what we hold; quick, and cheap to repeat."""
 
     def close(self) -> None:
-        """Release, and let go of the robot."""
+        """Release the motion, and disconnect."""
 
 
 def is_stop(line: str) -> bool:
@@ -180,7 +180,7 @@ class BusOperator:
         return self._latest.telemetry() if self._latest else Telemetry()
 
     def events(self) -> list[Event]:
-        """Return the events since the last call that are news to whoever says lines here."""
+        """Return the events since the last call that are news to the operator of this console."""
         return self._news.sifted(self._latest.events()) if self._latest else []
 
     def held(self) -> LeaseKeeper | None:
@@ -242,7 +242,7 @@ class BusOperator:
         holder.start()
 
     def _too_late(self, hold: Hold, late_s: float) -> ConsoleResult:
-        """What somebody wanted a while ago may be wrong by now."""
+        """Refuse what was wanted a while ago: it may be wrong now."""
         stop(self._session, hold.stop_key, self._source, "the answer came too late")
         return ConsoleResult(
             code=1,
@@ -271,7 +271,7 @@ class BusOperator:
             answered.wait(1.0)
             answered.clear()
         if not question.replies:
-            sent = "; what moves was told to stop, and nobody has confirmed it" if emergency(line) is not None else ""
+            sent = "; what moves was told to stop, and has not confirmed it" if emergency(line) is not None else ""
             switch = f"{sent}; if it moves, use the hardware switch" if is_stop(line) else ""
             raise BusError(
                 f"robot '{self.robot}' does not answer{switch}; 'lbr status' (with --connect, if you used it) says why"
@@ -283,7 +283,7 @@ class BusOperator:
 
 
 class _Latest:
-    """The newest message of each stream, decoded only when somebody looks."""
+    """The newest message of each stream, decoded only when looked at."""
 
     FRESH_S = 2.0
 

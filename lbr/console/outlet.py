@@ -77,7 +77,7 @@ class Outlet:
             self._changed.notify_all()
 
     def _opened(self, fd: int) -> bool:
-        """Keep a descriptor of our own, which nobody closes while a write to it is under way."""
+        """Keep a descriptor of our own, which is not closed while a write to it is under way."""
         try:
             self._own[fd] = os.dup(fd)
         except OSError as err:

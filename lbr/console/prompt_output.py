@@ -1,6 +1,7 @@
 """Text above a prompt: whatever is printed, from whichever thread, appears above the input line and never inside it.
 
-Nothing here waits for the terminal. While it takes no output the prompt is not drawn, and text waits in a bounded store.
+Nothing here waits for the terminal. While it takes no output the prompt is not drawn, and text waits in a bounded
+store.
 """
 
 import contextlib
@@ -17,7 +18,7 @@ from prompt_toolkit.renderer import Renderer
 
 from lbr.console.outlet import Outlet, Stream, left_out
 
-GATHER_S = 0.02  # what is printed within so long appears in one step
+GATHER_S = 0.02  # what is printed within this long appears in one step
 AGAIN_S = 0.05
 AHEAD_BYTES = 4_000
 """No more is drawn while so much has not been taken: what a Linux terminal takes in itself."""

@@ -34,17 +34,17 @@ class Entry(Struct, frozen=True, kw_only=True):
 
 
 class AbsentError(BusError):
-    """Nobody answers at an endpoint; later, somebody may."""
+    """No robot answers at an endpoint; later, one may."""
 
 
 class RefusedError(BusError):
-    """Who answers there does not let us in, and will not without somebody's doing something."""
+    """The robot there does not let us in, and will not unless something is done about it."""
 
 
 def enter(endpoint: str, token_file: Path | None) -> Entry:
     """Return what lets us in at an endpoint; raise BusError or InputError with one sentence that says why nothing does.
 
-    A token that somebody typed is saved once it has let us in.
+    A token that was typed is saved once it has let us in.
     """
     der = certificate_at(endpoint)
     refused = ""
@@ -94,11 +94,11 @@ def certificate_at(endpoint: str) -> bytes:
     except ssl.SSLError as err:
         raise BusError(f"what listens at {shown(endpoint)} does not speak TLS; is it another program's port?") from err
     except TimeoutError as err:
-        raise AbsentError(f"nobody answers at {shown(endpoint)} within {HANDSHAKE_S:g} s") from err
+        raise AbsentError(f"no robot answers at {shown(endpoint)} within {HANDSHAKE_S:g} s") from err
     except socket.gaierror as err:
         raise AbsentError(f"there is no machine '{shown(host)}' ({err.strerror})") from err
     except OSError as err:
-        raise AbsentError(f"nobody is there at {shown(endpoint)} ({err.strerror or err})") from err
+        raise AbsentError(f"nothing listens at {shown(endpoint)} ({err.strerror or err})") from err
 
 
 def _why_not(endpoint: str, one: Offered, der: bytes) -> str:
@@ -113,7 +113,7 @@ def _why_not(endpoint: str, one: Offered, der: bytes) -> str:
             entry = _entry(one.token, der)
             session.open_client([endpoint], entry.credentials, certificate=entry.certificate, timeout_s=0.0).close()
         except BusError:
-            time.sleep(patience_s)  # a door that just opens anew would refuse nobody
+            time.sleep(patience_s)  # a door that just reopens would refuse no client
             certificate_at(endpoint)
         else:
             return ""

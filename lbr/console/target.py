@@ -111,7 +111,7 @@ def _only_robot(bus: Session, connect: str) -> str:
 
 
 def _local_target(running: home.Running) -> Target:
-    """Return a robot of this home; whoever can read its record has all rights."""
+    """Return a robot of this home; a user that can read its record has all rights."""
     credentials = Credentials(user=TOOLS, password=running.password)
     return Target(
         robot=running.robot, endpoints=(running.core,), credentials=credentials, role="admin", running=running

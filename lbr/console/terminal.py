@@ -41,7 +41,7 @@ from lbr.messages.system import ConsoleResult, Event
 
 PROMPT = "Robot> "
 REFRESH_S = 0.25
-PATIENCE_S = 0.3  # so long the next line waits for a line's result
+PATIENCE_S = 0.3  # how long the next line waits for a line's result
 SHUTDOWN = "executive.shutdown"
 LAST_ANSWER_S = 0.2
 LAST_OUTPUT_S = 0.3
@@ -123,7 +123,7 @@ class Terminal:
                 self._closing = True
             finally:
                 self._over.set()
-                self._lines.put((time.monotonic(), ""))  # whoever waits for a line is not to wait any more
+                self._lines.put((time.monotonic(), ""))  # a reader that waits for a line is not to wait any more
                 self._operator.release()
             if not self._closing:
                 self._print(self._parting())
@@ -149,7 +149,7 @@ class Terminal:
         if self._local:
             return "Stopped; shutting down."
         if self._operator.telemetry().status_age_s > CONTACT_S:
-            return "Leaving without contact: nobody acknowledged a stop. What you held has lapsed by itself."
+            return "Leaving without contact: no stop was acknowledged. What you held has lapsed by itself."
         return "Stopped; leaving. The robot runs on."
 
     def _leave(self, why: type[BaseException]) -> None:

@@ -19,7 +19,7 @@ LARGEST_BYTES = 4096
 
 
 class Offered(Struct, frozen=True, kw_only=True):
-    """A token and where it came from, in words; `typed` if somebody just typed it, `saved` if somebody did once."""
+    """A token and where it came from, in words; `typed` if it was just typed, `saved` if it was typed once."""
 
     token: Token
     origin: str
@@ -28,7 +28,7 @@ class Offered(Struct, frozen=True, kw_only=True):
 
 
 def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
-    """Yield the tokens to try: the one that is named, or else the saved one, and then what somebody types."""
+    """Yield the tokens to try: the one that is named, or else the saved one, and then what the user types."""
     if token_file is not None:
         yield Offered(token=tokens.parse(_read(token_file)), origin=f"the one in {token_file}")
         return
@@ -45,7 +45,7 @@ def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
 
 
 def can_ask() -> bool:
-    """Say whether somebody sits there who could type a token."""
+    """Say whether there is a user who could type a token."""
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 

@@ -51,7 +51,7 @@ def catalogue(bus: Session, robot: str, source: str) -> list[Topic]:
 
 
 def heard(bus: Session, robot: str, known: Iterable[Topic], seconds: float) -> list[Topic]:
-    """Listen for streams that nobody describes, such as those of programs of kind exec."""
+    """Listen for streams without a description, such as those of programs of kind exec."""
     arrivals = probe.Arrivals(bus, f"{robot}/**")
     time.sleep(seconds)
     taken = arrivals.take()
@@ -92,7 +92,7 @@ def silence(topics: Iterable[Topic], key: str, seconds: float) -> str:
 
 
 def why_not_publish(topics: Iterable[Topic], key: str, role: Role) -> str:
-    """Say why a robot drops in silence what somebody with this role publishes there from another machine, or nothing."""
+    """Say why a robot drops in silence what a user of this role publishes there from another machine, or nothing."""
     name = key.partition("/")[2]
     known = {topic.name: topic for topic in topics}
     needed: Role | None = (
@@ -126,7 +126,7 @@ def fields_of(topic: Topic) -> list[Field]:
 
 
 def _placed(topics: list[Topic], bus: Session, robot: str, source: str) -> list[Topic]:
-    """Show outputs that are sent as setpoints where they really are: on the key of whoever takes them."""
+    """Show outputs that are sent as setpoints where they really are: on the key of the capability that takes them."""
     sent = {
         topic.message: topic
         for topic in topics

@@ -53,8 +53,9 @@ class Connection(sqlite3.Connection):
 def connect(path: Path, *, changing: bool = True) -> Connection:
     """Open an existing file; it is in no transaction until `transaction` begins one.
 
-    Without `changing` it is only read, and must be one that nobody changes meanwhile, without a log beside it. RowError
-    says which file or folder others could change; what SQLite opened beside the database is looked at once more.
+    Without `changing` it is only read, and must be one that does not change meanwhile, without a log beside it.
+    RowError says which file or folder others could change; what SQLite opened beside the database is looked at once
+    more.
     """
     (check_owners if changing else check_owner)(path)
     mode = "mode=rw" if changing else "mode=ro&immutable=1"

@@ -66,7 +66,7 @@ def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
 def refuse_if_lost(path: Path) -> None:
     """Raise InputError if a database that is not there was there before: building another would be another robot."""
     if any(_name(path, number).exists() for number in range(1, GENERATIONS + 1)):
-        text = "but copies of it are: `lbr db restore` puts the last good one in its place, `lbr db init` begins anew"
+        text = "but copies of it are: `lbr db restore` puts the last good one in its place, `lbr db init` starts over"
         raise InputError(f"database {path} is not there any more, {text}")
 
 
@@ -130,7 +130,7 @@ def _keep(path: Path, new: Path, digest: str) -> Path | None:
 
 @contextmanager
 def _one_at_a_time(folder: Path) -> Iterator[None]:
-    """Wait until nobody else copies here: two robots may run from one database."""
+    """Wait until no other process copies here: two robots may run from one database."""
     fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         fcntl.flock(fd, fcntl.LOCK_EX)

@@ -1,4 +1,4 @@
-"""Which database files lbr opens at all: regular, ours, and open to nobody else's changes."""
+"""Which database files lbr opens at all: regular, ours, and not writable for others."""
 
 import os
 import stat

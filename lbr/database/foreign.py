@@ -15,7 +15,7 @@ _OBJECTS = (
 
 
 def foreign(connection: Connection, sql: Path | None = None) -> Iterator[str]:
-    """Yield a sentence for each; a trigger can change rows that nobody edits."""
+    """Yield a sentence for each; a trigger can change rows behind an edit."""
     with closing(sqlite3.connect(":memory:")) as ours:
         ours.executescript((sql or robot_db_sql()).read_text(encoding="utf-8"))
         known = {(kind, name) for kind, name, _ in ours.execute(_OBJECTS)}

@@ -86,7 +86,7 @@ class _Lent:
         return getattr(self._connection, name)
 
     def commit(self) -> None:
-        """Leave that to whoever began."""
+        """Leave that to the caller that began."""
 
     rollback = close = commit
 

@@ -23,8 +23,8 @@ SQLITE_SHARED_SIZE = 510
 def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
     """Put a copy (the newest good one) in the database's place; return it, and where the file before it is now.
 
-    Revoked tokens stay so, as far as the file can be read; the audit trail tells of it, and nothing is deleted. Raises InputError if the
-    database is in use, or if there is no good copy.
+    Revoked tokens stay so, as far as the file can be read; the audit trail tells of it, and nothing is deleted. Raises
+    InputError if the database is in use, or if there is no good copy.
     """
     check_folder(path.with_name(f"{path.name}.restoring"))
     if _in_use(path):
@@ -54,7 +54,7 @@ def _newest_good(path: Path) -> Path:
         if not copy.fault:
             return Path(copy.path)
     what = "no copy of it is kept" if not found else f"none of its {len(found)} copies is good"
-    raise InputError(f"database {path} cannot be restored, because {what}: name a backup, or `lbr db init` begins anew")
+    raise InputError(f"database {path} cannot be restored, because {what}: name a backup, or `lbr db init` starts over")
 
 
 def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:

@@ -278,7 +278,7 @@ class RevisionRow(Struct, frozen=True, kw_only=True):
 
 
 class TokenRow(Struct, frozen=True, kw_only=True):
-    """Somebody's rights: `hash` is of the token; times are ISO 8601 in UTC, None for never."""
+    """A user's rights: `hash` is of the token; times are ISO 8601 in UTC, None for never."""
 
     name: str
     role: TokenRole
@@ -327,9 +327,9 @@ class Faulty(Struct, frozen=True):
 class RobotRows(Struct, frozen=True, kw_only=True):
     """One robot's rows out of one transaction: the good ones, and what is wrong with the others.
 
-    Rows of which any column is bad are left out and named in `problems`; they are in `faulty` for further checks of what
-    is good in them. What kinds read is in `tables`, and checked when it is asked for. `revision` counts the changes of
-    rows, `digest` is the hash of all rows that make robots.
+    Rows of which any column is bad are left out and named in `problems`; they are in `faulty` for further checks of
+    what is good in them. What kinds read is in `tables`, and checked when it is asked for. `revision` counts the
+    changes of rows, `digest` is the hash of all rows that make robots.
     """
 
     robot: RobotRow

@@ -73,7 +73,7 @@ def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ())
                     raise
                 raise RowError((f"{sql}, {why}",)) from err
             _take(connection, brought)
-        path.hardlink_to(building)  # unlike a rename, never over a file that somebody else built meanwhile
+        path.hardlink_to(building)  # unlike a rename, never over a file that another process built meanwhile
     except OSError as err:
         raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err
     finally:
@@ -83,7 +83,8 @@ def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ())
 
 
 def _take(connection: Connection, brought: Brought) -> None:
-    """Write what packages bring into a new database, whose revisions begin afterwards; the first to say a phrase has it."""
+    """Write what packages bring into a new database, whose revisions begin afterwards; the first to say a phrase has
+    it."""
     with connection:
         for rows in brought.robots:
             for table, of_table in rows.items():
@@ -299,7 +300,7 @@ class Database:
             history.outdo(connection, revision)
 
     def close(self) -> None:
-        """Let go of the file; cheap to repeat."""
+        """Close the file; cheap to repeat."""
         with self._lock:
             self._connection.close()
 

@@ -9,7 +9,7 @@ SETTLED_S = 5.0
 
 def refused(path: str, group: str = "") -> str:
     """Return the end of a sentence about a device that this user may not open; it may be that udev is still at it."""
-    join = f"join the group {group or 'of that file'} and log in anew"
+    join = f"join the group {group or 'of that file'} and log in again"
     if is_settling(path):
         return f"may not be opened by this user yet: it was plugged in just now, and udev may still be setting its group; if this stays, {join}"
     return f"may not be opened by this user; {join}"

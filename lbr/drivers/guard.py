@@ -14,7 +14,7 @@ from lbr.capability import lifeline
 BEAT_S = 0.015
 RESTING_BEAT_S = 0.5
 DEAF_S = 0.4
-"""So long a guard may leave unread what it is told: three times the silence that it grants its driver."""
+"""How long a guard may leave unread what it is told: three times the silence that it grants its driver."""
 DISMISS_S = 0.2
 LAST_WORDS_S = 0.6
 WOKEN = "its guard process was frozen for a moment, and goes on"
@@ -24,10 +24,10 @@ _LEFT: "list[subprocess.Popen[bytes]]" = []
 class Guard:
     """Kills of every kind close the driver's end of a pipe; the guard sees that within a millisecond or so.
 
-    A driver that hangs or is frozen no longer beats: if something may move, the guard kills it after its time of silence.
-    `command` makes the command line of its program from the descriptors of the pipe and of the driver's process.
-    A guard that is frozen goes on with the next beat, and when the driver ends, because the kernel continues it. It
-    may take `last_word_s` for its last word.
+    A driver that hangs or is frozen no longer beats: if something may move, the guard kills it after its time of
+    silence. `command` makes the command line of its program from the descriptors of the pipe and of the driver's
+    process. A guard that is frozen goes on with the next beat, and when the driver ends, because the kernel continues
+    it. It may take `last_word_s` for its last word.
     """
 
     def __init__(
@@ -92,13 +92,13 @@ class Guard:
             os.write(self._alive, b"m" if turning else b"z")
 
     def dismiss(self) -> None:
-        """Send it away without a last word; it lets go of the line."""
+        """Dismiss it without a stop of its own; it closes the line."""
         with suppress(OSError):
             os.write(self._alive, b"q")
         self._part(DISMISS_S)
 
     def speak(self) -> None:
-        """Have it say its last word now, as if the driver had died; then it lets go of the line."""
+        """Have it stop the device now, as if the driver had died; then it closes the line."""
         self._part(LAST_WORDS_S)
 
     def leave(self) -> None:

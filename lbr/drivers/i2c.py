@@ -17,7 +17,7 @@ from lbr.drivers.i2c_socket import SocketBus
 from lbr.errors import DeviceError
 
 UNANSWERED = frozenset({errno.EREMOTEIO, errno.ENXIO, errno.ENODEV, errno.ETIMEDOUT, errno.EIO})
-"""What adapters say when nobody answers; each has its favourite, so none means anything more."""
+"""What adapters say when no device answers; each has its own code, so none means anything more."""
 
 _FIRST, _LAST = 0x08, 0x77
 _I2C_TIMEOUT = 0x0702
@@ -46,7 +46,7 @@ class Bus(Protocol):
         """Do one transaction of several messages."""
 
     def close(self) -> None:
-        """Let go."""
+        """Close the device."""
 
 
 class Place(NamedTuple):
@@ -93,7 +93,7 @@ def unanswered(device: Device, address: int, err: OSError, what: str = "") -> De
 
 def _kernel_bus(number: int) -> Bus:
     try:
-        from smbus2 import SMBus  # noqa: PLC0415 - whoever is simulated, or has no i2c, needs none
+        from smbus2 import SMBus  # noqa: PLC0415 - a simulated robot, or one without i2c, needs none
     except ImportError as err:
         raise DeviceError("the package smbus2 is not installed; pip install lbr brings it") from err
     bus = SMBus(number)
@@ -107,7 +107,7 @@ def _why_not(device: Device, place: Place, err: OSError) -> str:
     if isinstance(err, DeviceError):
         return f"device '{device.name}': {err}"
     if place.path:
-        said = f"device '{device.name}': nobody serves {place.path} ({_cause(err)})"
+        said = f"device '{device.name}': no process serves {place.path} ({_cause(err)})"
         return f"{said}; start what stands for the device there, or correct the address in the device row"
     said = f"device '{device.name}' at {device.address}: /dev/i2c-{place.number}"
     match err.errno:

@@ -48,7 +48,7 @@ class SocketBus:
     """The calls of smbus2 over a socket; every failure is an OSError with an errno that a Pi's bus knows too.
 
     No call takes longer than the deadline. One that was cut short leaves the stream out of step, so that the next one
-    connects anew.
+    connects again.
     """
 
     def __init__(self, path: str, deadline_s: float = DEADLINE_S) -> None:
@@ -92,7 +92,7 @@ class SocketBus:
                 data = data[each.len :]
 
     def close(self) -> None:
-        """Let go of the socket; never fails."""
+        """Close the socket; never fails."""
         connection, self._socket = self._socket, None
         if connection is not None:
             connection.close()

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 SURE = 3
-"""So often a last word is said that nobody answers."""
+"""How often an unanswered last command is sent."""
 
 
 class TakenError(Exception):

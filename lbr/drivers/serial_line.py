@@ -73,7 +73,7 @@ class SerialLine:
             termios.tcflush(self._fd, termios.TCIFLUSH)
 
     def close(self) -> None:
-        """Let go of the line; never fails."""
+        """Close the line; never fails."""
         with suppress(OSError, termios.error):
             self._port.close()
 

@@ -55,7 +55,7 @@ class Wire:
         return data
 
     def wire_s(self, count: int) -> float:
-        """Return how long so many bytes take on the wire."""
+        """Return how long this many bytes take on the wire."""
         return count * BITS_PER_BYTE / self.baud
 
     def drop_output(self) -> None:
@@ -66,7 +66,7 @@ class Wire:
             raise self._gone(err) from err
 
     def close(self) -> None:
-        """Let go of the line; never fails."""
+        """Close the line; never fails."""
         if self._line is not None:
             self._line.close()
 

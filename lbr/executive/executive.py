@@ -1,4 +1,4 @@
-"""The executive: reads the rows, runs what they say, and answers whoever speaks to the robot.
+"""The executive: reads the rows, runs what they say, and answers all who speak to the robot.
 
 One thread owns the database, the processes and the plan; console lines run in a pool beside it and reach it by `call`.
 """
@@ -218,7 +218,7 @@ class Executive:
         self._stop(f"Shutdown by {source}")
 
     def restart(self, name: str) -> None:
-        """Start a capability anew."""
+        """Restart a capability."""
         self._main.call(lambda: self._restart(name))
 
     def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:

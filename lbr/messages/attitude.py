@@ -12,8 +12,8 @@ class AttitudeState(Struct, frozen=True, kw_only=True):
 
     `heading_deg` is the compass's: 0 to 360, clockwise from true north; null while it is not known, and
     `heading_reason` says why. Then `yaw_rad` is null too, and the yaw within `orientation` (w, x, y, z, body to world)
-    goes on by gyro from wherever it was. `turned_deg` counts how far the body has turned since `epoch` began,
-    clockwise positive; it goes on past 360 and never jumps with the compass. Another `epoch` means that it began anew.
+    goes on by gyro from wherever it was. `turned_deg` counts how far the body has turned since `epoch` began, clockwise
+    positive; it goes on past 360 and never jumps with the compass. Another `epoch` means that it started over.
     `gyro_bias_rps` is along the body's axes. `magnetic` says that the magnetometer is used now, `calibrated` that it
     was ever calibrated, `still` that the body does not turn. `measured_s` is when the newest sample in it was measured,
     by the monotonic clock.

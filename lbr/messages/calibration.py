@@ -1,4 +1,4 @@
-"""Numbers measured on one device, written back by whoever measured them."""
+"""Numbers measured on one device, written back by the capability that measured them."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime

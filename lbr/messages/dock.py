@@ -18,7 +18,7 @@ class DockSignal(Struct, frozen=True, kw_only=True):
 
 
 class DockHeard(Struct, frozen=True, kw_only=True):
-    """Somebody else has seen a beam, now."""
+    """Another program has seen a beam, now."""
 
     left: bool = False
     right: bool = False

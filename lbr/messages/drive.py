@@ -147,7 +147,7 @@ class CheckRequest(Struct, frozen=True, kw_only=True):
 
 
 class CheckVerdict(Struct, frozen=True, kw_only=True):
-    """What a check says of a command; the reason is told to whoever asked, `code` to a program that did."""
+    """What a check says of a command; the reason is told to the sender, `code` is for programs."""
 
     accepted: bool
     reason: str = ""

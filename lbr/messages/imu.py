@@ -24,4 +24,4 @@ class ImuSample(Struct, frozen=True, kw_only=True):
 
 
 class ZeroCommand(Struct, frozen=True, kw_only=True):
-    """Take the gyro's zero anew; the robot must not move for two seconds."""
+    """Take the gyro's zero again; the robot must not move for two seconds."""

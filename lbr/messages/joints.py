@@ -78,7 +78,7 @@ SlotS = Annotated[float, Meta(gt=0.0, le=600.0, description="seconds", extra={"z
 class StoredMotion(Struct, frozen=True, kw_only=True):
     """A motion that the robot's own controller keeps under a number, and plays by itself: how long, and where it leads.
 
-    Joints that `pose` leaves out are where they are measured afterwards; `limp`: all of them are let go at its end.
+    Joints that `pose` leaves out are where they are measured afterwards; `limp`: all of them are released at its end.
     """
 
     slot: Slot
@@ -227,7 +227,7 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     A joint never goes faster than its row says: then all take longer. `smooth` passes through key frames without
     stopping; `linear` goes straight from one to the next. `append` has `frames` follow those under way, which go on, so
     that a motion longer than a message may be flows; the goal stays the same. A lease with nothing to move is renewed.
-    `asked_s` is when somebody asked for this who had it passed on, on the robot's own monotonic clock: what was asked
+    `asked_s` is when the sender whose request was passed on asked for this, on the robot's own monotonic clock: what was asked
     for before a stop does not begin after it.
 
     `join` has `positions` begin beside what moves: joints that it does not name go on as they were, and each that it
@@ -236,7 +236,7 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     differ; those that have none get it first. `stored` is played by the robot's own controller; nothing else moves
     meanwhile.
 
-    With `stay` the lease lives on when all have arrived, for as long as it is renewed: somebody has more to say.
+    With `stay` the lease lives on when all have arrived, for as long as it is renewed: more is to come.
     """
 
     positions: dict[str, JointRad] = {}
@@ -258,7 +258,7 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
 
 
 class JointMove(Struct, frozen=True, kw_only=True):
-    """Move one joint, as people say it: in degrees, at so many degrees a second."""
+    """Move one joint, as people say it: in degrees, at this many degrees a second."""
 
     joint: Name
     angle_deg: JointDeg

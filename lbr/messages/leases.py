@@ -12,13 +12,14 @@ LeaseId = Annotated[
 
 
 STOPPED_SINCE = "stopped since this was written: "
-"""How the refusal of a command begins that waited at its sender, and before which another stopped what it would move."""
+"""How the refusal of a command begins that waited at its sender, and before which another stopped what it would move.
+"""
 
 
 class StopCommand(Struct, frozen=True, kw_only=True):
-    """Stop, whoever holds the robot; ends every goal, observer and timer.
+    """Stop, whichever sender holds the robot; ends every goal, observer and timer.
 
-    `lost`: whoever wanted the motion is gone. Said by who holds the robot for them, it ends as if its lease had lapsed.
+    `lost`: the one who wanted the motion is gone. From the holder, it ends the motion as if its lease had lapsed.
     `whole`: the robot is to stand still, not only what the sender moves itself; what waits at others is not to move it.
     """
 
@@ -30,8 +31,8 @@ class StopCommand(Struct, frozen=True, kw_only=True):
 class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """What became of a command: accepted, with the lease it lives by; or refused, with the reason.
 
-    `code` says why it was refused, `cause` of a dead lease how that one ended; both are from the list of codes. `note` is
-    the sentence of the cause by itself.
+    `code` says why it was refused, `cause` of a dead lease how that one ended; both are from the list of codes. `note`
+    is the sentence of the cause by itself.
     """
 
     accepted: bool

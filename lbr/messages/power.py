@@ -15,8 +15,8 @@ class UpsState(Struct, frozen=True, kw_only=True):
     """What an uninterruptible power supply says; null is not measured. `valid` false: it does not answer or hangs.
 
     `external_v` is what feeds the robot, `battery_v` the supply's own battery, `output_v` what it gives the computer.
-    `relay` is whether the motors' power is switched on. `emulated`: it is read from a socket and is no hardware, so that
-    nothing it says is a reason to power a computer off.
+    `relay` is whether the motors' power is switched on. `emulated`: it is read from a socket and is no hardware, so
+    that nothing it says is a reason to power a computer off.
     """
 
     valid: bool
@@ -48,7 +48,7 @@ class ArmCommand(Struct, frozen=True, kw_only=True):
 
 
 class CancelCommand(Struct, frozen=True, kw_only=True):
-    """Let the countdown that runs come to nothing; it begins anew only after the voltage was good again."""
+    """Let the countdown that runs come to nothing; it starts over only after the voltage was good again."""
 
     reason: Annotated[str, Meta(max_length=200)] = ""
 

@@ -42,10 +42,10 @@ class StoredState(Struct, frozen=True, kw_only=True):
 class ServoSetpoint(Struct, frozen=True, kw_only=True):
     """The goals of a bus; valid for 0.1 s. Servos that it does not name are to be without torque.
 
-    `lost`: whoever moved them is gone. The driver then does as when setpoints cease: it holds, then lets go slowly.
-    `halt` counts the stops: another number than before is to be told to every servo before anything else, and ends
-    what the controller plays. While `stored` is played, `goals` only say which servos may have torque. `lease` is a mark
-    of the lease that they come by, which cannot be quoted.
+    `lost`: their mover is gone. The driver then does as when setpoints cease: it holds, then releases slowly. `halt`
+    counts the stops: another number than before is to be told to every servo before anything else, and ends what the
+    controller plays. While `stored` is played, `goals` only say which servos may have torque. `lease` is a mark of the
+    lease that they come by, which cannot be quoted.
     """
 
     goals: tuple[ServoGoal, ...]

@@ -26,7 +26,7 @@ class Stamp(Struct, frozen=True, kw_only=True):
     """Who published, the how-many-eth since it started, and when by its monotonic and its wall clock.
 
     `boot` tells whether two monotonic times can be compared: same boot, same clock. `seal` proves the writer of a
-    setpoint. `waited_s` is for how long its sender had known that it would send this: a line that somebody typed or
+    setpoint. `waited_s` is for how long its sender had known that it would send this: a line that was typed or
     wrote before. `via` names the door through which it came from another machine, and `token` who came in there: its
     sender claims it and proves it by a seal, the door passes on what is proven.
     """

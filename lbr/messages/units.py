@@ -31,7 +31,7 @@ DistanceCm = Annotated[
         ge=0.0,
         le=10000.0,
         description="centimetres to travel; 0 sets no distance",
-        extra_json_schema={"x-typed-minimum": 1.0},  # nobody who types a distance means none
+        extra_json_schema={"x-typed-minimum": 1.0},  # a distance that is typed is never 0
     ),
 ]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]

@@ -36,7 +36,7 @@ class AsciiDevice(Generic[F]):
         self._faults = faults
 
     def boot(self) -> None:
-        """Start anew; subclasses forget what they know."""
+        """Restart; subclasses forget what they know."""
         self._line = bytearray()
         self._echoed = 0
 

@@ -29,11 +29,11 @@ def rhythm(random: Random) -> Rhythm:
 class BusTiming(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What delays an answer beyond its bytes' own time at the line's rate. Each part may be 0.
 
-    `ping_us`, `read_us`, `write_us` and `write_byte_us` are what a servo thinks about before it answers (as users measured it);
-    its return delay register hides that time, or with `delay_adds` comes on top (nobody has measured which).
-    Every `interrupt_period_us` its motor control holds everything up for `interrupt_us`: the jitter. `usb_us` is what
-    host and USB add to a round trip; 1100 on the computer that the robot's first owners used. `eeprom_us`: how long a
-    servo hears nothing for each byte of EEPROM that it was given.
+    `ping_us`, `read_us`, `write_us` and `write_byte_us` are what a servo thinks about before it answers (as users
+    measured it); its return delay register hides that time, or with `delay_adds` comes on top (which of the two was not
+    measured). Every `interrupt_period_us` its motor control holds everything up for `interrupt_us`: the jitter.
+    `usb_us` is what host and USB add to a round trip; 1100 on the computer that the robot's first owners used.
+    `eeprom_us`: how long a servo hears nothing for each byte of EEPROM that it was given.
     """
 
     ping_us: Us = 18.0

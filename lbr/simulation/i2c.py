@@ -100,7 +100,7 @@ def transfer(devices: Mapping[int, I2cDevice], messages: Sequence[Message], now:
 
 
 def refusal() -> bytes:
-    """Return the answer to a transaction that nobody acknowledged, as a Raspberry Pi's adapter gives it."""
+    """Return the answer to a transaction that was not acknowledged, as a Raspberry Pi's adapter gives it."""
     return bytes((errno.EREMOTEIO,))
 
 

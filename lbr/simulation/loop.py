@@ -87,7 +87,7 @@ class WorldLoop:
         try:
             with selectors.SelectSelector() as selector:  # others wait in whole milliseconds; a servo answers sooner
                 self._live(selector)
-        except BaseException as err:  # noqa: BLE001  whoever owns the thread raises it again
+        except BaseException as err:  # noqa: BLE001  the owner of the thread raises it again
             self.failure = err
 
     def _live(self, selector: selectors.BaseSelector) -> None:

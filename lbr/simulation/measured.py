@@ -35,9 +35,10 @@ class MotorSensed(Struct, frozen=True, kw_only=True):
 class Sensed(Struct, frozen=True, kw_only=True):
     """What the world lets its devices measure; pairs are the motors left and right, forward positive; `motors` has all.
 
-    `scans_m` are distances along the rays of each scanner; null is nothing within reach. A world without wheels or ranges
-    leaves theirs out. `imu` is as old as this; whoever is read more often is told of each step. `charging`: both contacts of the dock touch,
-    and `charging_a` flows into the battery. `beams` are what the infrared receiver sees of the dock now.
+    `scans_m` are distances along the rays of each scanner; null is nothing within reach. A world without wheels or
+    ranges leaves theirs out. `imu` is as old as this; a device that is read more often is told of each step.
+    `charging`: both contacts of the dock touch, and `charging_a` flows into the battery. `beams` are what the infrared
+    receiver sees of the dock now.
     """
 
     battery_v: float
@@ -57,8 +58,8 @@ class Sensed(Struct, frozen=True, kw_only=True):
 class ServoDrive(Struct, frozen=True, kw_only=True):
     """What a servo's registers make of its motor, in the servo's own radians from the middle of its range.
 
-    `torque` is a fraction of its most; 0: none, it is limp. It goes to its goal at `speed_rps` at most (null: as fast as
-    it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` by 1 over
+    `torque` is a fraction of its most; 0: none, it is limp. It goes to its goal at `speed_rps` at most (null: as fast
+    as it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` by 1 over
     `slopes_rad`, up to `torque`. Both are for a goal that is further clockwise (negative) and further anticlockwise.
     `brake`: without torque its motor is shorted, so that it turns as hard as one that is driven.
     """

@@ -1,4 +1,4 @@
-"""Draws pictures of the world beside its loop, and answers whoever asked when they are on the disk."""
+"""Draws pictures of the world beside its loop, and answers the asker when they are on the disk."""
 
 import os
 import time
@@ -46,7 +46,7 @@ class Painter:
                 raise error
 
     def close(self) -> None:
-        """Let the picture being drawn be the last; whoever still waits is refused."""
+        """Let the picture being drawn be the last; those that still wait are refused."""
         self._worker.shutdown(wait=False, cancel_futures=True)
         for call, _, _ in self._calls:
             call.refuse("the world is closing", "shutting_down")
@@ -60,7 +60,7 @@ def _rank_as_usual() -> None:
 
 
 def picture_path(robot: str) -> Path:
-    """Return where a picture goes that nobody named."""
+    """Return where a picture without a name goes."""
     home = Path(os.environ.get("LBR_HOME") or "~/.lbr").expanduser()
     folder = home / "pictures"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)

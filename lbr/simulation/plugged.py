@@ -47,7 +47,7 @@ class Plugged:
             self._by_name[device.name] = make(device, self._around)
         except InputError:
             raise
-        except Exception as err:  # noqa: BLE001  a twin of somebody else's package must not take the world with it
+        except Exception as err:  # noqa: BLE001  a twin of a foreign package must not take the world with it
             why = str(err) if isinstance(err, TwinError) else f"{type(err).__name__}: {err}"
             self._refused.append(f"device '{device.name}' ({device.type}) is not emulated: {why}")
 
@@ -99,7 +99,7 @@ class Plugged:
         call.reply(CommandReply(accepted=True))
 
     def _out_of_place(self, device: Device) -> str:
-        """Return why nothing is emulated at an address: whoever may ask makes no file anywhere else."""
+        """Return why nothing is emulated at an address; so that no request makes a file anywhere else."""
         place = Path(self._ctx.home) / "run" / f"{self._ctx.robot}-devices" / device.name
         return "" if device.address.removeprefix("unix:") == str(place) else f"new devices are emulated at {place}"
 

@@ -14,7 +14,7 @@ _PREFIX = "unix:"
 
 
 class SocketPort:
-    """Listens at `path` and talks to whoever connects; never blocks. Clients are told apart by a number."""
+    """Listens at `path` and talks to its clients; never blocks. Clients are told apart by a number."""
 
     def __init__(self, address: str | Path) -> None:
         self.path = Path(str(address).removeprefix(_PREFIX))

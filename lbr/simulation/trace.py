@@ -26,7 +26,7 @@ class TraceFile:
             os.write(self._file, f"{now * 1e9:.0f} {text}\n".encode())
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         if self._file is not None:
             os.close(self._file)
             self._file = None
@@ -54,7 +54,7 @@ class OutputTrace:
         self._file.write(now, f"line {line}")
 
     def close(self, now: float) -> None:
-        """Write that the controller is gone, and let go of the file."""
+        """Write that the controller is gone, and close the file."""
         if self._file.wanted:
             self.outputs(now, (0.0, 0.0), "close", always=True)
             self._file.close()

@@ -31,7 +31,7 @@ class Outbox:
         self._size += len(data)
 
     def due(self, now: float) -> bytes:
-        """Take what has crossed the line by now."""
+        """Take what has crossed the line so far."""
         taken = []
         while self._chunks and self._chunks[0][0] <= now:
             taken.append(self._chunks.popleft()[1])

@@ -16,7 +16,7 @@ from lbr.simulation.twins import Feeling, ServoBus, Surroundings, Twin, make
 STEP_S = 0.005
 """How often it is told what it measures, as in a world."""
 LIVE_S = 0.5
-"""A thread that ends is given so long."""
+"""A thread that ends is given this long."""
 RANGES_M: dict[str, float | None] = dict.fromkeys(("forward", "back", "left", "right", "bottom"), 1.0)
 AT_REST = Sensed(battery_v=12.6, ranges_m=RANGES_M)
 SUPPLY_V = 11.1

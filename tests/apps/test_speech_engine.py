@@ -87,7 +87,7 @@ def test_a_robot_without_an_engine_says_so_and_tries_again_later(started):
     [
         ("die", "died (signal 9)"),
         ("hang", "did not come to an end"),
-        ("babble", "nobody understands"),
+        ("babble", "cannot be understood"),
         ("refuse", "voice"),
     ],
 )

@@ -181,7 +181,7 @@ def test_the_bar_of_a_humanoid_tells_of_joints_and_power_and_of_no_base():
     [
         ({"phase": "released"}, "joints torque off"),
         ({"phase": "holding"}, "joints mover lost: holding"),
-        ({"phase": "releasing"}, "joints mover lost: letting go"),
+        ({"phase": "releasing"}, "joints mover lost: releasing"),
         ({}, "joints holding"),
         ({"joints": {"a": JointState(id=1, torque=0.0), "b": JointState(id=2, torque=1.0)}}, "1 without torque"),
         ({"joints": {"a": JointState(id=1, torque=1.0, trusted=False)}}, "joints holding, 1 not believed"),
@@ -198,11 +198,11 @@ def test_the_table_says_of_a_joint_that_it_is_weak_not_believed_or_without_torqu
     of = {
         "a": JointState(id=1, torque=0.4),
         "b": JointState(id=2, trusted=False, raw=200, reason="it jumped"),
-        "c": JointState(id=3, torque=0.0, reason="was let go"),
+        "c": JointState(id=3, torque=0.0, reason="was released"),
     }
     first, _, *rows = lines(body(joints=of, moving=True, stored=4, left_s=1.6), None, 100, 20)
     assert first == "the controller plays slot 4 for 1.6 s more"
-    assert [row.split("  ")[-1] for row in rows] == ["torque 40 %", "says 200, not believed", "was let go, no torque"]
+    assert [row.split("  ")[-1] for row in rows] == ["torque 40 %", "says 200, not believed", "was released, no torque"]
 
 
 @pytest.mark.parametrize(

@@ -138,7 +138,7 @@ def test_a_robot_of_another_name_is_a_clear_error(client):
         operator.submit("f")
     with pytest.raises(BusError, match="robot 'nobody' does not answer; if it moves, use the hardware switch"):
         operator.submit("s")
-    told = "does not answer; what moves was told to stop, and nobody has confirmed it; if it moves, use the hardware"
+    told = "does not answer; what moves was told to stop, and has not confirmed it; if it moves, use the hardware"
     with pytest.raises(BusError, match=told):
         operator.submit("estop")
     operator.close()

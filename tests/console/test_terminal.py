@@ -302,7 +302,7 @@ def test_a_narrower_terminal_keeps_one_bar_within_its_columns(robot, screen):
     wait_for(lambda: screen.terminal._screen.get_size().columns == 40)
     screen.types("long\r")
     wait_for(lambda: [line for line in screen.shown if line.startswith("  word word")])
-    # The prompt is drawn anew a moment after what is printed above it.
+    # The prompt is drawn again a moment after what is printed above it.
     wait_for(lambda: sum(line.startswith(f" {ROBOT} | ") for line in screen.shown) == 1)
     assert sum(line.startswith("Robot>") for line in screen.shown) == 2
 

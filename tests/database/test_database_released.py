@@ -37,7 +37,7 @@ WORDS_OF_EVERY_ROBOT = {"s", "S", "stop", "estop", "/estop/{reason...}", "reset"
 
 
 def rows(connection: sqlite3.Connection, wanted: dict[str, list[str]]) -> dict[str, list[object]]:
-    """Every row, in so many columns, but for the words that rows no longer give."""
+    """Every row, in this many columns, but for the words that rows no longer give."""
     marks = ", ".join(f"'{pattern}'" for pattern in sorted(WORDS_OF_EVERY_ROBOT))
     but = {"verb": f" WHERE pattern NOT IN ({marks})"}
     return {

@@ -21,7 +21,7 @@ HEADER = ["1", "13", "6012000010005", "someone", "a@b.c", "7", "A: test", "0", "
 
 
 def content(*scenes: tuple[int, int, dict[int, int]], ends: str = "\n") -> bytes:
-    """Return a file: scenes of so many frames and milliseconds to these positions, from standing upright."""
+    """Return a file: scenes of this many frames and milliseconds to these positions, from standing upright."""
     at = dict(enumerate((*STAND, 0)))
     fields = [*HEADER, str(len(scenes)), "2", "26", "0"]
     for servo, zero in at.items():

@@ -46,7 +46,7 @@ class Servo:
         self.boot()
 
     def boot(self) -> None:
-        """Come up anew: RAM is forgotten."""
+        """Come up again: RAM is forgotten."""
         self.table[24:48] = bytes(24)
         self.put(34, self.word(14))
         self.put(30, 512 + self.table[3])

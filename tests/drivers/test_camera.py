@@ -54,7 +54,7 @@ def stepped(camera, condition, within_s=3.0):
 
 
 def streaming(camera, ctx, source, count=1):
-    """Have the socket send pictures until so many are published."""
+    """Have the socket send pictures until this many are published."""
     stepped(camera, lambda: source.connected)
     for mark in range(count):
         wanted = len(ctx.frames) + 1

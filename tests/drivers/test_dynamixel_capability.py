@@ -172,7 +172,7 @@ def test_what_becomes_of_servos_that_nobody_cares_for_is_told_once_and_when_it_h
     rig.ahead_s += 32.0
     rig.until(lambda: rig.ctx.state.phase == "releasing")
     assert len(told()) == 1
-    assert "and are then let go" in told()[0][1]
+    assert "and are then released" in told()[0][1]
     rig.ahead_s += 5.0
     rig.until(lambda: len(told()) == 2)
     assert not any(servo.torque for servo in chain.servos.values())

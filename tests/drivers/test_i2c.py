@@ -73,7 +73,7 @@ def test_a_bus_that_is_not_there_says_what_to_do():
 
 def test_a_socket_that_nobody_serves_or_that_is_no_path_is_told(tmp_path):
     for path in (tmp_path / "bus", tmp_path / ("x" * 200)):
-        with pytest.raises(DeviceError, match=r"device 'imu': nobody serves .* \(.+\); start what stands"):
+        with pytest.raises(DeviceError, match=r"device 'imu': no process serves .* \(.+\); start what stands"):
             open_bus(device(path), 0x68)
 
 

@@ -140,7 +140,7 @@ def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
         clock.ahead_s += 0.2
         motors._guard.beat(turning=True)
     assert not motors._guard.standing
-    with pytest.raises(DeviceError, match="hangs; opening anew"):
+    with pytest.raises(DeviceError, match="hangs; reopening"):
         motors.step()
     motors.close()
     motors.open()

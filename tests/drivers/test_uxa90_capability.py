@@ -376,7 +376,7 @@ def test_after_a_stored_motion_joints_are_held_at_their_own_torque_and_after_a_l
     rig.sweeps()
     assert not board.moves()
     assert rig.servo(0).torque == 0.0
-    assert "let go by the main board's motion" in rig.servo(0).reason
+    assert "released by the main board's motion" in rig.servo(0).reason
 
 
 def test_a_stored_motion_may_be_played_without_leaving_pc_control(board):

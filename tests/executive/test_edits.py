@@ -52,7 +52,7 @@ def test_an_edit_is_written_and_only_others_restart_for_it(robot):
     reply = write(robot, {"motor": [MOTOR], "motion": [{"name": "nod"}], "motion_step": [NOD]}, create=True, by="phone")
     assert reply["accepted"], reply
     until(lambda: robot.ask("face/known") == {"motors": ["neck"], "motions": ["nod"]})
-    until(lambda: robot.capability("other")["pid"] not in {other, None}, what="who has motions starts anew")
+    until(lambda: robot.capability("other")["pid"] not in {other, None}, what="who has motions restarts")
     until(lambda: (robot.ask("other/known") or {}).get("motions") == ["nod"])
     assert robot.capability("face")["pid"] == face
     until(lambda: robot.status()["revision"] == reply["revision"])
@@ -83,7 +83,7 @@ def test_a_refusal_is_a_sentence_with_the_newest_revision_and_nothing_changes(ro
 
 def test_whoever_is_not_wired_is_not_heard(robot):
     assert robot.ask("@edit", {"rows": {"motor": [MOTOR]}}, source="face", timeout_s=0.3) is None
-    answer = until(lambda: robot.ask("other/write", {"rows": {"motor": [MOTOR]}}), what="it has started anew")
+    answer = until(lambda: robot.ask("other/write", {"rows": {"motor": [MOTOR]}}), what="it has restarted")
     assert answer["reason"] == "not wired"
 
 

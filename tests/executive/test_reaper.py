@@ -48,7 +48,7 @@ def adopt():
 
 @pytest.fixture
 def executive(tmp_path, monkeypatch):
-    """Start one; return it, its reaper's pid, and the pids of what it has started, so many."""
+    """Start one; return it, its reaper's pid, and the pids of what it has started, this many."""
     monkeypatch.chdir(tmp_path)
     started, reapers = [], []
 

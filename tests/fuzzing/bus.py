@@ -154,7 +154,7 @@ def _memory_mb(under_test: Bench) -> dict[str, float]:
 
 
 def _troubles(under_test: Bench, before: dict[str, int]) -> list[str]:
-    under_test.reached()  # a link that a busy machine keeps silent for 0.4 s is made anew
+    under_test.reached()  # a link that a busy machine keeps silent for 0.4 s is made again
     found = [] if _processes(under_test) == before else [f"a process was replaced: {under_test.state()}"]
     turned = [entry for entry in under_test.trace.read() if not getattr(entry, "zero", True)]
     if turned:

@@ -18,7 +18,7 @@ from tests.support.uxa90_wire import chunks, packets
 ANSWER_S = 5.0
 MOVES = ("/motor", "/multimotor", "/motion/{key}")
 MOVING = 5
-"""So many times more of these than of others."""
+"""How many times more of these than of others."""
 RUNS = ("servos", "joints", "motions", "web", "world")
 EDITS = (
     only("uxa90", *RUNS),
@@ -51,7 +51,7 @@ def served(home: Path, *edits: str) -> Iterator[tuple[Robot, httpx.Client, Path]
 
 
 def ask_all(client: httpx.Client, number: int, seed: int | None = None) -> Tally:
-    """Ask so many cases, one after the other: of each operation some, of those that move most."""
+    """Ask this many cases, one after the other: of each operation some, of those that move most."""
     document = client.get("/openapi.json").json()
     tally = Tally()
     kinds = cases(document)

@@ -23,7 +23,7 @@ from tests.support.robot import Robot, start, until
 MEGABYTE = 1 << 20
 BURST_S, STORM_S = 0.15, 1.2
 SILENCE_S = 0.5
-"""After so long without a frame the driver opens the line anew, and the board starts from the beginning."""
+"""After this long without a frame the driver opens the line again, and the board starts from the beginning."""
 STORM_SHARE = 0.2
 BACK_S = 8.0
 POWER, SLACK = 0.3, 0.002

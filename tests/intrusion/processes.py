@@ -36,7 +36,7 @@ def processes(results: Results) -> None:
 
 
 def _began(under_test: Bench, program: str, count: int) -> bool:
-    """Say whether so many tethers have become the program."""
+    """Say whether this many tethers have become the program."""
     return [process.cmdline()[:1] for process in processes_of(under_test.robot.home)].count([program]) == count
 
 

@@ -1,4 +1,4 @@
-"""The door itself: off until it is opened, degraded while it cannot listen, opened anew when it is killed."""
+"""The door itself: off until it is opened, degraded while it cannot listen, reopened when it is killed."""
 
 import json
 import os

@@ -106,7 +106,7 @@ def listening(greeting: bytes) -> Iterator[str]:
 @pytest.mark.parametrize(
     ("endpoint", "code", "words"),
     [
-        ("tls/127.0.0.1:1", 1, "nobody is there at tls/127.0.0.1:1"),
+        ("tls/127.0.0.1:1", 1, "nothing listens at tls/127.0.0.1:1"),
         ("tls/robot.invalid:7447", 1, "there is no machine 'robot.invalid'"),
         ("tls/robot", 2, "is no endpoint; one looks like tls/192.168.1.7:7447"),
         ("tls/[::1]:99999", 2, "is no endpoint"),

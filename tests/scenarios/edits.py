@@ -23,7 +23,7 @@ KIND_AGAIN = "UPDATE capability SET kind = 'failing_app' WHERE robot = 'lbr' AND
 
 
 def edit_for(under_test: Bench, seconds: float) -> None:
-    """Edit for so long; a third of the time the rows make no sense."""
+    """Edit for this long; a third of the time the rows make no sense."""
     before = {name: under_test.pid(name) for name in UNTOUCHED}
     database = sqlite3.connect(under_test.robot.home / "robot.db", timeout=5.0, isolation_level=None)
     began = time.monotonic()

@@ -52,7 +52,7 @@ class Scenario:
         return max(1, round(self.full * n / 300))
 
     def for_tries(self, tries: int) -> int:
-        """Return the amount that makes so many tries."""
+        """Return the amount that makes this many tries."""
         return -(-tries // self.tries)
 
 

@@ -25,7 +25,7 @@ SPARE = {"executive": 1}
 """SQLite keeps the descriptor of a closed connection for the next one while another holds a lock."""
 LOOKS, BETWEEN_LOOKS_S = 5, 0.3
 IDLE_THREADS_S = 11.0
-"""After so long the bus ends threads that have nothing to do."""
+"""After this long the bus ends threads that have nothing to do."""
 WORKERS = {"executive": 20}
 """Threads made when they are first needed, never more than these: 16 for console lines, 4 for stops and resets."""
 
@@ -40,7 +40,7 @@ class Cost(NamedTuple):
 
 
 class Storm:
-    """Hurts one robot, starts it anew when it is gone, and gives failed capabilities another chance, as a person would."""
+    """Hurts one robot, starts it again when it is gone, and gives failed capabilities another chance, as a person would."""
 
     def __init__(self, under_test: Bench, dice: random.Random) -> None:
         self.killed_anew = 0
@@ -62,7 +62,7 @@ class Storm:
         return f"{name} to {victim.pid}"
 
     def mend(self) -> None:
-        """Start the robot anew if its executive is gone, and what has been given up."""
+        """Start the robot again if its executive is gone, and what has been given up."""
         under_test = self._under_test
         if under_test.robot.popen.poll() is not None:
             left = wait_until_gone(under_test, time.monotonic_ns(), 3.0)

@@ -9,7 +9,7 @@ from tests.support.servo_bus.twin import bus
 
 @pytest.fixture
 def said():
-    """Return what servo 3 answers to so many reads, one after the other."""
+    """Return what servo 3 answers to this many reads, one after the other."""
     emulated, now = bus(), 100.0
 
     def read():

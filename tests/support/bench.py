@@ -31,7 +31,7 @@ ALMOST = 0.39
 ATTEMPTS = 3
 ANSWER_S = 6.0
 LAST_BYTES_S = 0.15
-"""A killed driver's last bytes may wait so long in the line; no new one is ready so soon."""
+"""A killed driver's last bytes may wait this long in the line; no new one is ready so soon."""
 ACCEL_PER_S = 2.0
 ANGLES = (90.0, 270.0)
 """Spinning on the spot needs no room, so a robot may be driven for as long as it takes."""
@@ -189,7 +189,7 @@ class Bench:
             self.results.sample(figure, (time.monotonic_ns() - fault_ns) * 1e-6)
 
     def forget_deaths(self, name: str) -> None:
-        """Start a capability anew by the console, so that its earlier ends are forgotten."""
+        """Restart a capability by the console, so that its earlier ends are forgotten."""
         before = self.pid(name)
         said = self.robot.line(f"/restart/{name}")
         assert said["code"] == 0, said

@@ -15,7 +15,7 @@ RESULTS = ROOT / "benchmarks" / "results.json"
 BEGIN, END = "<!-- figures:begin -->", "<!-- figures:end -->"
 FAMILIES = "SEFTPDZABK"
 ABOUT = """Times are in milliseconds unless the target says otherwise. *Target* is graded, *hard* may never be passed, *fails
-at most* is what so many tries without a failure leave possible (3/N, 95 %), *anchor* is the best figure known of others.
+at most* is what this many tries without a failure leave possible (3/N, 95 %), *anchor* is the best figure known of others.
 *Robot* is what ran: *base* are the capabilities motors, ranges, drive and world of lbr-sim and no others, *whole* is
 lbr-sim as it ships; where it is empty, no robot ran, or the base with what the line is about.
 Load: *I* nothing else, *H* four busy loops, *G* these and floods of 20,000 messages, *clock* a wall clock that jumps.
@@ -36,7 +36,7 @@ class Ledger(Struct, kw_only=True):
         return msgspec.json.decode(path.read_bytes(), type=cls) if path.exists() else cls()
 
     def merge(self, report: Report) -> None:
-        """Take in a report: what it has measured anew replaces what was there."""
+        """Take in a report: what it has measured again replaces what was there."""
         again = f"; {len(report.repeated)} measured again" if report.repeated else ""
         measured = f"{report.started} on {report.machine}; {report.load}{again}"
         new = [summary(result, measured) for result in report.results]

@@ -22,7 +22,7 @@ NAMESPACES = "namespaces"
 IN_USE = "in-use"
 FOREIGN = ("LBR_HOME", "LBR_TOKEN", "LBR_ROBOT")
 KERNEL_S = 2.0
-"""What a dead process has started is given so long to end by itself, as it should; then it is killed."""
+"""What a dead process has started is given this long to end by itself, as it should; then it is killed."""
 KILL_S = 5.0
 XDG = {"CACHE": ".cache", "CONFIG": ".config", "DATA": ".local/share", "STATE": ".local/state"}
 

@@ -44,7 +44,7 @@ class Api:
         return chunks(self.trace)
 
     def moves(self, since):
-        """Return the moves that it read after so many chunks, oldest first."""
+        """Return the moves that it read after this many chunks, oldest first."""
         found, wrong = packets(b"".join(chunk.data for chunk in self.read()[since:]))
         assert wrong == []
         return [packet.data.hex(" ").upper() for packet in found if packet.kind == "move"]

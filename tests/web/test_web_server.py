@@ -402,7 +402,7 @@ def test_many_ask_at_once_and_all_are_answered(served):
 
 
 def test_many_who_stop_at_once_are_answered_together_and_none_is_refused(served, monkeypatch):
-    """What stops takes so many commands at once and refuses more; a stop that is refused is none."""
+    """What stops takes this many commands at once and refuses more; a stop that is refused is none."""
     asked, heard = [], threading.Event()
 
     class Late:

@@ -117,7 +117,7 @@ def test_a_stop_that_nothing_answers_is_told(wheels):
         try:
             status, answer = wheels.ask("POST", "/stop")
         except OSError:
-            return False  # it starts anew with its new wiring
+            return False  # it restarts with its new wiring
         return status == 503 and "wired to this server by channel rows" in answer["message"]
 
     until(refused, limit_s=10.0)

@@ -14,7 +14,7 @@ TTL_S = 0.8
 DRIVE = LeaseTarget("motion", silent="the drive does not answer", silent_s=1.0 + TTL_S, result_s=0.5)
 """It is stopped by the pilot, who has to know its own stops from others'."""
 FINAL = frozenset({"stopped", "stopped_since", "taken_over", "superseded", "held", "estop", "role", "denied"})
-"""Why a motion ends, or is refused, when somebody wants the robot to stand, or to go elsewhere."""
+"""Why a motion ends, or is refused, when a user wants the robot to stand, or to go elsewhere."""
 
 
 class Motion:

@@ -28,7 +28,7 @@ def sees() -> Script[bool]:
 
 
 def bounded(action: Turn | Go) -> Script[Ending]:
-    """Turn or drive to the end; what somebody else ended is not begun again."""
+    """Turn or drive to the end; what another sender ended is not begun again."""
     view = yield action
     while view.ending is None:
         view = yield action

@@ -80,7 +80,7 @@ class Pilot:
             self._motion.renew(command[1], time.monotonic())
 
     def break_off(self, why: str) -> None:
-        """Stand still, and let whoever moved know why."""
+        """Stand still, and tell the script why."""
         if self._motion is not None:
             self._ended = Ending(good=False, text=why)
             self.stop()
@@ -115,7 +115,7 @@ class Pilot:
         return None
 
     def _say(self, action: Say) -> None:
-        """Say it, if there is a voice; nobody waits for the answer."""
+        """Say it, if there is a voice, without waiting for the answer."""
         key = keys.port(self._robot.name, "speech", "say")
         wire.put(self._robot.bus, key, SayCommand(phrase=action.phrase), source=self._robot.source)
 
@@ -124,7 +124,7 @@ class Pilot:
         if self._zero is None or self._zero[0] != attitude.epoch:
             known = attitude.heading_deg is not None
             if not known and self._zero is not None:
-                raise BusError("the attitude began anew, and without a compass the direction is lost")
+                raise BusError("the attitude started over, and without a compass the direction is lost")
             direction_deg = shortest((attitude.heading_deg or 0.0) - self._heading_deg) if known else 0.0
             self._zero = (attitude.epoch, turned_deg - direction_deg)
         return shortest(turned_deg - self._zero[1])

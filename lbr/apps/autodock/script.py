@@ -1,15 +1,13 @@
 """How to dock, step by step. Pure.
 
-| step | does | then |
-|---|---|---|
-| announce | says where it is going | |
-| station | turns its back to the wall where the dock stands, at a distance at which the beams are wide | |
-| search | looks for a beam; sees none: goes aside by a step and looks again; to one side, then to the other | no beam at all: give up |
-| follow | backs up between the beams | lost: withdraw towards the middle, and from station on again |
-| touch | stands, and looks for the power beam, a voltage that rises, or a charger | nothing: withdraw, and again |
-| verify | waits until the battery is being charged | is not: give up |
+| step | does | then | |---|---|---| | announce | says where it is going | | | station | turns its back to the wall
+where the dock stands, at a distance at which the beams are wide | | | search | looks for a beam; sees none: goes aside
+by a step and looks again; to one side, then to the other | no beam at all: give up | | follow | backs up between the
+beams | lost: withdraw towards the middle, and from station on again | | touch | stands, and looks for the power beam, a
+voltage that rises, or a charger | nothing: withdraw, and again | | verify | waits until the battery is being charged |
+is not: give up |
 
-A motion that somebody stops is not begun again. After `tries` it gives up.
+A motion that was stopped is not begun again. After `tries` it gives up.
 """
 
 from dataclasses import dataclass
@@ -31,8 +29,8 @@ SIDES: dict[Side, float] = {"left": -90.0, "right": 90.0}
 class Manner:
     """How docking goes about it.
 
-    `side` is where it looks for the dock first, as the docked robot looks. `docked_back_m` is what its rear sensor reads
-    there: how far the wall is behind it.
+    `side` is where it looks for the dock first, as the docked robot looks. `docked_back_m` is what its rear sensor
+    reads there: how far the wall is behind it.
     """
 
     side: Side = "left"

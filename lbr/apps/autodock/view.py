@@ -10,7 +10,7 @@ Beam = Literal["left", "right", "power"]
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How the last turn or move ended, or that a motion was refused: `final` if somebody wants the robot to stand."""
+    """How the last turn or move ended, or that a motion was refused: `final` if a user wants the robot to stand."""
 
     good: bool
     text: str

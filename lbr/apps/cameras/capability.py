@@ -1,4 +1,4 @@
-"""One camera on at a time: the others are switched off first, and whoever asked is told what did not work."""
+"""One camera on at a time: the others are switched off first, and the asker is told what did not work."""
 
 from collections import deque
 from dataclasses import dataclass

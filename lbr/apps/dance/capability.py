@@ -47,7 +47,7 @@ class Dance(Capability[DanceSettings]):
         self._tell_at = 0.0
 
     def open(self) -> None:
-        """Nothing is needed before somebody wants to dance."""
+        """Do nothing: nothing is needed before a dance begins."""
         self._tell_at = 0.0
 
     def step(self) -> None:

@@ -27,7 +27,7 @@ def main() -> int:
     with program.connected("docksignal") as robot:
         answers = wire.ask(robot.bus, keys.port(robot.name, "dock", "heard"), message, source=robot.source)
     if not answers:
-        raise BusError("nobody listens: the capability 'dock' does not run; 'lbr status' says why")
+        raise BusError("no capability listens: 'dock' does not run; 'lbr status' says why")
     try:
         answer = codec.decode(answers[0].payload)
     except MalformedError as err:

@@ -23,8 +23,8 @@ def parsed(host: str) -> tuple[str, int | None] | None:
 def is_ours(host: str, names: AbstractSet[str] = frozenset(), *, loopback: bool = False) -> bool:
     """Say whether a Host header means this machine: an address, its own name, or one of `names`.
 
-    `loopback`: the request comes from this machine. Then only names of the loopback count, besides `names`: what browsers
-    say of a page that asks is certain for those alone. A page of somebody else's whose name was made to lead here shows
+    `loopback`: the request comes from this machine. Then only names of the loopback count, besides `names`: what
+    browsers say of a page that asks is certain for those alone. A foreign page whose name was made to lead here shows
     that name.
     """
     found = parsed(host)

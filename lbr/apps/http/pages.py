@@ -40,7 +40,8 @@ class Pages:
     def proven(self, headers: Mapping[str, str]) -> bool:
         """Say whether what is said proves that no foreign page asks, of a request that `stranger` has nothing against.
 
-        No page can make a browser send these headers with other values than are true; one that is missing proves nothing.
+        No page can make a browser send these headers with other values than are true; one that is missing proves
+        nothing.
         """
         return (
             ANY in self._allowed
@@ -51,7 +52,7 @@ class Pages:
 
 
 def is_visit(headers: Mapping[str, str]) -> bool:
-    """Say whether somebody follows a link to a page, so that the page that has the link learns nothing."""
+    """Say whether a user follows a link to a page, so that the page that has the link learns nothing."""
     return "origin" not in headers and headers.get("sec-fetch-mode", "navigate") == "navigate"
 
 

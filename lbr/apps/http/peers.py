@@ -1,6 +1,7 @@
 """Who is at the other end of a connection within this machine, by what the kernel says of its socket. Linux only.
 
-A program that passes on what others ask, a tunnel or a proxy, is itself at that end: `is_relayed` knows those that say so.
+A program that passes on what others ask, a tunnel or a proxy, is itself at that end: `is_relayed` knows those that say
+so.
 """
 
 import os
@@ -53,14 +54,14 @@ _PASSED_ON_BY = frozenset(
     ]
 )
 _PASSED_ON_WHOLE = frozenset({"x-host", "x-proto", "x-scheme", "x-http-host-override"})
-"""What the headers of proxies and tunnels are called, by the words of their names. Neither browsers nor programs that ask for
-themselves send such: what is not here is a proxy that leaves no trace."""
+"""What the headers of proxies and tunnels are called, by the words of their names. Neither browsers nor programs that
+ask for themselves send such: what is not here is a proxy that leaves no trace."""
 
 
 def is_relayed(headers: Mapping[str, str], port: int) -> bool:
     """Say whether a request came by a proxy or a tunnel: by a header of those, or to another port or name than ours.
 
-    Whoever passes on what others ask and leaves no trace of it is taken for the one who asks.
+    A relay that leaves no trace of passing requests on is taken for the one who asks.
     """
     if any(_tells_of_a_relay(name) for name in headers):
         return True
@@ -93,7 +94,8 @@ def whose(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Pat
 
 
 def is_held(connection: socket.socket) -> bool:
-    """Say whether a connection stands: until then nobody else can have its ports, and what was looked up by them is of it."""
+    """Say whether a connection stands: until then no other can have its ports, and what was looked up by them is of
+    it."""
     try:
         connection.getpeername()
     except OSError:
@@ -102,7 +104,7 @@ def is_held(connection: socket.socket) -> bool:
 
 
 def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> int | None:
-    """Return the user of the socket at the other end; None if the kernel does not know, or nobody holds it any more."""
+    """Return the user of the socket at the other end; None if the kernel does not know, or it is closed."""
     wanted = {(_shown(client, family), _shown(server, family)) for family in (socket.AF_INET, socket.AF_INET6)}
     for table in tables:
         try:

@@ -1,4 +1,4 @@
-"""How often somebody may ask."""
+"""Limits how often each client may ask."""
 
 from collections import OrderedDict
 
@@ -6,7 +6,7 @@ MOST_KNOWN = 1024
 
 
 class Bucket:
-    """Lets pass so many a second, and a quarter of a second's worth at once."""
+    """Lets pass this many a second, and a quarter of a second's worth at once."""
 
     def __init__(self, rate_hz: float, now: float) -> None:
         self._rate_hz = rate_hz
@@ -31,7 +31,7 @@ class Rates:
         self._buckets: OrderedDict[str, Bucket] = OrderedDict()
 
     def take(self, who: str, now: float) -> bool:
-        """Say whether somebody may ask now."""
+        """Say whether a client may ask now."""
         bucket = self._buckets.get(who)
         if bucket is None:
             bucket = self._buckets[who] = Bucket(self._rate_hz, now)

@@ -16,7 +16,7 @@ LIMIT_S: dict[Phase, float] = {
     "greeting": 2.0,  # TLS; 0.3 s over a slow radio
     "head": 2.0,
     "idle": 10.0,
-    "asking": 40.0,  # a body may take 10 s and an answer 20, and then somebody has to read it
+    "asking": 40.0,  # a body may take 10 s and an answer 20, and then the client has to read it
     "stopping": 40.0,
     "leaving": 2.0,
 }

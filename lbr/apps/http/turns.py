@@ -18,7 +18,7 @@ class Turns:
         self._taken: Counter[str] = Counter()
 
     def why_not(self, who: str) -> str:
-        """Return why there is no turn for somebody now; empty if there is."""
+        """Return why there is no turn for a client now; empty if there is."""
         if self._taken[who] >= self.most_of_one:
             return f"{self.most_of_one} of one asker"
         return f"{self.most}" if self._taken.total() >= self.most else ""

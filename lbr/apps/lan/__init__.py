@@ -39,7 +39,7 @@ def is_loopback(host: str) -> bool:
 
 KIND = Kind(
     name="lan",
-    summary="the door to other machines: whoever has a token comes in, with the rights of its role",
+    summary="the door to other machines: each token lets in with the rights of its role",
     family="app",
     serves=True,
     entry="lbr.apps.lan.capability:Lan",

@@ -26,8 +26,8 @@ from lbr.errors import BusError, DeviceError
 ROUTES_WITHIN_S = 1.0
 ASK_AGAIN_S = 0.02
 STUCK_ROUNDS = 30
-"""So many rounds of the main loop, ten a second, in which another thread did none: a machine that is too busy for the one
-is so for the other."""
+"""How many rounds of the main loop, ten a second, in which another thread did none: a machine that is too busy for the
+one is so for the other."""
 ASKED_S = 1.0
 
 
@@ -91,7 +91,7 @@ class Lan(Capability[LanSettings]):
         self._check()
 
     def close(self) -> None:
-        """Let nobody in any more."""
+        """Let no more clients in."""
         self._doorman.close()
         if self._relay is not None:
             self._relay.close()
@@ -132,7 +132,7 @@ class Lan(Capability[LanSettings]):
         return opened
 
     def _wait_until_it_routes(self, inside: Session) -> None:
-        """A router just hung on the robot's needs a tenth of a second; one that never routes is to be opened anew."""
+        """A router just hung on the robot's needs a tenth of a second; one that never routes is to be reopened."""
         end = time.monotonic() + ROUTES_WITHIN_S
         status = keys.status(self.ctx.robot)
         while not wire.ask(inside, status, None, source=self.ctx.name, timeout_s=0.3):

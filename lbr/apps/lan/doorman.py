@@ -3,7 +3,7 @@
     accepted, held ──► welcome: released ──► the library looks at the token ──► its log: let in, or refused
                   └──► its host has to wait: released later, or ended
 
-The library accepts and refuses by itself and asks nobody. So its listening sockets want a mebibyte before a connection
+The library accepts and refuses by itself without asking. So its listening sockets want a mebibyte before a connection
 counts as readable (socket(7), SO_RCVLOWAT, which connections inherit); a released connection wants a byte. What is let in
 never passes here again. A thread of its own does this, within a millisecond of the connection.
 """
@@ -56,7 +56,7 @@ class Doorman:
         return [self._told.popleft() for _ in range(len(self._told))]
 
     def close(self) -> None:
-        """Let nobody in any more."""
+        """Let no more clients in."""
         self._closing = True
         if self._thread.is_alive():
             self._thread.join(2 * POLL_S)
@@ -88,7 +88,7 @@ class Doorman:
 
 
 def _sockets() -> Iterator[socket.socket]:
-    """Yield this process's TCP sockets, whoever in it opened them; each is good until the next."""
+    """Yield this process's TCP sockets, whichever library opened them; each is good until the next."""
     for name in os.listdir("/proc/self/fd"):  # noqa: PTH208 - names are all that is wanted
         try:
             if not stat.S_ISSOCK(os.fstat(int(name)).st_mode):

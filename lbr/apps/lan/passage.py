@@ -6,7 +6,7 @@ A machine that has no time for this process has none for what it hears either, s
 from msgspec import Struct
 
 DOUBTED_AFTER = 3
-"""So many of the robot's statuses outside for none that came through the door: one a second."""
+"""How many of the robot's statuses outside for none that came through the door: one a second."""
 BROKEN_AFTER = 3
 
 

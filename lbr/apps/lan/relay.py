@@ -1,7 +1,8 @@
 """Takes at the door what may begin motion or change something, and asks the robot for it, marked as from afar.
 
-What comes from another machine may be old: a network that heals delivers what it has held back. Whoever moves the robot
-must know that, so such messages never pass from router to router. Stops and emergency stops do, and never wait here.
+What comes from another machine may be old: a network that heals delivers what it has held back. A sender that moves the
+robot must know that, so such messages never pass from router to router. Stops and emergency stops do, and never wait
+here.
 """
 
 import threading
@@ -143,7 +144,7 @@ class Relay:
                 answer = question.replies[0]
                 request.forward_reply(answer.payload, answer.attachment)
             elif question.done:
-                self._refuse(lane, request, Reason("unreachable", f"nobody answers on {request.key}"))
+                self._refuse(lane, request, Reason("unreachable", f"no capability answers on {request.key}"))
             else:
                 waiting.append((request, question))
         lane.under_way = waiting

@@ -1,7 +1,8 @@
 """Serve the robot's cameras to browsers, behind a token.
 
-Without --host, which belongs into its row, only this machine reaches it. From other machines it is reached by TLS alone,
-with the robot's own certificate, whose SHA-256 fingerprint is printed for comparison with what the browser shows.
+Without --host, which belongs into its row, only this machine reaches it. From other machines it is reached by TLS
+alone, with the robot's own certificate, whose SHA-256 fingerprint is printed for comparison with what the browser
+shows.
 """
 
 import argparse
@@ -53,4 +54,4 @@ if __name__ == "__main__":
     code = program.run(main)
     with suppress(OSError):
         sys.stdout.flush()
-    os._exit(code)  # a thread that still waits for an answer of the bus holds up nobody
+    os._exit(code)  # a thread that still waits for an answer of the bus delays nothing

@@ -1,4 +1,4 @@
-"""Who may see by navcam: whoever shows the token of this home, or a cookie that was given for it. No place lets in."""
+"""Let in to navcam those who show the token of this home, or a cookie that was given for it. No place lets in."""
 
 import secrets
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ NO_TOKEN = (
 
 
 def token() -> str:
-    """Return this home's token, made on first use; whoever removes its file locks everybody out."""
+    """Return this home's token, made on first use; removing its file locks all users out."""
     (path,) = home.credentials(lambda: [secrets.token_urlsafe(32).encode()], TOKEN_FILE)
     return _read_private(path)
 

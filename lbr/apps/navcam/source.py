@@ -1,4 +1,4 @@
-"""The cameras of a robot by its local door: pictures while somebody watches, and what the bus knows at this moment."""
+"""The cameras of a robot by its local door: pictures while there are viewers, and what the bus knows at this moment."""
 
 import asyncio
 import sys
@@ -77,11 +77,11 @@ class Door:
         return self._sessions.knows(session)
 
     def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Have something called whenever somebody signs out."""
+        """Have something called whenever a user signs out."""
         self._sessions.on_end.append(then)
 
     def tell(self, text: str) -> None:
-        """Write a line to the log, with the time; a log that takes nothing keeps nobody from watching."""
+        """Write a line to the log, with the time; a log that takes nothing does not keep viewers from watching."""
         with suppress(OSError):
             sys.stdout.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {text}\n")
             sys.stdout.flush()

@@ -94,7 +94,7 @@ class Speech(Capability[SpeechSettings]):
         self.ctx.publish("state", self._state(reason))
 
     def close(self) -> None:
-        """Say good bye as far as the time allows, then let go of engine and speaker."""
+        """Say good bye as far as the time allows, then close engine and speaker."""
         speaker, self._speaker = self._speaker, None
         if speaker is not None:
             self._bid_farewell(speaker)
@@ -127,7 +127,7 @@ class Speech(Capability[SpeechSettings]):
         return f"says {job.title}{after}" + (f"; {cut}" if cut else "")
 
     def _play(self, command: SongCommand) -> PlayReply:
-        """Play a song at once: whoever moves to it has to know when it began."""
+        """Play a song at once: the dance that moves to it has to know when it began."""
         sound, speaker = files.song(self._home, command.song), self._opened()
         if why := speaker.trouble or ("" if speaker.proven else "the speaker is still being tried; ask again"):
             raise DeviceError(why)

@@ -94,7 +94,7 @@ def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
 
 
 def main() -> None:
-    """Serve whoever started this process."""
+    """Serve the process that started this one."""
     out = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 

@@ -15,7 +15,7 @@ WRITTEN_AHEAD = 2
 class Job:
     """A text to be said, or saved, or a recording or song to be played; `sound` is there once there is a file.
 
-    `keep` is where a text is saved to instead of being said; `own` is what speech says of itself, which nobody waits
+    `keep` is where a text is saved to instead of being said; `own` is what speech says of itself, which no sender waits
     for.
     """
 

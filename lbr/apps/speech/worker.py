@@ -116,7 +116,7 @@ class Worker:
         try:
             return msgspec.json.decode(line, type=Answer)
         except (msgspec.DecodeError, UnicodeDecodeError):
-            return Answer(reason="the speech engine said what nobody understands")
+            return Answer(reason="the speech engine said something that cannot be understood")
 
     def _take(self, answer: Answer) -> Answer | None:
         if self._asked:

@@ -14,7 +14,7 @@ COMPASS_S = 0.5
 
 
 class TelemetryPackage(Capability[TelemetrySettings]):
-    """Publishes what it knows, also while nobody speaks."""
+    """Publishes what it knows, also while no source speaks."""
 
     woken_by_streams = False
 

@@ -19,7 +19,8 @@ Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
 class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a row of kind `tracking` may set; the colour is that of an orange ball, as hue, saturation and value.
 
-    A hue from 350 to 10 goes over red. The yaw joint turns to the left, the pitch joint downwards, the camera with both.
+    A hue from 350 to 10 goes over red. The yaw joint turns to the left, the pitch joint downwards, the camera with
+    both.
     """
 
     yaw_joint: Name = "neck_yaw"
@@ -33,10 +34,11 @@ class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     gain: Annotated[float, Meta(gt=0.0, le=1.0, description="1: the whole angle to it, at once")] = 0.5
     field_deg: Annotated[float, Meta(gt=1.0, le=170.0, description="how wide the camera sees")] = 60.0
     max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture is no picture")] = 0.5
-    lost_s: Annotated[float, Meta(gt=0.0, le=60.0, description="so long the head stays where it saw it last")] = 2.0
+    lost_s: Annotated[float, Meta(gt=0.0, le=60.0, description="this long the head stays where it saw it last")] = 2.0
     ahead_rps: Annotated[float, Meta(ge=0.0, le=10.0, description="then it turns ahead so fast; 0: it stays")] = 0.4
     give_up_s: Annotated[
-        float, Meta(gt=0.0, le=86400.0, description="nothing seen for so long ends it, and others may have the joints")
+        float,
+        Meta(gt=0.0, le=86400.0, description="nothing seen for this long ends it, and others may have the joints"),
     ] = 120.0
     speed_rps: Annotated[float, Meta(gt=0.0, le=10.0, description="the head turns no faster, in radians a second")] = (
         2.5

@@ -1,4 +1,4 @@
-"""Tracking as a capability: looks at the head's pictures while somebody wants it to, and has the head follow."""
+"""Tracking as a capability: looks at the head's pictures while that is asked for, and has the head follow."""
 
 from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -29,7 +29,7 @@ JOINTS_CURRENT_S = 0.5
 NO_PICTURE_S = 1.0
 RATE_OVER_S = 2.0
 ANSWER_S = 1.2
-"""Whoever wants the head to follow waits 2 s for the answer; on a busy machine the eye may take longer."""
+"""A sender that wants the head to follow waits 2 s for the answer; on a busy machine the eye may take longer."""
 ROUND_S = 0.5
 """The head turns ahead by the time between two rounds, but not by more than this."""
 

@@ -1,4 +1,4 @@
-"""Looks at pictures on a thread of its own, the newest only: a slow detector makes few looks, and keeps nobody waiting."""
+"""Looks at pictures on a thread of its own, the newest only: a slow detector makes few looks, and delays nothing."""
 
 import threading
 from collections import deque

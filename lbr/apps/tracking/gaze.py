@@ -86,7 +86,7 @@ class JointPast:
             self._told.add(sent_s, state.goal_rad)
 
     def at(self, taken_s: float) -> _Where | None:
-        """Return where it was; None if nobody knows."""
+        """Return where it was; None if unknown."""
         told, measured = self._told, self._measured
         if taken_s - measured.newest_s < CURRENT_S:
             unsure = measured.spread(taken_s - SLACK_S, taken_s + SLACK_S)
@@ -119,7 +119,7 @@ class Gaze:
                 past.hear(state, sent_s)
 
     def at(self, taken_s: float) -> Pose | None:
-        """Return how the head stood; None if nobody knows."""
+        """Return how the head stood; None if unknown."""
         yaw, pitch = self._yaw.at(taken_s), self._pitch.at(taken_s)
         if yaw is None or pitch is None:
             return None

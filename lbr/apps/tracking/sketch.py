@@ -1,4 +1,5 @@
-"""A picture with what is seen in it marked, and what colour its middle has: for whoever sets the colour to look for.
+"""A picture with what is seen in it marked, and what colour its middle has: for the user who sets the colour to look
+for.
 
 Needs OpenCV, as `vision` does.
 """

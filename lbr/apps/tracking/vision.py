@@ -189,5 +189,5 @@ def _opencv() -> Any:
     try:
         import cv2  # noqa: PLC0415
     except ImportError as err:
-        raise InputError(f"OpenCV cannot be used ({err}); install it anew: pip install 'lbr[vision]'") from err
+        raise InputError(f"OpenCV cannot be used ({err}); install it again: pip install 'lbr[vision]'") from err
     return cv2

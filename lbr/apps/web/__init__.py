@@ -39,7 +39,8 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
     Where other machines reach it, it speaks TLS, unless `clear_text` says otherwise. `trusted` are the networks whose
     clients operate without a token. `legacy` opens what was built before there were tokens: then so do all programs of
-    this machine, and a GET may move although nothing proves that no web page sent it. `simulated`: only while the robot is.
+    this machine, and a GET may move although nothing proves that no web page sent it. `simulated`: only while the robot
+    is.
     """
 
     host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
@@ -58,7 +59,7 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     ] = ()
     tls: Annotated[bool, Meta(description="https also where only this machine reaches it")] = False
     clear_text: Annotated[
-        bool, Meta(description="http where other machines reach it: whoever is in between reads and changes all of it")
+        bool, Meta(description="http where other machines reach it: a machine in between reads and changes all of it")
     ] = False
     announce: Annotated[bool, Meta(description="tell the network by zeroconf, where others can reach it")] = True
     names: Annotated[

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from lbr.apps.web.login import Login
 
 HERE: Role = "view"
-"""What every program of this machine may, whoever runs it; stopping is part of it."""
+"""What every program of this machine may do, for any user; stopping is part of it."""
 OWNER: Role = "admin"
 TRUSTED: Role = "operate"
 
@@ -55,7 +55,7 @@ class Access:
     ) -> Client:
         """Return who asks at `port`; Refused (401) for a token that is none. `shown` is a token that no header has.
 
-        What a proxy says of others is not believed, but it says that this is not somebody at this machine. `owner`:
+        What a proxy says of others is not believed, but it says that this is not a user at this machine. `owner`:
         the kernel says that the program that asks is of this robot's own user; `whose` is what else it says.
         """
         if not shown and "authorization" in headers:

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 
 class AdvertisedAddress:
-    """Where a server listens at `port`, and which names its certificate adds; `look` again for what the network has changed. From any thread."""
+    """Where a server listens at `port`, and which names its certificate adds; `look` again for what the network has
+    changed. From any thread."""
 
     def __init__(
         self,
@@ -72,7 +73,7 @@ class AdvertisedAddress:
     def _who(self) -> str:
         networks = [one for one in self._settings.trusted if not names.is_local(one.partition("/")[0])]
         if networks:
-            return f"Whoever is in {' or '.join(networks)} needs no token; everybody else does ('lbr token add NAME --for web')."
+            return f"Clients in {' or '.join(networks)} need no token; all others do ('lbr token add NAME --for web')."
         return (
             "Other machines need a token ('lbr token add NAME --for web'), or their network in the setting 'trusted'."
         )

@@ -1,4 +1,5 @@
-"""What the server answers: its routes behind their guards, and for each request who asks, whether they may, what they say."""
+"""What the server answers: its routes behind their guards, and for each request who asks, whether they may, what they
+say."""
 
 import asyncio
 from collections.abc import Callable, Coroutine, Iterable, Mapping
@@ -26,7 +27,7 @@ from lbr.apps.web.routing import Endpoint, asked_path
 LARGEST_BODY = 64 * 1024
 BODY_S = 10.0
 REGARDLESS_S = 0.2
-"""So long the body of what is done regardless of it is waited for: who stops the robot does not wait for a reason."""
+"""How long the body of what is done regardless of it is waited for: who stops the robot does not wait for a reason."""
 NO_ROUTE = """<!DOCTYPE html>
 <html lang="en">
 <head>

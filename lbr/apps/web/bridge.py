@@ -1,7 +1,7 @@
 """Between the server's thread and the capability's loop: a coroutine goes over there, and what it returns comes back.
 
 The one promise between a request and its answer is here. In the loop a coroutine is resumed once a round, and looks for
-itself whether what it waits for is there: no callbacks, and nobody else's thread.
+itself whether what it waits for is there: no callbacks, and no other thread.
 """
 
 import asyncio
@@ -21,7 +21,7 @@ class Promise(Future[T], Generic[T]):
     """A result that comes in a later round of the loop; who waits for it may have left meanwhile."""
 
     def keep(self, result: T) -> None:
-        """Give the result, once; ignored if nobody waits any more."""
+        """Give the result, once; ignored if it is no longer waited for."""
         with suppress(InvalidStateError):
             self.set_result(result)
 
@@ -56,7 +56,7 @@ class Bridge:
         """Have a coroutine run in the loop, and return what it returns.
 
         Refused (503) if the loop ends, has too much to do, or nothing came of it in time. What has begun goes on also
-        if nobody waits for it any more: what it has asked of the robot may have been done.
+        if it is no longer waited for: what it has asked of the robot may have been done.
         """
         if self._closed or len(self._inbox) >= MOST_WAITING:
             work.close()
@@ -85,7 +85,7 @@ class Bridge:
         while self._inbox:
             work, promise = self._inbox.popleft()
             if promise.cancelled():
-                work.close()  # whoever asked is gone
+                work.close()  # the asker is gone
             else:
                 self._go_on(work, promise)
 

@@ -155,7 +155,7 @@ class BuiltinRoutes:
             if any(refusals):
                 return next(filter(None, refusals))
             if request == STOPS[0]:
-                break  # all that moves stands; who moved it may be starting anew
+                break  # all that moves stands; who moved it may be restarting
         return None
 
     def _wired(self) -> list[str]:

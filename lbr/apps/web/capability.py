@@ -34,7 +34,7 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.web import AddressReply, WebState
 
 SWITCH_S = 0.0005
-"""Two threads share the interpreter, and whoever asks waits for both."""
+"""Two threads share the interpreter, and a client waits for both."""
 TELL_S = 1.0
 LOOK_S = 5.0
 ENDS = "the server ends; it comes back at once if its rows were changed"
@@ -114,11 +114,11 @@ class Web(Capability[WebSettings]):
             super().command(call)
 
     def degraded(self, reason: str) -> None:
-        """Say that nobody is served."""
+        """Say that no client is served."""
         self.ctx.publish("state", WebState(listening=False, faces=self._faces.names, reason=reason))
 
     def close(self) -> None:
-        """Serve nobody any more; what was asked for by now is refused."""
+        """Stop serving; what was asked for until now is refused."""
         self._bridge.close(ENDS)
         if self._streams is not None:
             self._streams.close(ENDS)
@@ -166,7 +166,7 @@ class Web(Capability[WebSettings]):
         return self._announcer.run
 
     def _look(self, now: float) -> None:
-        """Note the newest states, for whoever asks on the other thread."""
+        """Note the newest states, for requests on the other thread."""
         self._robot.snapshot = Snapshot(
             at=now,
             heard={name: last for name in PORTS.states if (last := self.ctx.latest(name)) is not None},
@@ -212,9 +212,9 @@ class Web(Capability[WebSettings]):
         if not self._place.open:
             return
         if not self._place.tls:
-            text = "other machines reach the robot in clear text: whoever is in between reads tokens, and changes what is asked"
+            text = "other machines reach the robot in clear text: a machine in between reads tokens, and changes what is asked"
             self.ctx.event("exposed", text, level="warning")
         trusted = [one for one in settings.trusted if not names.is_local(one.partition("/")[0])]
         if trusted:
-            text = f"whoever is in {', '.join(trusted)} may move the robot without a token"
+            text = f"clients in {', '.join(trusted)} may move the robot without a token"
             self.ctx.event("exposed", text, level="warning")

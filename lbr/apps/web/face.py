@@ -1,7 +1,7 @@
 """What a face is: declared routes, from which both the answers and the OpenAPI document come, and a share of the loop.
 
-A face lives in the capability's loop, on one thread: there run `step`, `stopped` and each handler that is a coroutine. A
-handler that is a plain function is answered on the server's thread at once; it may read only what nobody changes.
+A face lives in the capability's loop, on one thread: there run `step`, `stopped` and each handler that is a coroutine.
+A handler that is a plain function is answered on the server's thread at once; it may read only what does not change.
 """
 
 from collections.abc import Callable, Coroutine, Mapping, Sequence
@@ -70,8 +70,9 @@ class Refused(Exception):  # noqa: N818 - an answer, not a fault
 class Client:
     """Who asks: from which address, by which token (empty: by none), and what that allows (None: nothing).
 
-    `legacy`: the row lets a GET move that nothing proves to be no web page's. `session` is what is kept of the cookie that
-    a browser was given for a token. `whose` program asks, the kernel says: a user's of this machine, or of another machine (empty).
+    `legacy`: the row lets a GET move that nothing proves to be no web page's. `session` is what is kept of the cookie
+    that a browser was given for a token. `whose` program asks, the kernel says: a user's of this machine, or of another
+    machine (empty).
     """
 
     address: str
@@ -185,13 +186,12 @@ class Route:
     """One method of one path, such as `/motion/{key}`: what it takes and returns, who may, and who answers.
 
     `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
-    and reads them itself: then they only say in the document what is meant, and a body is passed on unread.
-    What one that is `bare` refuses is told by its sentence alone, as clients of the old API know it.
-    One that is `regardless` is done whatever its body is: of one that is late, too large or wrong, `data` is None.
-    `handle` returns an answer: a coroutine does so in the capability's loop, within `within_s` (else 503), a plain
-    function at once.
-    `replies` maps each status to what is then returned: a Struct, a media type, or None for no content; refusals need not be named.
-    `role` is the least that is needed, None for nobody's leave. A `page` may be opened by a link from any other page,
+    and reads them itself: then they only say in the document what is meant, and a body is passed on unread. What one
+    that is `bare` refuses is told by its sentence alone, as clients of the old API know it. One that is `regardless` is
+    done whatever its body is: of one that is late, too large or wrong, `data` is None. `handle` returns an answer: a
+    coroutine does so in the capability's loop, within `within_s` (else 503), a plain function at once. `replies` maps
+    each status to what is then returned: a Struct, a media type, or None for no content; refusals need not be named.
+    `role` is the least that is needed, None for no role. A `page` may be opened by a link from any other page,
     so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
     What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign in.
     """
@@ -231,7 +231,7 @@ class Face:
         """Do one round of work, in the capability's loop; must not block."""
 
     def stopped(self, reason: str) -> None:
-        """Forget what is waiting to be done: somebody stopped the robot by way of this server, or it ends."""
+        """Forget what is waiting to be done: the robot was stopped by way of this server, or it ends."""
 
     def close(self) -> None:
         """End what goes on by itself, such as streams: the server ends."""

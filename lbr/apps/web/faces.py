@@ -129,7 +129,7 @@ class Faces:
             one.step(now)
 
     def stopped(self, reason: str) -> None:
-        """Have each forget what waits: somebody stopped the robot by way of this server, or it ends."""
+        """Have each forget what waits: the robot was stopped by way of this server, or it ends."""
         for one in self.shown:
             one.stopped(reason)
 
@@ -143,7 +143,7 @@ class Faces:
         return {one.name: one.state() for one in self.shown}
 
     def _fitting(self, face: Face, builtin: tuple[Route, ...]) -> tuple[Route, ...]:
-        """Return a face's routes; raise InputError if they are none, taken, or cannot be described."""
+        """Return a face's routes; raise InputError if they are no routes, are taken, or cannot be described."""
         try:
             routes = tuple(face.routes())
             for route in routes:

@@ -1,4 +1,5 @@
-"""What every request passes before its route, outermost first, as middleware: always answered, not too much, by our name."""
+"""What every request passes before its route, outermost first, as middleware: always answered, not too much, by our
+name."""
 
 import asyncio
 import sys
@@ -20,7 +21,8 @@ from lbr.apps.web.face import Refused, json
 
 LONGEST_URL = 4096
 TOO_OFTEN_S = 0.25
-"""So long whoever asks too often waits to hear that, so that a flood leaves time for those who stop the robot."""
+"""How long a client that asks too often waits to hear that, so that a flood leaves time for those who stop the robot.
+"""
 _READ = "lbr.headers"
 SECURITY = {
     "content-security-policy": "default-src 'none'; img-src 'self' data:; script-src 'self'; style-src 'self'; "

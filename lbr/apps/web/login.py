@@ -37,7 +37,7 @@ class Login:
         ]  # fmt: skip
 
     def session(self, headers: Mapping[str, str], whose: str | None) -> str:
-        """Return the mark of the session whose cookie a user shows; empty without, and where nobody knows the user."""
+        """Return the mark of the session whose cookie a user shows; empty without, and where the user is unknown."""
         cookie = self._cookie(headers)
         return self._sessions.find(cookie, whose) if cookie and whose is not None else ""
 

@@ -1,4 +1,4 @@
-"""`/ws`: states as they come, the newest only: whoever reads slowly misses some, and holds no memory for it."""
+"""`/ws`: states as they come, the newest only: a slow reader misses some, and holds no memory for it."""
 
 import asyncio
 from contextlib import suppress

@@ -16,11 +16,11 @@ from lbr.messages.leases import CommandReply
 
 STATE_PERIOD_S = 1.0
 OFF_S, ON_S = 0.6, 1.1
-"""So soon a switch is answered, whatever has come of it; both together before whoever asked gives up."""
+"""So soon a switch is answered, whatever has come of it; both together before the asker gives up."""
 CLOSE_S = 0.3
 NEWEST_S = 1.0
 OPENING_S = 1.5
-"""So long a device may take to open before that is a trouble."""
+"""How long a device may take to open before that is a trouble."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ class Camera(Capability[CameraSettings]):
             self._capture = Capture(lambda: open_source(device, settings), self.ctx.wake, silent_s=2.5 / settings.fps)
 
     def _forget(self) -> None:
-        """Nobody is given an old picture by a camera that is off or away."""
+        """Show no old picture of a camera that is off or away."""
         self._newest = None
         self.ctx.forget("frame")
 

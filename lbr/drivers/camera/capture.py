@@ -60,7 +60,7 @@ class Capture:
         return self._stopping
 
     def join(self, timeout_s: float) -> None:
-        """Wait for the end, and let go of what is left."""
+        """Wait for the end, and close what is left."""
         self._thread.join(timeout_s)
         if not self._thread.is_alive() and self._over >= 0:
             os.close(self._over)

@@ -26,7 +26,7 @@ class Source(Protocol):
         """Return the pictures that have come, oldest first, broken ones too; never waits."""
 
     def close(self) -> None:
-        """Let go of the device; never fails."""
+        """Close the device; never fails."""
 
 
 def check_controls(device: Device, wanted: dict[str, int | float], known: list[str]) -> None:

@@ -14,11 +14,11 @@ from lbr.errors import DeviceError, MalformedError
 CONNECT_S = 1.0
 READ_BYTES = 1 << 18
 READS = 16
-"""At most so many at once, however fast the other end talks."""
+"""At most this many at once, however fast the other end talks."""
 
 
 class StreamSource:
-    """A connection to whoever sends the pictures."""
+    """A connection to the sender of the pictures."""
 
     def __init__(self, device: Device, settings: CameraSettings) -> None:
         self._says = f"device '{device.name}' at {device.address}"

@@ -16,7 +16,7 @@ from lbr.drivers.servos.registers import RegisterServos
 
 RELEASE = "lbr.drivers.dynamixel.guard_release"
 ASKED = 3
-"""So often an adapter is asked whether it is a USB2AX; most are none, and say nothing."""
+"""How often an adapter is asked whether it is a USB2AX; most are not, and say nothing."""
 
 
 class Dynamixel(RegisterServos[DynamixelSettings, Bus]):

@@ -32,7 +32,7 @@ class Kept:
 class Setup:
     """Checks a servo and gives its EEPROM the wanted values: only where they differ, without torque, and read back.
 
-    One value at a time: the servo `is being set up` until it was asked again, and nobody waits for it meanwhile.
+    One value at a time: the servo `is being set up` until it was asked again, without a wait meanwhile.
     `done` are the servos that were, and what each was given.
     """
 

@@ -90,7 +90,7 @@ SAG = 10
 
 
 def holding_goal(position: int, speed: int, goal: int) -> int:
-    """Return the goal that holds a servo where it is, all raw: its own while it rests near that, or it would sag anew."""
+    """Return the goal that holds a servo where it is, all raw: its own while it rests near that, or it would sag again."""
     return goal if signed(speed) == 0 and abs(goal - position) <= SAG else position
 
 

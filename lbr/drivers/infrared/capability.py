@@ -49,7 +49,7 @@ class Infrared(Capability[InfraredSettings]):
             self.ctx.publish("signal", signal)
 
     def command(self, call: Call) -> None:
-        """Take what somebody else has seen."""
+        """Take in a beam that another program has seen."""
         for beam in BEAMS:
             if getattr(call.message, beam):
                 self._heard.hear(beam, call.arrived)
@@ -57,7 +57,7 @@ class Infrared(Capability[InfraredSettings]):
         call.reply(CommandReply(accepted=True))
 
     def close(self) -> None:
-        """Let go of the receiver."""
+        """Close the receiver."""
         receiver, self._receiver = self._receiver, None
         if receiver is not None:
             receiver.close()

@@ -54,7 +54,7 @@ class Receiver:
         return self._parser.feed(data)
 
     def close(self) -> None:
-        """Let go; never fails."""
+        """Close the device; never fails."""
         with suppress(OSError):
             os.close(self._fd)
 

@@ -86,7 +86,7 @@ class PacketParser:
 
 
 def decode(data: bytes) -> Packet | None:
-    """Return a packet, None if these bytes are none."""
+    """Return a packet, None if these bytes are not one."""
     if len(data) != PACKET_BYTES or not data.startswith(HEAD) or check(data[:-1]) != data[-1]:
         return None
     packet = Packet(

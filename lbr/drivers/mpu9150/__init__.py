@@ -31,7 +31,7 @@ class Mpu9150Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         float, Meta(ge=-100.0, le=100.0, description="the temperature at which the sensor reads zero")
     ] = 35.0
     most_errors: Annotated[
-        int, Meta(ge=1, le=100, description="failed readings in a row after which the device is started anew")
+        int, Meta(ge=1, le=100, description="failed readings in a row after which the device is restarted")
     ] = 5
 
 

@@ -54,7 +54,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
         self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
 
     def close(self) -> None:
-        """Let go of the bus."""
+        """Close the bus."""
         unit, self._unit = self._unit, None
         if unit is not None:
             unit.close()

@@ -1,4 +1,4 @@
-"""The AK8975: one measurement at a time, each asked for anew; it answers only while the bypass is on."""
+"""The AK8975: one measurement at a time, each asked for by itself; it answers only while the bypass is on."""
 
 from collections.abc import Callable
 

@@ -28,7 +28,7 @@ Tell = Callable[[str, str], None]
 class InertialUnit:
     """One unit on an open bus. A failed reading is an invalid sample, many in a row are a DeviceError.
 
-    A compass that does not answer leaves the rest: it is started anew every 2 s.
+    A compass that does not answer leaves the rest: it is restarted every 2 s.
     `tell(kind, text)` takes what people should know of; it may come often. `compass_trouble`: why there have been no
     compass readings for a second, empty if there have.
     """
@@ -82,7 +82,7 @@ class InertialUnit:
         self._start_compass()
 
     def sample(self) -> ImuSample:
-        """Measure now; raise DeviceError once it has to be started anew."""
+        """Measure now; raise DeviceError once it has to be restarted."""
         now = self._clock()
         try:
             burst = bytes(self._bus.read_i2c_block_data(self._address, registers.MOTION, registers.MOTION_BYTES))
@@ -109,7 +109,7 @@ class InertialUnit:
         )
 
     def close(self) -> None:
-        """Let go of the bus."""
+        """Close the bus."""
         self._bus.close()
 
     def _identify(self) -> None:
@@ -156,9 +156,9 @@ class InertialUnit:
 
     def _unusable(self, now: float, reason: str) -> ImuSample:
         said = f"device '{self._device.name}' at {self._device.address}: {reason}"
-        self._verify(registers.POWER, "lost its settings; was its power interrupted? It is started anew")
+        self._verify(registers.POWER, "lost its settings; was its power interrupted? It is restarted")
         if not now - self._valid_at < UNUSABLE_S:
-            raise DeviceError(f"{said}; it is started anew; check its power and wiring")
+            raise DeviceError(f"{said}; it is restarted; check its power and wiring")
         self._tell("unusable", said)
         return ImuSample(valid=False, time_s=now, reason=said)
 
@@ -169,7 +169,7 @@ class InertialUnit:
             self._checks += 1
             registers_in_turn = tuple(self._wanted)
             register = registers_in_turn[self._checks % len(registers_in_turn)]
-            self._verify(register, "lost its settings; was its power interrupted? It is started anew")
+            self._verify(register, "lost its settings; was its power interrupted? It is restarted")
 
     def _verify(self, register: int, otherwise: str) -> None:
         """Raise DeviceError if a setting is twice not what was written; an error of the bus tells nothing."""

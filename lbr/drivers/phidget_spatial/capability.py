@@ -65,7 +65,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         if self._gone:
             raise DeviceError(f"{self._who()} was unplugged; plug it in again")
         if not now - self._heard_s <= SILENT_S + 4 * self.ctx.settings.interval_ms / 1000.0:
-            raise DeviceError(f"{self._who()} has fallen silent; opening it anew")
+            raise DeviceError(f"{self._who()} has fallen silent; reopening it")
 
     def command(self, call: Call) -> None:
         """Take the gyro's zero, if the unit lies still."""
@@ -90,7 +90,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
 
     def close(self) -> None:
-        """Let go of the unit."""
+        """Close the unit."""
         opened, self._opened = self._opened, None
         if opened is not None:
             with suppress(*opened.errors):

@@ -53,7 +53,7 @@ class EmulatedSpatial:
         self._thread.start()
 
     def setDataInterval(self, DataInterval: int) -> None:
-        """Have a sample every so many milliseconds."""
+        """Have a sample at this interval, in milliseconds."""
         self._say({"interval_ms": DataInterval})
 
     def getDeviceName(self) -> str:

@@ -27,7 +27,7 @@ class Spatial(Protocol):
         """Wait up to `timeout` milliseconds for the unit."""
 
     def setDataInterval(self, DataInterval: int) -> None:  # noqa: N802, N803
-        """Have a sample every so many milliseconds; forgotten when it is plugged in anew."""
+        """Have a sample at this interval, in milliseconds; forgotten when it is plugged in again."""
 
     def getDeviceName(self) -> str:  # noqa: N802
         """Return what it is."""
@@ -36,7 +36,7 @@ class Spatial(Protocol):
         """Take the gyro's zero, for about two seconds."""
 
     def close(self) -> None:
-        """Let go."""
+        """Close the device."""
 
 
 class Opened(NamedTuple):

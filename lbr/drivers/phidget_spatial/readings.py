@@ -32,7 +32,7 @@ class Reading(Struct, frozen=True):
 class DeviceClock:
     """Dates samples by the device's regular clock: they come in bursts, and none comes before it was measured.
 
-    Quartz differs by some parts in a million, so the offset between the clocks may creep; a jump begins anew.
+    Quartz differs by some parts in a million, so the offset between the clocks may creep; a jump starts over.
     """
 
     def __init__(self) -> None:

@@ -28,7 +28,7 @@ class PicoSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     ] = 0.1
     retries: Annotated[int, Meta(ge=0, le=20, description="how often a register is read again that gave nothing")] = 3
     most_errors: Annotated[
-        int, Meta(ge=1, le=100, description="failed exchanges in a row after which the device is opened anew")
+        int, Meta(ge=1, le=100, description="failed exchanges in a row after which the device is reopened")
     ] = 8
     chemistry: Annotated[Chemistry, Meta(description="of the supply's own battery; auto: as it says itself")] = "auto"
     temperature_sensor: Annotated[Sensor, Meta(description="on the board (ntc), or plugged into it (to92)")] = "to92"

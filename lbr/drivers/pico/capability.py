@@ -64,7 +64,7 @@ class Pico(Capability[PicoSettings]):
         self._publish(UpsState(valid=False, reason=reason))
 
     def close(self) -> None:
-        """Let go of the bus; the relay stays as it is."""
+        """Close the bus; the relay stays as it is."""
         supply, self._supply = self._supply, None
         if supply is not None:
             supply.close()

@@ -1,4 +1,4 @@
-"""The supply as a device: one exchange at a time, as far apart as it needs, so that nobody ever waits for it."""
+"""The supply as a device: one exchange at a time, as far apart as it needs, so that the caller never waits for it."""
 
 from collections import deque
 from collections.abc import Callable
@@ -67,7 +67,7 @@ class Supply:
         return None
 
     def close(self) -> None:
-        """Let the timer rest, refuse what waits, and let go of the bus."""
+        """Stop the timer, refuse what waits, and close the bus."""
         for relay in self._relays:
             relay.answer("the driver is closing; the relay may be either way")
         self._relays.clear()
@@ -75,7 +75,7 @@ class Supply:
             if self._settings.still_alive_s:
                 self._bus.write_byte_data(self._commands, registers.STILL_ALIVE, registers.STILL_ALIVE_OFF)
         except OSError:
-            pass  # it is away; if it runs on, it resets a computer that nobody feeds, as it was told to
+            pass  # it is away; if it runs on, it resets a computer that no longer feeds it, as it was told to
         finally:
             self._bus.close()
 

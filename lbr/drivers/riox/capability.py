@@ -43,7 +43,7 @@ class Riox(Capability[RioxSettings]):
         self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
         unit, self._unit = self._unit, None
         if unit is not None:
             unit.close()

@@ -48,7 +48,7 @@ class Line(Protocol):
         """Throw away what was not read yet."""
 
     def close(self) -> None:
-        """Let go."""
+        """Close the device."""
 
 
 class AhrsUnit:
@@ -112,7 +112,7 @@ class AhrsUnit:
         return samples
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
         self._line.close()
 
     def _begin(self, now: float) -> None:

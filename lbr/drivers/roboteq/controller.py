@@ -150,7 +150,7 @@ class Controller:
         return self._clock() - self._fed
 
     def close(self) -> bool:
-        """Write zero and let go of the line; return whether it was acknowledged, or there is nobody to stop."""
+        """Write zero and close the line; return whether it was acknowledged, or no motor can turn."""
         try:
             return not self._known or self._zeroed()
         except DeviceError:
@@ -196,7 +196,7 @@ class Controller:
             raise DeviceError(self._sentence(f"answers ~{name} with {said}, expected {expected} ({meaning})"))
 
     def _ask(self, query: bytes, tries: int) -> Outcome | None:
-        """A first question may end a line that somebody left half written, and be refused with it."""
+        """A first question may end a line that was left half written, and be refused with it."""
         for _ in range(tries):
             self._send(query, SETUP_TIMEOUT_S)
             outcome = self._exchange.wait(SETUP_TIMEOUT_S * 2)

@@ -28,7 +28,7 @@ class Line(Protocol):
         """Throw away what was not read yet."""
 
     def close(self) -> None:
-        """Let go."""
+        """Close the device."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ class Telemetry:
         self._newest[value.name] = (decode(value), self._clock())
 
     def forget_faults(self) -> None:
-        """Wait for fault bits anew."""
+        """Wait for fault bits again."""
         self._newest.pop("FF", None)
 
     @property

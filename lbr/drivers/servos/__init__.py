@@ -44,11 +44,11 @@ class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         float, Meta(ge=0.0, le=3600.0, description="how long servos hold that have no sender any more")
     ] = 30.0
     release_s: Annotated[
-        float, Meta(ge=0.1, le=60.0, description="how long letting go takes then; their torque fades")
+        float, Meta(ge=0.1, le=60.0, description="how long their release takes then: their torque fades")
     ] = 5.0
     on_close: Annotated[
         Literal["hold", "release"],
-        Meta(description="when the driver ends in order: hold, then let go slowly; or at once"),
+        Meta(description="when the driver ends in order: hold, then release slowly; or at once"),
     ] = "hold"
     guard: bool = True
     guard_silence_ms: Annotated[
@@ -61,7 +61,7 @@ class RegisterServosSettings(ServosSettings, frozen=True, kw_only=True, forbid_u
 
     sweep_hz: Annotated[float, Meta(ge=1.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
     on_estop: Annotated[
-        Literal["hold", "release"], Meta(description="what the emergency stop does: hold still, or let go at once")
+        Literal["hold", "release"], Meta(description="what the emergency stop does: hold still, or release at once")
     ] = "hold"
 
 

@@ -77,7 +77,7 @@ class BusThread(Generic[Bus]):
                 else:
                     self._do(*taken)
                     wait_s = 0.0
-        except Exception as err:  # noqa: BLE001  whoever owns this thread raises it in its own
+        except Exception as err:  # noqa: BLE001  the owner of this thread raises it in its own
             self._fail(err)
 
     def _next(self, wait_s: float) -> tuple[Callable[[Bus], object], "Future[object]"] | None:

@@ -21,7 +21,7 @@ SWITCH_S = 1e-4
 PUBLISH_S = 0.1
 NAMED = 3
 LOST_S = 1.0
-"""A sender may stumble for so long before that is told."""
+"""A sender may stumble for this long before that is told."""
 S = TypeVar("S", bound=ServosSettings)
 
 
@@ -54,7 +54,7 @@ T = TypeVar("T", bound=Session)
 
 
 class Servos(Capability[S], ABC, Generic[S, T]):
-    """Applies fresh setpoints to the servos that the rows name; in every doubt they hold, and are let go slowly.
+    """Applies fresh setpoints to the servos that the rows name; in every doubt they hold, and are released slowly.
 
     What all drivers of servos do alike. `RegisterServos` has the rest for servos whose registers can be read back; a
     driver of others fills the abstract methods itself.
@@ -196,7 +196,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         if failure is not None:
             raise RuntimeError("the bus's thread ended") from failure
         if session.guard is not None and not session.guard.standing:
-            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; opening anew")
+            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; reopening")
         if session.guard is not None and session.guard.woken():
             self.ctx.event("guard", WOKEN, level="warning")
 
@@ -222,12 +222,12 @@ class Servos(Capability[S], ABC, Generic[S, T]):
             self._lost = False
         elif not self._lost and session.turning and now - since >= LOST_S:
             self._lost = True
-            left = f"hold for {max(0.0, settings.hold_s + since - now):.0f} s and are then let go"
+            left = f"hold for {max(0.0, settings.hold_s + since - now):.0f} s and are then released"
             text = f"{self._gate.reason}: the servos {left}; a motion or /torque/on keeps them"
             self.ctx.event("mover_lost", text, level="warning")
         elif self._lost and not session.turning:
             self._lost = False
-            self.ctx.event("let_go", "nobody cared for the servos: they have no torque now", level="warning")
+            self.ctx.event("let_go", "the servos had no sender for too long: they have no torque now", level="warning")
 
     def _report(self, session: T, now: float) -> None:
         while not self._told.empty():

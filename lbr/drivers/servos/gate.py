@@ -1,7 +1,7 @@
 """Whether the sender of setpoints can be believed: a pure function of state, event and time.
 
-Setpoints that cease, or say that their sender is lost, end the motion: the servos hold, after a time they let go slowly.
-The lease that was quoted then is revoked: setpoints that still quote it keep the servos held, and move nothing.
+Setpoints that cease, or say that their sender is lost, end the motion: the servos hold, and after a time release
+slowly. The lease that was quoted then is revoked: setpoints that still quote it keep the servos held, and move nothing.
 """
 
 from collections.abc import Mapping
@@ -42,7 +42,8 @@ class BornSetpoint:
 class ServoGate(SetpointGate[BornSetpoint]):
     """The state. `goals` are in force while it `follows`; `wanted` are the servos that may have torque at all.
 
-    `lost_since`: the servos have no sender since then. `halts` counts the stops that came. `seen`: there was a setpoint.
+    `lost_since`: the servos have no sender since then. `halts` counts the stops that came. `seen`: there was a
+    setpoint.
     """
 
     reason: str = START
@@ -83,12 +84,12 @@ def receive(state: ServoGate, setpoint: ServoSetpoint, born: float, now: float, 
     wanted = frozenset(goal.id for goal in setpoint.goals if goal.torque > 0.0)
     state = replace(state, wanted=wanted, born=born)
     if setpoint.lost:
-        return _lose(state, "whoever moved the servos is lost", now)
+        return _lose(state, "the mover of the servos is lost", now)
     state = replace(state, lost_since=None)
     if state.estop:
         return replace(state.revoked(setpoint.lease), lease=setpoint.lease)
     if verdict == "revoked":
-        return state.closed("the lease of this motion has died; stop, then move anew")
+        return state.closed("the lease of this motion has died; stop, then move again")
     goals = {goal.id: goal for goal in setpoint.goals}
     return replace(state, goals=goals, setpoint=told, lease=setpoint.lease, reason="")
 
@@ -107,7 +108,8 @@ def tick(state: ServoGate, now: float, valid_s: float, gone: str = "", estop: st
 
 
 def strength(state: ServoGate, now: float, hold_s: float, release_s: float) -> float:
-    """Return how much of their torque the servos keep: all while there is a sender and for `hold_s`, then less and less."""
+    """Return how much of their torque the servos keep: all while there is a sender and for `hold_s`, then less and
+    less."""
     if state.lost_since is None:
         return 1.0
     fading_s = now - state.lost_since - hold_s

@@ -1,8 +1,10 @@
-"""The guard's program: after the driver's death the servos hold where they are, then their torque fades, then it is off.
+"""The guard's program: after the driver's death the servos hold where they are, then their torque fades, then it is
+off.
 
 `python -m PROGRAM LINE_FD PIPE_FD DRIVER_PIDFD SILENCE_MS WORDS_FD WORDS_HEX HOLD_S RELEASE_S ID,ID… [MORE…]`, where
 PROGRAM is a module of the driver's that calls `run`. It keeps the line locked only while it speaks: the moment a new
-driver has it, it is done. Imports little, as `run`'s caller should: the guard is started while servos are getting torque.
+driver has it, it is done. Imports little, as `run`'s caller should: the guard is started while servos are getting
+torque.
 """
 
 import termios
@@ -21,7 +23,7 @@ class Releasing(Protocol):
     """What a driver tells its servos after its death. Whatever it writes or reads, the line is its own meanwhile.
 
     An OSError, as a DeviceError is one, says that the line is gone. `blind`: it cannot ask who has torque, so that it
-    acts only where the driver said that something may move. `least_hold_s`: it holds at least so long.
+    acts only where the driver said that something may move. `least_hold_s`: it holds at least this long.
     """
 
     blind: bool
@@ -44,7 +46,7 @@ class Releasing(Protocol):
 
 
 class GuardRelease:
-    """Holds, fades and lets go. `sleep` and `clock` are for tests."""
+    """Holds, fades and releases. `sleep` and `clock` are for tests."""
 
     def __init__(
         self,
@@ -88,7 +90,8 @@ class GuardRelease:
 
 
 def run(words: Sequence[str], make: Callable[[int, list[int], Sequence[str]], Releasing]) -> None:
-    """Run as the docstring of this module says. `make` gets the line, the servos' ids and the words of the driver's own."""
+    """Run as the docstring of this module says. `make` gets the line, the servos' ids and the words of the driver's
+    own."""
     line, pipe, driver, silence_ms, words_fd = (int(word) for word in words[:5])
     last = bytes.fromhex(words[5]) if words[5] != "-" else b""
     hold_s, release_s = float(words[6]), float(words[7])

@@ -1,6 +1,7 @@
 """Going round the servos of a bus: position, speed and load of each in every sweep, all else of one servo a sweep.
 
-A servo that is silent is left out and looked for again, now and then, so that it slows nobody. Runs in the bus's thread.
+A servo that is silent is left out and looked for again, now and then, so that it does not slow the others. Runs in the
+bus's thread.
 """
 
 from collections import deque
@@ -12,19 +13,21 @@ from typing import Generic
 from lbr.drivers.servos.contract import SETTING_UP, UNSEEN, B, Motion, Seen, SlowState, Snapshot
 
 MISSES = 4
-"""So many sweeps in a row without an answer make a servo silent."""
+"""How many sweeps in a row without an answer make a servo silent."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
 SINGLY_FIRST_S, SINGLY_MOST_S = 0.5, 30.0
-"""For so long servos are read one by one when all at once gave no answers: a busy machine is late for some sweeps, an
+"""For this long servos are read one by one when all at once gave no answers: a busy machine is late for some sweeps, an
 adapter that cannot do it never answers."""
 WAITING_SHARE = 0.1
-"""A sweep begins right after goals were written, so that they do not get into each other's way; it waits so long for them."""
+"""A sweep begins right after goals were written, so that they do not get into each other's way; it waits this long for
+them."""
 HASTY_S = 0.001
 HASTY_LOSSES = 4
-"""An answer of the slow rotation that would hold up the sweep is not waited for, unless so many in a row are that late."""
+"""An answer of the slow rotation that would hold up the sweep is not waited for, unless this many in a row are that
+late."""
 WRITING_S = 0.02
-"""A servo is deaf for so long after it was given two bytes to keep without power (datasheet: 9 ms each at worst)."""
+"""A servo is deaf for this long after it was given two bytes to keep without power (datasheet: 9 ms each at worst)."""
 STATISTICS_S = 1.0
 
 

@@ -15,21 +15,23 @@ from lbr.drivers.servos.gate import ServoGate
 from lbr.messages.servos import ServoGoal
 
 MEASURED_S = 0.25
-"""A position older than this is not where the servo is, and a servo that was not heard for so long is told no goals."""
+"""A position older than this is not where the servo is, and a servo that was not heard for this long is told no goals.
+"""
 FRESH_S = 0.05
 """Nor is this old where a servo is that moves: to be held there would take it back."""
 FOUND_S = 0.5
-"""So long a servo that was found with torque keeps it until who moves them knows of it."""
+"""How long a servo that was found with torque keeps it until who moves them knows of it."""
 REPEAT_S = 0.1
 AGAIN_S = 0.2
 FADE_STEP = 0.0097
 """A smaller share of the full torque is not worth a packet."""
-LET_GO = "was let go; switch its torque off, then on"
+LET_GO = "was released; switch its torque off, then on"
 
 
 @dataclass(slots=True)
 class TargetState:
-    """What one servo is to do, and was told. `settled`: when it was told to have torque or none; inf while that waits; `aimed`: its goal.
+    """What one servo is to do, and was told. `settled`: when it was told to have torque or none; inf while that waits;
+    `aimed`: its goal.
 
     `blocked` says why it gets no torque before a setpoint had it without. `stays`: its goal is where it was measured;
     `adrift`: it is to be held where it is as soon as that is measured; `found`: when it was first heard, with torque.
@@ -112,7 +114,7 @@ class ServoTargets(Generic[B]):
         return [out.id for out in asked if not _confirms(out, snapshot.servos[out.id], released=released)]
 
     def recovered(self, servo: int) -> None:
-        """Note that a latched servo was taken out of its fault; it has no torque before somebody switches it on anew."""
+        """Note that a latched servo was taken out of its fault; it has no torque before that is switched on again."""
         out = self.servos[servo]
         out.latched, out.settled = (), self._clock()
         out.blocked = "was recovered; switch its torque off, then on"
@@ -121,7 +123,7 @@ class ServoTargets(Generic[B]):
         return self.servos.values()
 
     def _read_back(self, out: TargetState, seen: Seen, gate: ServoGate) -> bool:
-        """Compare with what the servo says; True if it was found with torque that nobody here gave it."""
+        """Compare with what the servo says; True if it was found with torque that it was not given here."""
         self._switched(out)
         slow = seen.slow
         if slow is None or slow.at <= out.settled or out.switching is not None:

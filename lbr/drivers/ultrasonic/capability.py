@@ -43,7 +43,7 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         self._tell_bad_lines(board)
 
     def close(self) -> None:
-        """Stop the board and let go of the line."""
+        """Stop the board and close the line."""
         board, self._board = self._board, None
         if board is not None:
             board.close()

@@ -27,7 +27,7 @@ class Line(Protocol):
         """Throw away what was not read yet."""
 
     def close(self) -> None:
-        """Let go."""
+        """Close the device."""
 
 
 class RangeBoard:
@@ -69,7 +69,7 @@ class RangeBoard:
         return frames
 
     def close(self) -> None:
-        """Ask the board to stop, and let go of the line."""
+        """Ask the board to stop, and close the line."""
         try:
             self._line.write(FINISH)
         except DeviceError:
@@ -95,5 +95,5 @@ class RangeBoard:
 
     def _silence(self, now: float) -> str:
         said = f"device '{self._settings.device}' is silent: no reading for {now - self._heard:.1f} s"
-        heard = f", but {self.bad_lines} lines that are none" if self.bad_lines else ""
+        heard = f", but {self.bad_lines} malformed lines" if self.bad_lines else ""
         return f"{said}{heard}; check its cable, power and the setting `board`"

@@ -25,10 +25,10 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
     sweep_hz: Annotated[float, Meta(ge=0.0, le=50.0, description="position sweeps per second; 0 reads none")] = 20.0
     on_estop: Annotated[
         Literal["hold", "break", "release"],
-        Meta(description="the emergency stop: hold still, short the motors (dynamic brake), or let go at once"),
+        Meta(description="the emergency stop: hold still, short the motors (dynamic brake), or release at once"),
     ] = "break"
     reply_s: Annotated[float, Meta(ge=0.002, le=0.25, description="how long a servo's answer is waited for")] = 0.03
-    together: Annotated[int, Meta(ge=1, le=25, description="so many servos are asked in one write")] = 5
+    together: Annotated[int, Meta(ge=1, le=25, description="this many servos are asked in one write")] = 5
     settle_s: Annotated[float, Meta(ge=0.0, le=5.0, description="from taking control to the first servo packet")] = 1.0
     trust: Annotated[
         Literal["never", "plausible", "always"],

@@ -1,8 +1,8 @@
 """Transactions on the line of a UXA-90: asked, answered with exactly the bytes expected, or given up. For one thread.
 
 Answers carry neither id nor checksum, so that the number of bytes and the quiet around them is all that says whose they
-are. Hence: a question is asked only while the line is quiet; answers count only once nothing surplus followed them;
-one that is missing, or bytes that nobody asked for, take the answers before with them, and the line must then be quiet
+are. Hence: a question is asked only while the line is quiet; answers count only once nothing surplus followed them; one
+that is missing, or bytes that were not asked for, take the answers before with them, and the line must then be quiet
 for so long that none of the late ones can pass for another's.
 """
 
@@ -22,19 +22,20 @@ from lbr.drivers.wire import Wire
 SLICE_S = 0.002
 """A stop waits no longer than this while the line is listened to."""
 LATE_S, LATEST_S = 0.12, 1.0
-"""After an answer was lost, or bytes came unasked, the line must be quiet for so long; longer where that was too short."""
+"""After an answer was lost, or bytes came unasked, the line must be quiet for this long; longer where that was too
+short."""
 UNEVEN = 0.3
-"""That time varies so much, lest what comes late always come when somebody else is asked."""
+"""That time varies so much, so that late answers do not always come while the same other servo is asked."""
 CALMER = 0.98
 STEPPING_ASIDE_S = 0.006
 """What waits to be written lets an answer be missed that has not come by then."""
 SERVO_S = 0.0025
-"""Several that are asked in one write answer one after another, each so long after the one before at most."""
+"""Several that are asked in one write answer one after another, each this long after the one before at most."""
 CHECK_S = 0.003
 CHECK_SHARE = 1.5
 """Nothing surplus within this, or this many times what a servo takes: the answers before are believed."""
 MUTE_MOVES = 5
-"""So many moves without any answer in a row, while questions get theirs: moves are not answered here."""
+"""How many moves without any answer in a row, while questions get theirs: moves are not answered here."""
 FRAME_S = 0.25
 
 
@@ -58,7 +59,7 @@ class Counts:
 
 @dataclass(slots=True)
 class _Owed:
-    """Bytes of answers that nobody wants, until when they may come."""
+    """Bytes of answers that are not wanted, until when they may come."""
 
     until: float
     count: int
@@ -67,9 +68,9 @@ class _Owed:
 class Bus:
     """The line. Lost answers are None; a line that is gone is a DeviceError.
 
-    `heard` are answers that count, for others to take; `told` are frames that came; `unasked` counts how often bytes came
-    although nobody was asked. `stop_waits`, `write_waits` are
-    asked while listening: a stop ends that at once, a write after a moment.
+    `heard` are answers that count, for others to take; `told` are frames that came; `unasked` counts how often bytes
+    came although none was asked. `stop_waits`, `write_waits` are asked while listening: a stop ends that at once, a
+    write after a moment.
     """
 
     def __init__(
@@ -126,7 +127,7 @@ class Bus:
         return answers
 
     def say(self, data: bytes, answers: int = 0) -> None:
-        """Write bytes whose answers nobody wants: they are thrown away, with all that is still in doubt."""
+        """Write bytes whose answers are not wanted: they are thrown away, with all that is still in doubt."""
         self.drain()
         self._doubt()
         self._line.send(data)
@@ -139,7 +140,7 @@ class Bus:
             self._framed_at = now + wire_s + LATE_S
 
     def ask(self, question: bytes, count: int, within_s: float) -> bytes | None:
-        """Ask for so many bytes that are no position, such as a register; tried once."""
+        """Ask for this many bytes that are no position, such as a register; tried once."""
         if not self.settle(LATE_S * 4.0):
             return None
         wire_s = self._line.wire_s(len(question) + count)
@@ -203,16 +204,16 @@ class Bus:
 
     @property
     def unheard_s(self) -> float:
-        """For how long nothing at all had come when somebody was asked last."""
+        """Return for how long nothing at all had come when a servo was asked last."""
         return self._asked_at - self._came_at
 
     @property
     def doubtful(self) -> bool:
-        """Whether there are answers that may still prove to be somebody else's."""
+        """Say whether there are answers that may still prove to be another servo's."""
         return bool(self._doubtful)
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
         self._line.close()
 
     def _answers(self, data: bytes, servos: Sequence[int]) -> list[Answer] | None:
@@ -227,7 +228,7 @@ class Bus:
         return answers
 
     def _exactly(self, data: bytes, count: int, within_s: float, aside_s: float = inf) -> bytes | None:
-        """Write, and return what comes if it is so many bytes and no more."""
+        """Write, and return what comes if it is this many bytes and no more."""
         self.cut_short = False
         self._asked_at = self._clock()
         self._line.send(data)

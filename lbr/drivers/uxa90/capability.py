@@ -18,7 +18,7 @@ from lbr.messages.servos import RecoverServos, ServoPhase, ServoSetpoint, Servos
 
 RETAKE_S = 3.0
 BLIND_S = 1.5
-"""So long after PC control was taken it may take until it is known where the servos are."""
+"""How long after PC control was taken it may take until it is known where the servos are."""
 CONTROLLER_S = 0.5
 CONTACT = "was out of reach: was it without power? Switch its torque off, then on"
 

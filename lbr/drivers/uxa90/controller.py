@@ -25,7 +25,7 @@ class Controller:
         known: StoredMotions,
     ) -> None:
         self.mode = PcControl()
-        self.plays = stored_motions.reopened(known, "the line was opened anew")
+        self.plays = stored_motions.reopened(known, "the line was reopened")
         self._thread = thread
         self._targets = targets
         self._settings = settings
@@ -84,7 +84,7 @@ class Controller:
             self.take(again=True)
 
     def lost(self) -> None:
-        """Nobody answers any more: it may have left PC control by itself."""
+        """Take note that nothing answers: the board may have left PC control by itself."""
         self.mode = pc_control.left(self._clock())
         self.take()
 

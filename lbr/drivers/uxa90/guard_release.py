@@ -1,8 +1,8 @@
-"""The guard's program for a UXA-90: the servos hold, then their motors are shorted, then they are let go.
+"""The guard's program for a UXA-90: the servos hold, then their motors are shorted, then they are released.
 
-Run as `lbr.drivers.servos.guard_release` says, with the row's `settle_s` at the end. Servos hold by themselves what they
-were told last, which is never more than a step away. PC control is taken at once: a motion that the main board may play
-is to end, and what is said later is to be passed on. It asks servos nothing.
+Run as `lbr.drivers.servos.guard_release` says, with the row's `settle_s` at the end. Servos hold by themselves what
+they were told last, which is never more than a step away. PC control is taken at once: a motion that the main board may
+play is to end, and what is said later is to be passed on. It asks servos nothing.
 """
 
 import os

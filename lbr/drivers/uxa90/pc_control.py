@@ -1,6 +1,6 @@
 """In which mode the main board is taken to be: a pure function of what it was told, what it said, and time.
 
-unknown ─take─► taking ─answer, or settled─► pc ─a stored motion, or nobody answers─► normal ─take─► taking …
+unknown ─take─► taking ─answer, or settled─► pc ─a stored motion, or no answer ─► normal ─take─► taking …
 """
 
 from dataclasses import dataclass, replace

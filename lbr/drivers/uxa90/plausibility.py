@@ -18,7 +18,7 @@ RESTING_CPS, MOVING_CPS = 40.0, 420.0
 SMALL = 2
 """A step no longer than this is believed at once."""
 TOLD_RESTING, TOLD_MOVING = 3, 2
-"""So often in a row a servo must say that it is elsewhere, on the same side, unless it moves that way already."""
+"""How often in a row a servo must say that it is elsewhere, on the same side, unless it moves that way already."""
 FITTING_MOVING, FITTING_CPS, FITTING_S = 4, 150.0, 0.1
 LOSES, GAINS = 3, 5
 OLD_S = 1.0
@@ -61,7 +61,7 @@ def judged(seen: Seen, answer: Answer, at: float, policy: Policy, *, moving: boo
 
 
 def silent(seen: Seen, reason: str) -> Seen:
-    """Take in that a servo does not answer: what it says next has to prove itself anew."""
+    """Take in that a servo does not answer: what it says next has to prove itself again."""
     return replace(seen, trusted=False, streak=0, doubts=0, apart=0, trend=0, reason=reason)
 
 

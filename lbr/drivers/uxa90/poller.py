@@ -12,10 +12,10 @@ MISSES = 2
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.5, 8.0
 IDLE_S = 0.02
 FIRST_SWEEPS = 8
-"""So many follow one another at once, so that positions are believed soon."""
+"""How many follow one another at once, so that positions are believed soon."""
 BETTER_ALONE = 3
 BUSY_S, WARY_S = 0.1, 5.0
-"""So long after a write, and after answers were lost, what was answered is made sure of before the next is asked."""
+"""How long after a write, and after answers were lost, what was answered is made sure of before the next is asked."""
 STATISTICS_S = 1.0
 SILENT = "does not answer"
 
@@ -74,12 +74,12 @@ class Poller:
 
     @property
     def told_apart(self) -> bool:
-        """Whether every servo that answers is believed by now, or never is, or is known not to answer."""
+        """Say whether every servo that answers is believed, or never is, or is known not to answer."""
         heard = self._policy == "never"
         return all(seen.trusted or seen.reason or (heard and seen.raw is not None) for seen in self.seen.values())
 
     def afresh(self) -> None:
-        """Begin anew, quickly: the line was not read for a while, and servos may have gone anywhere."""
+        """Start over, quickly: the line was not read for a while, and servos may have gone anywhere."""
         self._groups.clear()
         self._under_way, self._quick, self._due = False, FIRST_SWEEPS, -inf
         for number, servo in self._servos.items():
@@ -106,7 +106,7 @@ class Poller:
         return self._next()
 
     def take(self, bus: Bus) -> None:
-        """Judge the answers that count by now; after bytes that nobody asked for belief is not gained by those before."""
+        """Judge the answers that count now; after stray bytes, belief is not gained by answers before them."""
         if bus.unasked != self._unasked:
             self._unasked = bus.unasked
             for servo, seen in self.seen.items():

@@ -125,7 +125,7 @@ class Session:
         return long or self.poller.all_silent
 
     def close(self, *, release: bool) -> None:
-        """Say the last word, and let go; what still has torque then is the guard's."""
+        """Send the last commands, and close; what still has torque then is the guard's."""
         turning, alive = self.turning, self.thread.failure is None
         if alive:
             self.controller.interrupt("the driver ended", {})

@@ -26,7 +26,7 @@ class StoredMotions:
 
     @property
     def busy(self) -> bool:
-        """Whether the main board moves, so that nobody else may."""
+        """Say whether the main board moves, so that nothing else may."""
         return self.phase == "playing"
 
     @property

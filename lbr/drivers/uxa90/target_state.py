@@ -9,8 +9,8 @@ NEAR = 12
 """Counts: a servo so near its goal may go there at the torque that was asked for."""
 STRIDE, FASTEST_CPS = 24, 400.0
 """Counts, and counts a second: so far it is from goal to goal of a servo that is led step by step."""
-LET_GO = "was let go; switch its torque off, then on"
-LIMP = "was let go by the main board's motion; switch its torque off, then on"
+LET_GO = "was released; switch its torque off, then on"
+LIMP = "was released by the main board's motion; switch its torque off, then on"
 BRAKED = "was braked by the emergency stop; switch its torque off, then on"
 
 
@@ -20,8 +20,8 @@ class TargetState:
 
     `want` is the packet that is to be said, `said` the one that was, `told_at` when. `carried`: it may have had torque
     before the line was opened; it is held where it is until a new motion begins. `adrift`: to be held where it is as
-    soon as that is known. `overtaken`: a goal from before a stop, which is not gone to. `led`: where a motion of the main
-    board is said to have led it. `blocked` says why it gets no torque before a setpoint had it without.
+    soon as that is known. `overtaken`: a goal from before a stop, which is not gone to. `led`: where a motion of the
+    main board is said to have led it. `blocked` says why it gets no torque before a setpoint had it without.
     """
 
     id: int

@@ -17,20 +17,20 @@ from lbr.messages.servos import ServoGoal
 PLACE_S = 0.6
 """A position older than this is not where the servo is."""
 WEAK_S = 2.0
-"""So long a servo goes at the weakest level whose place nobody knew, or that was far from its goal."""
+"""How long a servo goes at the weakest level if its place was unknown, or it was far from its goal."""
 SAG = 8
 """Counts: so far from its goal a servo may rest under its load."""
 REST_S = 0.3
 AGAIN_S = 1.0
 MOVING_S = 1.0
 OFF_AGAIN_S, OFF_TIMES = 0.1, 3
-"""Nothing says that a servo has let go: it is told several times."""
+"""A released servo reports nothing of it, so it is told several times."""
 STILL, STILL_S = 2, 0.04
-"""Counts within which a servo stands still, for so long."""
+"""Counts within which a servo stands still, for this long."""
 FEW = 8
 """After a write to more servos than this the line needs a moment for itself."""
 PLAYED_S = 1.0
-"""So long after a motion of the main board nobody tells servos where to be before it was read where they are."""
+"""How long after a motion of the main board servos get no goal before it was read where they are."""
 
 
 class ServoTargets:
@@ -65,7 +65,7 @@ class ServoTargets:
 
     @property
     def unknown(self) -> bool:
-        """Whether of any servo nobody knows if it has torque."""
+        """Say whether it is unknown of any servo if it has torque."""
         return any(not out.known for out in self._all())
 
     @property
@@ -100,7 +100,7 @@ class ServoTargets:
             if out.count is None:
                 out.adrift = True
             elif now < out.weak_until and here is None:
-                self._off(out, "was stopped on its way from a place that nobody knew; switch its torque off, then on")
+                self._off(out, "was stopped on its way from an unknown place; switch its torque off, then on")
             else:
                 if here is not None and now < out.weak_until:
                     out.count = here
@@ -114,7 +114,7 @@ class ServoTargets:
             self._off(out, why)
 
     def played(self, *, limp: bool) -> None:
-        """The main board has moved all servos: they have torque, and nobody here knows their goals; or have none."""
+        """The main board has moved all servos: they have torque, and their goals are not known here; or have none."""
         self._played_at = self._clock()
         for out in self._all():
             out.known, out.on, out.carried, out.adrift = True, not limp, False, False
@@ -123,7 +123,8 @@ class ServoTargets:
             out.blocked = LIMP if limp else ""
 
     def loose(self, goals: Mapping[int, ServoGoal]) -> None:
-        """Hold every servo that has torque where it is, as soon as that is read anew; `goals` of now mean nothing more."""
+        """Hold every servo that has torque where it is, as soon as that is read again; `goals` of now mean nothing
+        more."""
         self._played_at = self._clock()
         for out in self._all():
             if out.on:
@@ -143,7 +144,7 @@ class ServoTargets:
             out.blocked = BRAKED
 
     def flush(self, bus: Bus) -> None:
-        """Write what is due, if there is room by now; in the line's thread."""
+        """Write what is due, if there is room; in the line's thread."""
         if self._clock() >= self._free_at:
             self.flush_now(bus)
 
@@ -168,7 +169,7 @@ class ServoTargets:
         return seen.position if seen.trusted and fresh else None
 
     def moving(self, servo: int) -> bool:
-        """Say whether a servo may be under way, for whoever judges its position; from any thread."""
+        """Say whether a servo may be under way, for the judge of its position; from any thread."""
         out = self.servos[servo]
         return not out.on or out.count is None or self._clock() - out.told_at < MOVING_S
 
@@ -227,7 +228,7 @@ class ServoTargets:
         out.want = packets.move(out.id, WEAKEST if weak else level, out.count)
 
     def _settle(self, out: TargetState, now: float) -> None:
-        """Hold a servo where it is, that nobody knew before, or that rests away from its goal after a stop."""
+        """Hold a servo where it is, if its place was unknown, or it rests away from its goal after a stop."""
         here = self.place(out.id)
         if here is None or not out.on:
             return
@@ -262,7 +263,7 @@ class ServoTargets:
             count = out.count if out.on and not out.adrift else None
             count = here if count is None else count
             if count is None:
-                out.trouble = "" if out.on else "cannot be held where it is: nobody knows where; give it a position"
+                out.trouble = "" if out.on else "cannot be held where it is: its place is unknown; give it a position"
                 return
         else:
             count = packets.position_count(goal.position_rad) + self._offsets.get(out.id, 0)
@@ -286,7 +287,7 @@ class ServoTargets:
                 self._aim(out, min(WEAKEST, out.level + round((1.0 - strength) * (WEAKEST + 1 - out.level))))
 
     def _repeat(self, now: float) -> None:
-        """Say again what may not have been heard: a goal that a servo is away from, or that it is to let go."""
+        """Say again what may not have been heard: a goal that a servo is away from, or to release it."""
         for out in self._all():
             if out.want is None or out.want != out.said:
                 continue

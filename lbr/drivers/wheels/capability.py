@@ -23,9 +23,9 @@ RESEND_S = 0.015
 IDLE_QUERY_S = 0.04
 REPORT_PERIOD_S = 5.0
 FEW = 8
-"""So many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
+"""How many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
 UNASKED = (
-    "the controller's emergency stop is engaged and nobody here asked for it: "
+    "the controller's emergency stop is engaged, but not by this robot: "
     "release it at the controller, or engage and reset the emergency stop"
 )
 
@@ -86,7 +86,7 @@ class Wheels(Capability[S], ABC):
         controller = self._controller
         assert controller is not None
         if self._guard is not None and not self._guard.standing:
-            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; opening anew")
+            raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; reopening")
         self._beat()
         if self._guard is not None and self._guard.woken():
             self.ctx.event("guard", WOKEN, level="warning")
@@ -115,7 +115,7 @@ class Wheels(Capability[S], ABC):
         self._publish(reason)
 
     def close(self) -> None:
-        """Write zero, then let go; what is not acknowledged the guard writes again."""
+        """Write zero, then close the line; what is not acknowledged the guard writes again."""
         controller, self._controller = self._controller, None
         guard, self._guard = self._guard, None
         self._held_since = None

@@ -1,6 +1,6 @@
 """What this home proves itself by: the certificate of its bus, and the key that its tokens come from.
 
-A token is made anew from the key and its row whenever it is needed, and is never written down; the row has its hash.
+A token is made again from the key and its row whenever it is needed, and is never written down; the row has its hash.
 """
 
 import hmac
@@ -25,7 +25,7 @@ def token_key() -> bytes:
 
 
 def token_secret(key: bytes, name: str, created_at: str) -> str:
-    """Return the secret part of a token: 43 characters of which nobody can guess any without the key."""
+    """Return the secret part of a token: 43 characters which cannot be guessed without the key."""
     return tokens.text(hmac.digest(key, f"{name}|{created_at}".encode(), "sha256"))
 
 

@@ -17,7 +17,8 @@ from lbr.executive.planning.run_identity import RunIdentity
 
 
 def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulated: bool) -> list[Problem]:
-    """Return what is wrong with what device rows set, for every kind that reads it, and with their twins if `simulated`."""
+    """Return what is wrong with what device rows set, for every kind that reads it, and with their twins if
+    `simulated`."""
     devices = [(device, f"{rows.robot.name}/{device.name}") for device in rows.devices]
     devices += [
         (one.row, one.label) for one in rows.faulty if one.table == "device" and not one.columns & {"type", "settings"}
@@ -49,7 +50,7 @@ def _settable(kind: Kind, device_type: str) -> tuple[type[Struct] | None, str]:
 def check_devices(
     rows: RobotRows, chosen: list[CapabilityRow], kinds: Mapping[str, Kind], settings: Mapping[str, Any]
 ) -> list[Problem]:
-    """Return which capabilities name a device of another type, or one that is somebody else's."""
+    """Return which capabilities name a device of another type, or one that another capability has."""
     problems = []
     devices = {device.name: device for device in rows.devices}
     owners: dict[str, str] = {}
@@ -73,7 +74,8 @@ def check_devices(
 
 
 def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: RunIdentity, robot: str) -> str:
-    """Return where a device is in this run: its emulated twin's place if it has a twin, the profile's word, or the row's."""
+    """Return where a device is in this run: its emulated twin's place if it has a twin, the profile's word, or the
+    row's."""
     driver = next((kind for kind in kinds if kind.device == device.type), None)
     emulated = driver.emulated if driver is not None else "tty"
     if not profile.simulate or not (emulated == "folder" or device.type in twins.names()):

@@ -23,7 +23,7 @@ from lbr.messages.codes import Code
 from lbr.messages.rows import Row, by_table
 
 PROBLEMS_TOLD = 3
-"""So many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
+"""How many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
 
 
 class Happened(Protocol):
@@ -45,8 +45,8 @@ class Happened(Protocol):
 class LiveRows:
     """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force, `code` which sort of why.
 
-    While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a process go on with what it learnt,
-    `plug(name, devices)` with more emulated devices.
+    While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a
+    process go on with what it learnt, `plug(name, devices)` with more emulated devices.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class LiveRows:
         self.vocabulary = _words(self.plan)
 
     def look(self) -> None:
-        """Adopt what was edited, or say why not; not while an edit is being written on somebody's behalf."""
+        """Adopt what was edited, or say why not; not while an edit is being written on request."""
         news = None if self.held else self._watch.look(self.plan)
         if news is None:
             return

@@ -118,7 +118,7 @@ def _understand(
         return kind, None, _more(row, kind, label)
     try:
         return kind, kind.parse(row.settings), []
-    except Exception as err:  # noqa: BLE001 - a kind of somebody's own may check its settings in any way
+    except Exception as err:  # noqa: BLE001 - a user's own kind may check its settings in any way
         told = _more(row, kind, label)
         return kind, None, told or [Problem("capability", label, "settings", f"{err} (kind '{row.kind}')")]
 

@@ -22,7 +22,7 @@ def of_guest(plan: Plan, unit: ProcessSpec) -> Rights:
 
 
 def of_local(plan: Plan) -> Rights:
-    """Return what whoever may reach the robot's socket may do, without any password: look, and operate.
+    """Return what any user of the robot's socket may do, without a password: look, and operate.
 
     Setpoints may be put, and are refused aloud by who takes them: they lack the seal. Streams may not. What may be put
     is named key by key: a wildcard would let pass every other wildcard, and by that whatever a row denies.
@@ -44,7 +44,7 @@ def of_local(plan: Plan) -> Rights:
 
 
 def looked_at(plan: Plan) -> tuple[str, ...]:
-    """Return what is only looked at: a look that comes to nothing can be repeated, and holds up nobody."""
+    """Return what is only looked at: a look that comes to nothing can be repeated, and delays nothing."""
     return (*plan.streams(), *keys.looked_at(plan.robot))
 
 

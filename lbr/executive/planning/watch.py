@@ -1,4 +1,4 @@
-"""Looks at the rows: the first plan, and every later one when somebody has edited rows or a capability's file."""
+"""Looks at the rows: the first plan, and every later one when rows or a capability's file were edited."""
 
 from collections.abc import Callable, Iterable, Sequence
 from datetime import UTC, datetime
@@ -27,7 +27,8 @@ EDITS_TOLD = 4
 class News(Struct, frozen=True):
     """What a look has found: a plan that differs, with what to do and what was edited, or why there is none.
 
-    With problems, a plan is the old one with the tokens of now: whoever is locked out is out, whatever else is wrong.
+    With problems, a plan is the old one with the tokens of now: a token that was revoked is refused, whatever else is
+    wrong.
     """
 
     plan: Plan | None = None

@@ -3,7 +3,7 @@
 import os
 
 OVER_AFTER_S = 10.0
-"""So long after the last process that was not given the processor, what else is wrong has had time to mend."""
+"""How long after the last process that was not given the processor, what else is wrong has had time to mend."""
 
 
 class Busy:

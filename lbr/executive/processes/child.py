@@ -143,7 +143,7 @@ class Child:
         return self._popen.poll()
 
     def close(self) -> None:
-        """Let go of it after its end, and end what it started and left behind."""
+        """Free what it holds after its end, and end what it started and left behind."""
         self.kill()
         os.close(self.pid_fd)
         self._release_files()

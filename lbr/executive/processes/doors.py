@@ -3,11 +3,11 @@
     process (user, password) ──► core ◄── annex: opened later, for processes whose rights the core does not know
     anybody at the socket ─────► local door ─┘
 
-What a router allows is fixed when it opens, and to open the core anew would cut off everything that moves. So the
+What a router allows is fixed when it opens, and to reopen the core would cut off everything that moves. So the
 processes that an edit has given other rights get an annex: a router that knows their rights, hung on the core until none of
 them runs any more. `lbr/executive/planning/rights.py` says who may do what.
 
-A thread of its own opens and closes annexes, because the bus library may take its time: nobody waits for it but the
+A thread of its own opens and closes annexes, because the bus library may take its time: nothing waits for it but the
 processes that are to come in there.
 """
 
@@ -33,8 +33,8 @@ EXECUTIVE, ANNEX = "@executive", "@annex"
 CORE = "core"
 TRUSTED = Rights(trusted=True)
 SETTLED_S = 0.3
-"""Routers tell one another what has changed 0.1 s later, and one that is closed before keeps a thread of the library for
-ten seconds: of those it has fifty, and without them nobody comes in any more."""
+"""Routers tell one another what has changed 0.1 s later, and one that is closed before keeps a thread of the library
+for ten seconds: of those it has fifty, and without them no client comes in."""
 OPENS_WITHIN_S = 5.0
 RETRY_S = 1.0
 CLOSES_WITHIN_S = 1.0
@@ -136,7 +136,7 @@ class Doors:
                 raise BusError(f"the router for its rights did not open: {self._trouble}")
             if self._since is not None and time.monotonic() - self._since > OPENS_WITHIN_S:
                 text = f"the router for its rights has not opened within {OPENS_WITHIN_S:.0f} s"
-                raise BusError(f"{text}; the robot runs on without it until it is started anew")
+                raise BusError(f"{text}; the robot runs on without it until it is restarted")
             return None
 
     def tidy(self, in_use: Iterable[str]) -> None:
@@ -181,7 +181,7 @@ class Doors:
                 if missing and now >= self._retry_at:
                     return partial(self._open_annex, missing)
                 if unused is not None and now >= self._settled_at:
-                    self._annexes.remove(unused)  # so that nobody is sent there any more
+                    self._annexes.remove(unused)  # so that no process is sent there
                     return partial(self._close_annex, unused)
                 dues = [*([self._retry_at] if missing else ()), *([self._settled_at] if unused is not None else ())]
                 self._changed.wait(min(dues) - now if dues else None)

@@ -68,7 +68,7 @@ class MainThread:
                 return
             try:
                 future.set_result(do())
-            except Exception as err:  # noqa: BLE001 - it belongs to whoever asked
+            except Exception as err:  # noqa: BLE001 - it belongs to the caller
                 future.set_exception(err)
 
     def close(self) -> None:

@@ -29,7 +29,7 @@ class Started(Protocol):
         """Return how it ended, or None."""
 
     def close(self) -> None:
-        """Let go of it after its end."""
+        """Free what it holds, after its end."""
 
 
 class ManagedProcess:

@@ -1,14 +1,14 @@
 """The reaper's program: ends what is left of a run when the executive is gone, also what is frozen or hangs.
 
-`python -I -S reap.py LBR_RUN=TOKEN. LBR_LAST_WORD_S= PID HANGS_S`, with a pipe from the executive, which is PID, on standard
-input. It hears there `+NUMBER PID` when a process was started, `*NUMBER PID` when a driver was, `-NUMBER` when one has ended,
-`~NUMBER` when one has ended that may leave something behind until the end of the run, and `=PID` of a driver that had ended
-before. `!` says that the executive's main
-loop goes round, and `_` that nobody is to wait for that. A dot, or the end of the pipe, is the end of the executive: who
-can, ends in order by itself; then all the rest is killed. An executive that hangs is killed first. To a process belongs
-what is in its session, and what has its mark in the environment. A guard is not killed but continued until it has said its
-last word; only in a driver's session is one, which no other process can enter. The reaper has the executive's rights, so
-that it sees and ends whatever that has started, and imports nothing of the project.
+`python -I -S reap.py LBR_RUN=TOKEN. LBR_LAST_WORD_S= PID HANGS_S`, with a pipe from the executive, which is PID, on
+standard input. It hears there `+NUMBER PID` when a process was started, `*NUMBER PID` when a driver was, `-NUMBER` when
+one has ended, `~NUMBER` when one has ended that may leave something behind until the end of the run, and `=PID` of a
+driver that had ended before. `!` says that the executive's main loop goes round, and `_` that nobody is to wait for
+that. A dot, or the end of the pipe, is the end of the executive: who can, ends in order by itself; then all the rest is
+killed. An executive that hangs is killed first. To a process belongs what is in its session, and what has its mark in
+the environment. A guard is not killed but continued until it has said its last word; only in a driver's session is one,
+which no other process can enter. The reaper has the executive's rights, so that it sees and ends whatever that has
+started, and imports nothing of the project.
 """
 
 import os
@@ -29,16 +29,16 @@ LOOK_FIRST_S, LOOK_MOST_S = 0.01, 0.25
 LEFT_S = 0.5
 """How often what ended processes have left behind is looked at again."""
 AWAKE_S = 0.1
-"""Frozen for so long at most: a tenth of the patience."""
+"""Frozen for this long at most: a tenth of the patience."""
 DEAD = "ZX"
 END, BEAT, REST = b".", b"!", b"_"
 SUSPICIOUS_S = 2.0
 """From here on it is looked at who has the processor."""
 OTHERS_EXCUSE = 2.0
-"""Whoever holds the interpreter's lock may wait for the processor in the main thread's stead. Threads that merely carry
-messages wait as well, so this excuses no longer than so many times its patience."""
+"""The thread that holds the interpreter's lock may wait for the processor in the main thread's stead. Threads that
+merely carry messages wait as well, so this excuses no longer than this many times its patience."""
 ELSEWHERE = "Dt"
-"""The main thread waits for a disk, or a debugger has it: nobody could end it, or whoever debugs it wants it so."""
+"""The main thread waits for a disk, or a debugger has it: it cannot be ended, or is stopped on purpose."""
 
 
 class Process(NamedTuple):
@@ -52,7 +52,7 @@ class Process(NamedTuple):
 
 
 class Thread(NamedTuple):
-    """What a thread has had by now: how long it `ran` and `waited` for a processor, and its state."""
+    """What a thread has had so far: how long it `ran` and `waited` for a processor, and its state."""
 
     ran: float
     waited: float
@@ -62,7 +62,7 @@ class Thread(NamedTuple):
 class Silence:
     """Whether the executive hangs: it was silent for `patience_s`, not counting what the machine kept from it. Pure.
 
-    One that a person has frozen (SIGSTOP, Ctrl-Z) counts as one that hangs: nobody can stop the robot by it.
+    One that a person has frozen (SIGSTOP, Ctrl-Z) counts as one that hangs: the robot cannot be stopped by it.
     """
 
     def __init__(self, patience_s: float) -> None:
@@ -277,7 +277,7 @@ def _after(environment: bytes, variable: bytes) -> bytes:
 
 
 def stay_awake() -> None:
-    """Have the kernel continue this process from now on, should it be frozen anew: no pipe of its own closes any more."""
+    """Have the kernel continue this process from now on, should it be frozen again: no pipe of its own closes any more."""
     import ctypes  # noqa: PLC0415 - takes time and memory, and is needed at the end alone
 
     class Event(ctypes.Structure):
@@ -297,7 +297,8 @@ def stay_awake() -> None:
         event = Event(number=signal.SIGCONT)
         if libc.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) == 0:
             libc.timer_settime(timer, 0, (ctypes.c_long * 4)(*every, *every), None)
-    signal.signal(signal.SIGCONT, lambda _number, _frame: None)  # what nobody takes, newer kernels send only once
+    # a signal that is not taken is sent only once by newer kernels
+    signal.signal(signal.SIGCONT, lambda _number, _frame: None)
 
 
 class Executive:
@@ -316,7 +317,7 @@ class Executive:
             self._fd = -1
 
     def end_if_hung(self) -> bool:
-        """Kill it if it hangs, and say why on its standard error, which then is nobody's any more."""
+        """Kill it if it hangs, and say why on its standard error, which then has no other writer."""
         if self._fd < 0 or not self.silence.hangs(time.monotonic(), lambda: threads_of(self._pid), self._pid):
             return False
         with suppress(OSError):

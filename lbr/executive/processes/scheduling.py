@@ -50,7 +50,7 @@ class Rank:
         self.retry()
 
     def retry(self) -> None:
-        """Ask again if need be: the kernel takes ten changes a second from whoever is not root."""
+        """Ask again if need be: the kernel takes ten changes a second from a user that is not root."""
         if self._due is None:
             return
         try:
@@ -61,7 +61,7 @@ class Rank:
         self._due = None
 
     def close(self) -> None:
-        """Let go of the process."""
+        """Close what refers to the process."""
         if self._session >= 0:
             os.close(self._session)
             self._session, self._due = -1, None

@@ -1,7 +1,7 @@
 """A process that is silent: does it hang, or does the machine not give it the processor? Pure, but for the reading.
 
-A thread that could run and is not given a processor is waiting, and the kernel counts how long. Who is stopped, who waits
-for a lock, and who turns in circles does not wait: what is silent for longer than it waited hangs.
+A thread that could run and is not given a processor is waiting, and the kernel counts how long. Who is stopped, who
+waits for a lock, and who turns in circles does not wait: what is silent for longer than it waited hangs.
 """
 
 import contextlib
@@ -19,16 +19,17 @@ LOOKED_AT_S = 0.5
 """By then it has been, unless who looks is held up as well; what went before is counted up to here."""
 OTHERS_STRETCH = 2.0
 """The main thread may wait for what another thread of its process holds while that is not given the processor; but
-threads that merely carry messages wait as well, so this excuses no longer than so many times the usual patience."""
+threads that merely carry messages wait as well, so this excuses no longer than this many times the usual patience."""
 HARDLY_S = 0.1
-"""So long any thread may have to wait."""
+"""How long any thread may have to wait."""
 RUNS_SHARE = 0.25
-"""A round of a capability that runs takes some milliseconds of the processor. One that has had a quarter of its patience, and
-is silent for longer than that, turns in circles, however long it waited; one that starts may have much to do."""
+"""A round of a capability that runs takes some milliseconds of the processor. One that has had a quarter of its
+patience, and is silent for longer than that, turns in circles, however long it waited; one that starts may have much to
+do."""
 
 
 class Thread(Struct, frozen=True):
-    """What a thread has had by now: how long it `ran`, how long it `waited` for a processor, and whether it could run."""
+    """What a thread has had so far: how long it `ran`, how long it `waited` for a processor, and whether it could run."""
 
     ran: float = 0.0
     waited: float = 0.0
@@ -54,8 +55,9 @@ def verdict(
 ) -> Verdict:
     """Judge a silence that lasts `silent_s`, of which `first` was the first look and `now` is the latest.
 
-    Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come.
-    Who ran for longer than `may_run_s` hangs. `stretch` is for how many times the patience threads beside the main one excuse it. With patience left `fine`, also where it is only because the first look came late.
+    Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come. Who
+    ran for longer than `may_run_s` hangs. `stretch` is for how many times the patience threads beside the main one
+    excuse it. With patience left `fine`, also where it is only because the first look came late.
     """
     if not silent_s > patience_s:
         return "fine"

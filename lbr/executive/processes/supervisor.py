@@ -31,7 +31,8 @@ DEGRADED_PATIENCE_S = 1.5
 WAY_S = 0.02
 LOOK_AGAIN_S = 0.2
 LOAD_S, BUSY_SHARE = 3.0, 0.4
-"""Whose main thread has waited for so much of three seconds is late with everything; a start makes others wait for less."""
+"""Whose main thread has waited for so much of three seconds is late with everything; a start makes others wait for
+less."""
 SETTLING_S = 2.5
 """Until then after its first word, what a capability still waits for is no trouble: it is told if it lasts."""
 RUNNING = frozenset({"ready", "degraded"})
@@ -43,8 +44,9 @@ class Supervisor:
     """Owns every process of the plan. `happened(kind, subject, text, level, code)` is told whatever people should know.
 
     `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
-    `learnt(name, rows)` is told which rows a capability has learnt, by table. `start(unit)` returns None while its way onto the bus is being opened. At most `at_once` start at a
-    time; what moves, drives a device or serves waits for no place among them.
+    `learnt(name, rows)` is told which rows a capability has learnt, by table. `start(unit)` returns None while its way
+    onto the bus is being opened. At most `at_once` start at a time; what moves, drives a device or serves waits for no
+    place among them.
     """
 
     def __init__(
@@ -74,7 +76,8 @@ class Supervisor:
         self._dice = dice or random.Random()
 
     def adopt(self, units: Mapping[str, ProcessSpec], change: Change) -> None:
-        """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest alone.
+        """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest
+        alone.
 
         Who is to be told of devices goes on, unless it is still starting: then it may not hear of them.
         """
@@ -88,7 +91,7 @@ class Supervisor:
         self.slots = {name: self.slots[name] for name in units}
 
     def restart(self, name: str) -> None:
-        """Start a capability anew, with its past forgotten."""
+        """Restart a capability, with its past forgotten."""
         slot = self.slots[name]
         self._retire(slot)
         self.slots[name] = ManagedProcess(slot.unit)

@@ -101,7 +101,7 @@ class Agent:
             self._close(bus)
 
     def _close(self, bus: session.Session) -> None:
-        """Leave the bus; without a link that takes as long as there is none, and nobody waits for it."""
+        """Leave the bus; without a link that lasts until there is one, so it is not waited for."""
         self._closing = threading.Thread(target=bus.close, daemon=True)
         self._closing.start()
         self._closing.join(CLOSE_S)

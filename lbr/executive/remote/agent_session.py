@@ -201,7 +201,7 @@ class AgentSession:
         raise RefusedError(f"the token '{self._host}' is not one for a host: {how}")
 
     def _leave(self) -> None:
-        """Say that the share has ended here; nobody waits long for it."""
+        """Say that the share has ended here, without a long wait."""
         question = self._report(leaving=True)
         until = time.monotonic() + host_protocol.REPORT_S
         while not (question.replies or question.done) and time.monotonic() < until:

@@ -12,9 +12,9 @@ from lbr.messages.system import CapabilityStatus, Event
 
 REPORT_S = 0.2
 LOST_S = 2.0
-"""An agent that is not answered for so long ends its share; one whose link is lost does at once."""
+"""An agent that is not answered for this long ends its share; one whose link is lost does at once."""
 GONE_S = 3.0
-"""An agent that does not report for so long is gone; one whose link is lost, or who died, is at once."""
+"""An agent that does not report for this long is gone; one whose link is lost, or who died, is at once."""
 TOLD = frozenset(["started", "recovered", "degraded", "stopped", "crashed", "hung", "ended", "failed", "need_lost"])
 """What a supervisor tells of its processes; an agent is believed nothing else."""
 MOST_EVENTS = 16
@@ -44,7 +44,7 @@ class HostReport(Struct, frozen=True, kw_only=True):
 
 
 class Placed(Struct, frozen=True, kw_only=True):
-    """A process of a share; `restarts` is how often somebody has asked for a restart of it."""
+    """A process of a share; `restarts` is how often a restart of it was asked for."""
 
     unit: ProcessSpec
     restarts: int = 0

@@ -71,7 +71,7 @@ class RemoteHosts:
             host.mark = mark(host.share)
 
     def restart(self, name: str) -> bool:
-        """Have a process started anew, if it is on another machine; say whether it is."""
+        """Have a process restarted, if it is on another machine; say whether it is."""
         host = next((host for host in self._hosts.values() if name in host.units), None)
         if host is not None:
             self._restarts[name] = self._restarts.get(name, 0) + 1
@@ -106,7 +106,7 @@ class RemoteHosts:
         ]
 
     def close(self) -> None:
-        """Answer nobody any more."""
+        """Stop answering."""
         for host in self._hosts.values():
             host.served.close()
 

@@ -24,7 +24,7 @@ STOPS = ("s", "stop", "estop")
 
 
 class Stops:
-    """Answers stops, several at once. Those that the same source says in the same words, and that nobody has begun to
+    """Answers stops, several at once. Those that the same source says in the same words, and that were not begun to
     answer, are one: it is done after the last of them came, and answers all.
 
     Its threads are there from the beginning, so that a machine that has no more to give does not cost the stop. Where all
@@ -116,7 +116,7 @@ class ConsoleService:
             self._lines[role] = wire.QueryServer(self._bus, key, self._take, puts=False, source="executive")
 
     def answer_reset(self, request: wire.Request) -> None:
-        """Release the emergency stop for somebody on the bus."""
+        """Release the emergency stop for a client on the bus."""
         _begin(self._resets, self._answer_reset, request)
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""One console line, whoever sent it: understood by the verb rows, asked on the bus, answered in words."""
+"""One console line, from any sender: understood by the verb rows, asked on the bus, answered in words."""
 
 import ast
 import contextlib
@@ -32,7 +32,7 @@ MAX_RUN_S = 30.0
 BOUNDED_RUN_S = 86_400.0
 """What knows its own end is held until then, unless its capability sets a limit."""
 HALTED_S = 0.5
-"""So long movers are asked for a stop; their bus library answers, so that only one that is frozen does not."""
+"""How long movers are asked for a stop; their bus library answers, so that only one that is frozen does not."""
 MOST_LEASES = 256
 MOST_RECORDED = 200
 
@@ -40,7 +40,8 @@ MOST_RECORDED = 200
 class _Speaker(NamedTuple):
     """Who says a line, with which rights, whether at the robot's own terminal, and when.
 
-    `remote_stamp` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had `waited_s` there.
+    `remote_stamp` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had
+    `waited_s` there.
     """
 
     source: str
@@ -60,7 +61,7 @@ class _Speaker(NamedTuple):
         return f"{self.source} on another machine ({proven})"
 
     def holder(self, capability: str) -> tuple[str, str, bool]:
-        """Return whose motion of what it is: a name from another machine is never that of somebody here."""
+        """Return whose motion of what it is: a name from another machine is never that of a local one."""
         return capability, self.source, bool(self.remote_stamp)
 
 
@@ -99,7 +100,8 @@ class Dispatcher:
     ) -> ConsoleResult:
         """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock.
 
-        `remote_stamp` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or written.
+        `remote_stamp` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or
+        written.
         """
         try:
             parsed = self._robot.vocabulary.parse(line)
@@ -184,7 +186,7 @@ class Dispatcher:
         if lease and answer is not None and answer.get("code") == "dead_lease":
             self._leases.pop(
                 by.holder(name), None
-            )  # what we held is over; this line may begin anew, dated as it was said
+            )  # what we held is over; this line may begin a new motion, dated as it was said
             answer = self._query(call, payload, by)
         if answer is None:
             text = f"'{name}' did not answer; {self._why_silent(name)}"
@@ -293,7 +295,7 @@ class Dispatcher:
         if (found := self._found(name)) is not None and found.host and found.phase == "waiting":
             raise InputError(f"'{name}' does not run: {found.reason}", "unreachable")
         self._robot.restart(name)
-        return ConsoleResult(code=DONE, text=f"'{name}' is starting anew")
+        return ConsoleResult(code=DONE, text=f"'{name}' is restarting")
 
     def _python(self, code: str, by: _Speaker) -> ConsoleResult:
         if not by.local:

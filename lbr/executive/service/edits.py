@@ -24,7 +24,7 @@ from lbr.executive.processes.child import LARGEST_DOCUMENT_BYTES
 from lbr.messages.faces import EditCommand, EditReply
 
 WAITED_FOR_S = 5.0
-"""Who asks waits so long; what is written later restarts it, since it may not know."""
+"""Who asks waits this long; what is written later restarts it, since it may not know."""
 SLOW_S = 1.0
 MOST_WAITING = 16
 MORE_IN_A_DOCUMENT_BYTES = 4096
@@ -169,7 +169,7 @@ class Edits:
         self._waiting.append(_Job(request, edit, name, self._process(name), self._clock()))
 
     def _may(self, name: str) -> bool:
-        """Say whether rows wire a capability to this; the bus lets in nobody else, but a name in a stamp is a claim."""
+        """Say whether rows wire a capability to this; the bus lets in no other, but a name in a stamp is a claim."""
         units = self._rows.plan.units
         return name in units and any(EXECUTIVE in asked for asked in units[name].config.requests.values())
 
@@ -181,7 +181,7 @@ class Edits:
     def _run(self, job: _Job) -> None:
         try:
             job.reply = self._write(job.edit)
-        except Exception as err:  # noqa: BLE001 - whoever asked is to hear it, and the rows are not held for ever
+        except Exception as err:  # noqa: BLE001 - the asker is to hear it, and the rows are not locked for ever
             job.reply = EditReply(
                 accepted=False, code="failed", reason=f"this edit is broken: {type(err).__name__}: {err}"
             )

@@ -20,7 +20,7 @@ REPEAT_FOR_S = 5.0
 SHORTEST_S = 0.2
 ACKNOWLEDGE_LIMIT_S = 0.5
 ALONE_S = 0.5
-"""So long a mover may say that it is latched before the press that it heard is here too."""
+"""How long a mover may say that it is latched before the press that it heard is here too."""
 NOT_SAVED = "the emergency stop's latch is not on the disk"
 _requests = Decoder(EstopRequest)
 _acknowledgements = Decoder(EstopAcknowledgement)
@@ -87,7 +87,7 @@ class Emergency:
     def press(self, reason: str, source: str) -> EstopState:
         """Latch, and wait until every mover's device has acknowledged, at most half a second; from any thread.
 
-        Movers do not wait for the disk, but whoever pressed does, unless it fails.
+        Movers do not wait for the disk, but the one who pressed does, unless it fails.
         """
         wire.put(
             self._session,

@@ -55,7 +55,7 @@ AUDITED = frozenset(
         "listening",
     ]
 )
-"""The kinds of events that go into the audit trail, whoever tells of them."""
+"""The kinds of events that go into the audit trail, from any source."""
 
 CODES: dict[str, Code | Literal[""]] = {
     "run": "",
@@ -153,7 +153,7 @@ class Journal:
             self._keep(event, EXECUTIVE, allowed=True)
 
     def record(self, kind: str, who: str, text: str) -> None:
-        """Put into the audit trail what is no event; so often at most as others' events."""
+        """Put into the audit trail what is no event; this often at most as others' events."""
         self._audit(Event(kind=kind, subject="console", text=text), who, allowed=self._budget >= 1)
 
     def step(self, now: float) -> None:
@@ -167,7 +167,7 @@ class Journal:
                 self._echoes.remove(raw.attachment)
                 continue
             if source == EXECUTIVE:
-                source = "somebody who is not the executive"
+                source = "a client that is not the executive"
             try:
                 self._keep(_decoder.decode(raw.payload[: LARGEST_EVENT_BYTES + 1]), source, allowed=self._budget >= 1)
             except MalformedError as err:

@@ -34,7 +34,7 @@ class Robot(Protocol):
         """Begin the shutdown."""
 
     def restart(self, name: str) -> None:
-        """Start a capability anew."""
+        """Restart a capability."""
 
     def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
         """Start an external command."""

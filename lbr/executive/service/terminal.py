@@ -16,7 +16,7 @@ def start(
     """Open the console; `ended` is told its exit code and why, when it is left or its input ends."""
     from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console
 
-    at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # what a pipe says, somebody else may have written
+    at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # what a pipe says, another program may have written
 
     def submit(line: str, waited_s: float) -> ConsoleResult:
         return dispatcher.execute(line, source="console", role="admin", local=at_terminal, waited_s=waited_s)
@@ -36,7 +36,7 @@ def start(
 
 
 def leave() -> threading.Thread | None:
-    """Begin to close the console, if there is one; return the thread that waits until it has let go."""
+    """Begin to close the console, if there is one; return the thread that waits until it has ended."""
     local = sys.modules.get("lbr.console.local")
     if local is None:
         return None

@@ -34,7 +34,7 @@ class Attitude(Capability[AttitudeSettings]):
         """Say so if the calibration that there is cannot be used."""
         problem = self._fusion.calibration.problem
         if problem:
-            text = f"the compass goes on uncalibrated: {problem}; calibrate it anew, on wheels by `/m/200`"
+            text = f"the compass goes on uncalibrated: {problem}; calibrate it again, on wheels by `/m/200`"
             self.ctx.event("calibration_unusable", text, level="warning")
 
     def step(self) -> None:

@@ -54,7 +54,7 @@ def from_values(values: Mapping[str, float]) -> MagCalibration:
     ]
     matrix: Matrix = ((rows[0][0], rows[0][1], rows[0][2]), (rows[1][0], rows[1][1], rows[1][2]), rows[2][:3])  # type: ignore[assignment]
     if not all(map(isfinite, (x, y, z, *matrix[0], *matrix[1], *matrix[2]))):
-        return MagCalibration(problem="its calibration rows hold numbers that are none")
+        return MagCalibration(problem="its calibration rows hold numbers that are not finite")
     if not _LEAST_DETERMINANT < dot(matrix[0], cross(matrix[1], matrix[2])) < _MOST_DETERMINANT:
         return MagCalibration(problem="its calibration rows mag_matrix_00 to mag_matrix_22 are no sensible matrix")
     horizontal = values.get(HORIZONTAL)

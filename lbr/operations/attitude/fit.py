@@ -59,7 +59,7 @@ def fit(mags_ut: Sequence[Vector], ups: Sequence[Vector], settings: AttitudeSett
         raise FitError(f"{len(mags_ut)} samples are too few; a calibration needs {LEAST_SAMPLES}")
     mags, up = np.array(mags_ut), np.array(ups)
     if not np.isfinite(mags).all():
-        raise FitError("the samples hold numbers that are none")
+        raise FitError("the samples hold numbers that are not finite")
     spread = np.linalg.svd(mags - mags.mean(axis=0), compute_uv=False) / sqrt(len(mags))
     if spread[0] < LEAST_SPREAD_UT:
         raise FitError(

@@ -54,7 +54,7 @@ class Samples:
         self.turned_deg.append(turned_deg)
 
     def thinned(self, most: int) -> "Samples":
-        """Return at most so many of them, evenly chosen."""
+        """Return at most this many of them, evenly chosen."""
         if len(self) <= most:
             return self
         chosen = [index * len(self) // most for index in range(most)]

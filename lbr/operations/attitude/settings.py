@@ -53,7 +53,7 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ] = 0.0
     publish_hz: Annotated[float, Meta(ge=10.0, le=100.0)] = 25.0
     gain: Annotated[float, Meta(gt=0.0, le=10.0, description="how fast accelerometer and compass correct, per s")] = 0.5
-    stale_s: Annotated[float, Meta(gt=0.0, le=2.0, description="without a sample for so long nothing is known")] = 0.2
+    stale_s: Annotated[float, Meta(gt=0.0, le=2.0, description="without a sample for this long nothing is known")] = 0.2
     gap_s: Annotated[
         float, Meta(gt=0.0, le=1.0, description="a longer gap between samples ends the count of the turn")
     ] = 0.1
@@ -65,7 +65,7 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     accel_min_mps2: Annotated[float, Meta(ge=0.0, le=100.0)] = 5.0
     accel_max_mps2: Annotated[float, Meta(ge=0.0, le=1000.0)] = 18.0
     frozen_s: Annotated[
-        float, Meta(gt=0.0, le=10.0, description="a gyro that says the very same for so long is frozen")
+        float, Meta(gt=0.0, le=10.0, description="a gyro that says the very same for this long is frozen")
     ] = 0.5
     still_dps: Annotated[float, Meta(gt=0.0, le=20.0)] = 1.5
     still_noise_dps: Annotated[float, Meta(gt=0.0, le=20.0)] = 0.5
@@ -76,11 +76,13 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     field_hold_s: Seconds = 1.0
     compass_jump_deg: Annotated[float, Meta(gt=0.0, le=180.0)] = 20.0
     compass_retrust_s: Seconds = 10.0
-    observe_s: Annotated[float, Meta(gt=0.0, le=86400.0, description="a turn not seen for so long is given up")] = 600.0
+    observe_s: Annotated[float, Meta(gt=0.0, le=86400.0, description="a turn not seen for this long is given up")] = (
+        600.0
+    )
     spin_power: Annotated[float, Meta(gt=0.0, le=1.0, description="of the turn on the spot that calibrates")] = 0.2
     sample_s: Annotated[float, Meta(ge=0.0, le=10.0, description="between two samples of a calibration")] = 0.04
     reverse_s: Annotated[
-        float, Meta(gt=1.0, le=3600.0, description="a calibration turns the other way after so long; see max_run_s")
+        float, Meta(gt=1.0, le=3600.0, description="a calibration turns the other way after this long; see max_run_s")
     ] = 25.0
     calibration_limit_s: Annotated[float, Meta(gt=1.0, le=3600.0, description="longest calibration")] = 120.0
     min_coverage: Annotated[float, Meta(gt=0.0, le=1.0, description="part of a full turn that must be seen")] = 0.75

@@ -10,7 +10,7 @@ from lbr.operations.attitude.settings import AttitudeSettings
 
 BLOCK_S = 0.5
 FIRST_BLOCKS = 2
-"""At rest for so many blocks, the zero is known for the first time."""
+"""At rest for this many blocks, the zero is known for the first time."""
 NEXT_BLOCKS = 6
 WEIGHT = 0.3
 """What newer blocks count for, once a zero is known."""

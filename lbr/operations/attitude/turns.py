@@ -34,7 +34,7 @@ class Turns:
     def watch(self, angle_deg: float, state: AttitudeState, now: float) -> str:
         """Wait for a turn by an angle, clockwise positive; return why not, or nothing."""
         if angle_deg == 0.0:
-            return "nobody turns by 0 degrees; say how far, -360 to 360, clockwise positive"
+            return "0 degrees is no turn; say how far, -360 to 360, clockwise positive"
         if not state.valid or state.turned_deg is None:
             return f"how far the body turns is not known: {state.reason}"
         if len(self._turns) >= MOST:

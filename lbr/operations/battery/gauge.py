@@ -13,7 +13,7 @@ LEAST_V, MOST_V = 1.0, 100.0
 
 
 class Gauge:
-    """One battery. Voltages come as they come; those that are none are passed over, and old ones count no more."""
+    """One battery. Voltages come as they come; those that are not finite are passed over, and old ones count no more."""
 
     def __init__(self, settings: BatterySettings) -> None:
         self._settings = settings

@@ -47,7 +47,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
         self.begin()
 
     def open(self) -> None:
-        """Begin with nobody holding the base, and at once with zero."""
+        """Begin without a holder of the base, and at once with zero."""
         self.begin()
         self.listen()
         self.happen(Tick())
@@ -64,7 +64,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
         self._reported_at = -inf
 
     def first(self) -> State:
-        """Return a base that nobody has moved."""
+        """Return a base that was not moved yet."""
         return first_state(self.ctx.settings, self.ctx.clock(), self.ctx.rows(RangeSensor), self._base)
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:

@@ -21,7 +21,7 @@ def moves(command: Motion) -> bool:
 
 
 def what(command: Motion) -> tuple[float | str, ...]:
-    """Return what a command asks for, whoever asks, under whichever lease and for how long."""
+    """Return what a command asks for, without its sender, its lease and how long it lasts."""
     if isinstance(command, TurnCommand):
         return ("turn", command.angle_deg)
     if isinstance(command, HeadingCommand):

@@ -86,7 +86,7 @@ def fault(way: DistanceGoal, now: float) -> Reason | None:
     if why := odometry_view.not_known(way.odometry, now):
         return Reason("stale_sensor", why)
     if way.odometry.epoch != way.epoch:
-        return Reason("stale_sensor", "the odometry began anew on the way")
+        return Reason("stale_sensor", "the odometry started over on the way")
     if way.odometry.stalled:
         return Reason("stuck", "the wheels stand although the motors push")
     if not way.travelled_m > -way.backward_m:

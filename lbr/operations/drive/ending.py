@@ -18,7 +18,7 @@ ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0))
 
 
 def end_what_is_over(state: State, now: float) -> Decision:
-    """End what is over by now; comparisons are such that NaN ends it."""
+    """End what is over at this time; comparisons are such that NaN ends it."""
     held = state.leases
     if trouble := motors_trouble(state, now):
         held, said = ending.drop_offers(held, held.offers, "fault", trouble)
@@ -33,7 +33,7 @@ def end_what_is_over(state: State, now: float) -> Decision:
 
 
 def halt(state: State, decided: ending.Decision[ActiveMotion], now: float) -> Decision:
-    """Take in what was decided of who has the base, and stand still, whether somebody had it or not."""
+    """Take in what was decided of who has the base, and stand still, whether it was held or not."""
     held, said = decided
     if state.lease is not None:
         return apply(state, held, said, now)
@@ -81,7 +81,7 @@ def _what_is_over(state: State, trouble: Reason | None, now: float) -> tuple[End
 
 
 def _worn_out(state: State, lease: Lease[ActiveMotion], now: float) -> Reason | None:
-    """Return why a motion that nobody ended is over: it ran unattended, or a rule has held the base still."""
+    """Return why a motion that was not ended is over: it ran unattended, or a rule has held the base still."""
     settings = state.settings
     if not now - lease.changed < settings.max_run_s:
         return Reason("limit", f"it ran for {settings.max_run_s:g} s unattended")

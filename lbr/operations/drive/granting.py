@@ -36,7 +36,7 @@ def command(state: State, event: Command, now: float) -> Decision:
 
 
 def stop(state: State, event: Stop, now: float) -> Decision:
-    """Stand still, whoever says so."""
+    """Stand still, whichever sender says so."""
     state, said = halt(state, decide.stop(state.leases, event, now), now)
     return state, (*said, decide.STOPPED)
 

@@ -45,7 +45,7 @@ BACK = Reason("clock", "the clock went back")
 PHRASING = Phrasing(
     noun="the base",
     rest="send power 0, or pause, before driving again",
-    idle="nobody drives",
+    idle="no sender drives",
 )
 LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late, and takes a moment to reach the motors."""

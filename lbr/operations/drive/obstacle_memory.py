@@ -35,8 +35,8 @@ WORDS: dict[Direction, str] = {"forward": "ahead", "back": "behind", "left": "on
 class Spot(NamedTuple):
     """Where something was seen, and when: x ahead, y left, from the middle of the base (REP 103).
 
-    `by` is the sensor that saw it, as long as the base has not moved since then. What a `scanner` saw it alone can see to
-    be gone: others look at other heights.
+    `by` is the sensor that saw it, as long as the base has not moved since then. What a `scanner` saw it alone can see
+    to be gone: others look at other heights.
     """
 
     x_m: float
@@ -49,7 +49,8 @@ class Spot(NamedTuple):
 class ObstacleMemory(Struct, frozen=True, kw_only=True):
     """What was seen around the base when its sensors were last heard, and where the base has come to since then.
 
-    `turned_rad` and `way_m` are those parts of it that the wheels' powers alone tell: attitude and odometry correct them.
+    `turned_rad` and `way_m` are those parts of it that the wheels' powers alone tell: attitude and odometry correct
+    them.
     """
 
     spots: tuple[Spot, ...] = ()
@@ -152,7 +153,7 @@ def _with(memory: ObstacleMemory, spots: list[Spot], *, stands: bool) -> Obstacl
 
 
 def redated(memory: ObstacleMemory, now: float) -> ObstacleMemory:
-    """Return the memory on a clock that begins anew: everything in it was seen just now."""
+    """Return the memory on a clock that starts over: everything in it was seen just now."""
     return replace(memory, spots=tuple(spot._replace(seen=now) for spot in memory.spots))
 
 

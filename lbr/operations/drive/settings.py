@@ -14,9 +14,10 @@ Seconds = Annotated[float, Meta(gt=0.0, le=10.0)]
 class Rule(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Slow down for what `sensor` sees when moving towards `direction`, and stop `stop_m` before it.
 
-    The sensor is a row of `range_sensor`: of a single distance what it reads counts, of a scan what is in the way there. A
-    stop is held until there are `margin_m` more. A reading counts as an obstacle when it is older than `max_age_s`, or
-    has not changed although the base drove `frozen_after_m` (for side sensors: turned that much at the wheels).
+    The sensor is a row of `range_sensor`: of a single distance what it reads counts, of a scan what is in the way
+    there. A stop is held until there are `margin_m` more. A reading counts as an obstacle when it is older than
+    `max_age_s`, or has not changed although the base drove `frozen_after_m` (for side sensors: turned that much at the
+    wheels).
     """
 
     direction: Direction
@@ -50,7 +51,7 @@ class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     ttl_s: Annotated[float, Meta(gt=0.0, le=1.0, description="life of a lease between renewals")] = 0.3
     max_run_s: Annotated[float, Meta(gt=0.0, le=3600.0, description="longest motion without a changed command")] = 30.0
     blocked_s: Annotated[
-        float, Meta(gt=0.0, le=3600.0, description="a rule that stops the base for so long ends the motion")
+        float, Meta(gt=0.0, le=3600.0, description="a rule that stops the base for this long ends the motion")
     ] = 1.0
     motors_max_age_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
     checks_timeout_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.1
@@ -98,9 +99,9 @@ class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     ] = 0.12
     turn_tolerance_deg: Annotated[float, Meta(ge=0.2, le=45.0)] = 1.0
     turn_settle_s: Annotated[float, Meta(ge=0.0, le=2.0, description="rest at the target before a turn is over")] = 0.2
-    turn_stuck_s: Annotated[float, Meta(gt=0.0, le=10.0, description="power without a turn for so long is a fault")] = (
-        1.0
-    )
+    turn_stuck_s: Annotated[
+        float, Meta(gt=0.0, le=10.0, description="power without a turn for this long is a fault")
+    ] = 1.0
     turn_spare_s: Annotated[
         float, Meta(ge=0.5, le=60.0, description="what a turn may take besides twice its time at turn_power")
     ] = 4.0

@@ -28,8 +28,8 @@ from lbr.operations.leasing.lease import EstopChanged, Happened, Lease, LeaseTab
 class Command(Struct, frozen=True, kw_only=True):
     """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
 
-    For `waited_s` before that it had waited at its sender. `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
-    the reply. `checks`: what the user's own checks said.
+    For `waited_s` before that it had waited at its sender. `remote`: from another machine, whose clock said `sender_s`
+    (NaN: it did not tell). `answerable`: the sender waits for the reply. `checks`: what the user's own checks said.
     """
 
     command: Motion

@@ -22,11 +22,11 @@ AWAY_DEG = 5.0
 COAST_S = 0.5
 """It may get farther from its target by `AWAY_DEG`, and by what it turned already in this time."""
 PATIENCE_S = 0.3
-"""After so long without any turn the power of a correction begins to grow."""
+"""After this long without any turn the power of a correction begins to grow."""
 GROWS_UNTIL = 0.8
 """The share of `turn_stuck_s` after which it has grown to that of a turn."""
 GOOD_TRIES, MOST_WIDER = 3, 4.0
-"""From the third correction on each widens the tolerance by half of what it was, up to so many times."""
+"""From the third correction on each widens the tolerance by half of what it was, up to this many times."""
 GOOD_SWINGS, WIDER_PER_SWING = 1, 2
 """A base that passed its target more than once cannot be turned by as little as is missing: it widens it by more."""
 LEARNT_SHARE = 0.9
@@ -47,10 +47,10 @@ class Push(Struct, frozen=True, kw_only=True):
 class TurnGoal(Struct, frozen=True, kw_only=True):
     """A turn that goes on: from `begun_deg` by `asked_deg`, in degrees that the body has turned, clockwise positive.
 
-    `quiet` is since when it stands at its target (NaN: it does not), `ends` when it should have got there. `flow_dps` is
-    how fast the power of late should turn the base, whether or not that shows yet; `farthest_deg` is how far from its
-    target it may get now, `swings` how often it passed it. `tries` counts how often it began to push from rest, `least`
-    is the power that a base which sticks was seen to need, `given` what it gets now.
+    `quiet` is since when it stands at its target (NaN: it does not), `ends` when it should have got there. `flow_dps`
+    is how fast the power of late should turn the base, whether or not that shows yet; `farthest_deg` is how far from
+    its target it may get now, `swings` how often it passed it. `tries` counts how often it began to push from rest,
+    `least` is the power that a base which sticks was seen to need, `given` what it gets now.
     """
 
     asked_deg: float
@@ -144,7 +144,7 @@ def fault(turn: TurnGoal, settings: DriveSettings, now: float) -> Reason | None:
     if why := heading_view.not_known(heading, settings, now):
         return Reason("stale_sensor", why)
     if heading.epoch != turn.epoch:
-        return Reason("stale_sensor", "the attitude began anew in the middle of the turn")
+        return Reason("stale_sensor", "the attitude started over in the middle of the turn")
     if not now < turn.ends:
         return Reason("timeout", f"not within {turn.allowed_s:.1f} s: {words(turn)}")
     if not abs(turn.left_deg) <= turn.farthest_deg:

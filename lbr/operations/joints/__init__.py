@@ -36,7 +36,7 @@ KIND = Kind(
         Word(
             "/j/{joint}/{angle_deg}/{speed_dps}",
             "move",
-            "The same at so many degrees a second, such as /j/left_knee/60/90; never faster than its row says",
+            "The same at this many degrees a second, such as /j/left_knee/60/90; never faster than its row says",
         ),
         Word("/torque/on", "torque", "Switch the torque of all joints on: each stays where it is", {"on": True}),
         Word(
@@ -48,14 +48,14 @@ KIND = Kind(
         Word(
             "/torque/off/{joints}",
             "torque",
-            "Let go of a joint, or of several, such as /torque/off/left_elbow, so that a hand can move it",
+            "Release a joint, or several, such as /torque/off/left_elbow, so that a hand can move it",
             {"on": False},
         ),
-        Word("/torque/off", "torque", "Let go of all joints, once you have said that you mean it", {"on": False}),
+        Word("/torque/off", "torque", "Release all joints, once you have said that you mean it", {"on": False}),
         Word(
             "/torque/off/all",
             "torque",
-            "Let go of all joints at once: the robot falls unless it sits or is held",
+            "Release all joints at once: the robot falls unless it sits or is held",
             {"on": False, "confirmed": True},
         ),
         Word(

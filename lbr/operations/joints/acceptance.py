@@ -76,7 +76,7 @@ def _leases(state: State, command: JointsCommand, ask: LeaseRequest, now: float)
 
 
 def _busy(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
-    """While the controller plays, nothing else moves; whoever takes over breaks that off."""
+    """While the controller plays, nothing else moves; a takeover breaks that off."""
     del command
     lease = state.leases.live
     foreign = lease is not None and ask.lease != lease.id

@@ -48,7 +48,7 @@ class Joints(LeasingCapability[JointsSettings, State]):
         self.begin()
 
     def open(self) -> None:
-        """Begin with nobody holding the joints, and silent until it is known what the servos do."""
+        """Begin without a holder of the joints, and silent until it is known what the servos do."""
         self.begin()
         self.listen()
         self.report()
@@ -68,7 +68,7 @@ class Joints(LeasingCapability[JointsSettings, State]):
         self._reported_at = -inf
 
     def first(self) -> State:
-        """Return joints that nobody has moved."""
+        """Return joints that were not moved yet."""
         return first_state(self.ctx.settings, body(self.ctx.rows(Joint)), self.ctx.clock())
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:

@@ -14,7 +14,7 @@ Decided = tuple[LeaseTable[Move], ending.Said[Move]]
 
 
 def end_what_is_over(state: State, now: float) -> Decision:
-    """End what is over by now; comparisons are such that NaN ends it."""
+    """End what is over at this time; comparisons are such that NaN ends it."""
     held, trouble = state.leases, servos_trouble(state, now)
     decided = ending.drop_offers(held, held.offers, "fault", trouble) if trouble else ending.lapse(held, now)
     state, ended = take(state, decided, now)
@@ -26,7 +26,7 @@ def end_what_is_over(state: State, now: float) -> Decision:
 
 
 def still(state: State, decided: Decided, now: float) -> Decision:
-    """Take in what was decided of who has the joints, and hold all of them, whether somebody had them or not."""
+    """Take in what was decided of who has the joints, and hold all of them, whether they had a holder or not."""
     if state.move is not None:
         return take(state, decided, now)
     state, outputs = take(moving.freeze(state), decided, now)
@@ -34,7 +34,7 @@ def still(state: State, decided: Decided, now: float) -> Decision:
 
 
 def take(state: State, decided: Decided, now: float) -> Decision:
-    """Take in who has the joints now; when nobody has them any more, hold them, and say how each motion ended."""
+    """Take in who has the joints now; when they have no holder any more, hold them, and say how each motion ended."""
     held, said = decided
     outputs: Outputs = ()
     for each in said:
@@ -56,13 +56,15 @@ def setpoint(state: State) -> Outputs:
 
 
 def _unremarkable(ended: Ended[Move]) -> bool:
-    """Say whether joints that joined just arrived: whoever moves them in small steps would flood people with that."""
+    """Say whether joints that joined just arrived: a sender that moves them in small steps would flood people with
+    that."""
     move = ended.lease.motion
     return ended.how == "reached" and move.trajectory is None and move.stored is None and not ended.why.note
 
 
 def _let_be(state: State, ended: Ended[Move], now: float) -> State:
-    """Hold every joint: at its goal if that was reached, else where it was measured. A lease that lapsed lost its mover."""
+    """Hold every joint: at its goal if that was reached, else where it was measured. A lease that lapsed lost its
+    mover."""
     lost, told = state.lost or ended.how == "lapsed", ended.lease.motion.stored
     if ended.how == "reached":
         frozen = state if told is None else stored.after(state, told, now)

@@ -93,7 +93,8 @@ def _begin(state: State, event: Command, ask: LeaseRequest, now: float) -> Decis
 
 
 def _change(state: State, event: Command, ask: LeaseRequest, now: float) -> Decision:
-    """Move otherwise under the same lease, from the next setpoint on; what is appended or joins goes on under the same goal."""
+    """Move otherwise under the same lease, from the next setpoint on; what is appended or joins goes on under the same
+    goal."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
     state, told = _strengthened(state, event, ask, now)
     command, move = command_of(ask), state.move
@@ -134,7 +135,7 @@ def _underway(state: State, ask: LeaseRequest) -> State:
 
 
 def _idle_s(state: State, now: float) -> float:
-    """Return for how long nobody looked where the joints are to be."""
+    """Return how long ago it was last worked out where the joints are to be."""
     return 0.0 if waits(state) else min(max(0.0, now - state.ticked), moving.LONGEST_STEP_S)
 
 

@@ -64,7 +64,7 @@ def setpoint(state: State) -> Setpoint:
 def freeze(state: State) -> State:
     """Return the state with every joint held where it was measured.
 
-    One that nobody moves and that is where it should be keeps its goal, or it would sag a little with every stop.
+    One that is not moved and is where it should be keeps its goal, or it would sag a little with every stop.
     """
     moved = frozenset(state.move.joints if state.move is not None else ())
     goals = {name: _here_rad(state, name, None if name in moved else state.goals.get(name)) for name in state.on}
@@ -89,19 +89,20 @@ def measured(state: State, name: str) -> float | None:
 
 
 def as_found(state: State, name: str) -> float | None:
-    """Return where a joint is to be held that somebody else held before: where that was, if it is there."""
+    """Return where a joint is to be held that another held before: where that was, if it is there."""
     servo = state.seen.get(name)
     goal = None if servo is None or servo.goal_rad is None else state.body.joint_rad(name, servo.goal_rad)
     return _here_rad(state, name, None if goal is None or state.body.beyond_rad(name, goal) > 0.0 else goal)
 
 
 def held_again(state: State) -> State:
-    """Return the state in which somebody cares again; joints that gave way meanwhile are held where they are by now."""
+    """Return the state that has a holder again; joints that gave way meanwhile are held where they are now."""
     return replace(freeze(state), lost=False) if state.lost else state
 
 
 def interrupted(state: State) -> State:
-    """Return the state in which the controller's motion is broken off, where there is one, because somebody else takes over."""
+    """Return the state in which the controller's motion is broken off, where there is one, because another sender takes
+    over."""
     return freeze(state) if state.move is not None and state.move.stored is not None else state
 
 
@@ -122,7 +123,7 @@ def _not_followed(state: State, move: Move, now: float) -> Reason | None:
 
 
 def _further(move: Move, elapsed_s: float, now: float) -> Move:
-    """Return a motion that has gone on for so long."""
+    """Return a motion that has gone on for this long."""
     beside = {}
     for name, one in move.beside.items():
         gone_s = min(one.elapsed_s + elapsed_s, one.trajectory.duration_s)
@@ -151,7 +152,7 @@ def _arrival(state: State, move: Move, now: float) -> tuple[Ending, Reason] | No
 
 
 def _here_rad(state: State, name: str, goal: float | None) -> float | None:
-    """Return where a joint is held: at its goal, if it is there, or it would sag anew; else where it is."""
+    """Return where a joint is held: at its goal, if it is there, or it would sag again; else where it is."""
     found = position_rad(state, name)
     if found is None or goal is None or not abs(goal - found) <= state.settings.tolerance_rad:
         return measured(state, name)

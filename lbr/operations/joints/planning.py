@@ -14,9 +14,10 @@ from lbr.operations.joints.trajectory import Trajectory
 LONGEST_S = 3600.0
 NOTABLE_STRETCH = 1.01
 UNKNOWN_S = 2.0
-"""So long is the way of a joint that nobody knows the place of: its servo goes there at its weakest."""
+"""How far a joint of unknown place is taken to go: its servo goes there at its weakest."""
 SMOOTHEST = 1.5
-"""How much longer than a straight one a smooth way takes at the same greatest speed; enough from any lesser speed on."""
+"""How much longer than a straight one a smooth way takes at the same greatest speed; enough from any lesser speed on.
+"""
 
 
 def begin(state: State, command: JointsCommand, goal: str, now: float, idle_s: float = 0.0) -> Move:
@@ -82,7 +83,7 @@ def note(state: State, move: Move, command: JointsCommand) -> str:
 
 
 def start_rad(state: State, name: str, now: float) -> float | None:
-    """Return where a way of a joint begins: where it was told to be last, or else is; None if nobody knows."""
+    """Return where a way of a joint begins: where it was told to be last, or else is; None if unknown."""
     goal = state.goals.get(name)
     if goal is not None:
         return goal
@@ -90,7 +91,8 @@ def start_rad(state: State, name: str, now: float) -> float | None:
 
 
 def _frames(state: State, command: JointsCommand, now: float) -> tuple[KeyFrame, ...]:
-    """Return the key frames of a command; positions take what it says, or as long as its speed needs for the longest way."""
+    """Return the key frames of a command; positions take what it says, or as long as its speed needs for the longest
+    way."""
     asked_s = command.duration_s
     if command.positions and asked_s is None and command.speed_rps is not None:
         (frame,) = frames(command, state.body, trajectory.SHORTEST_S)
@@ -129,7 +131,8 @@ def _way(state: State, command: JointsCommand, name: str, target: float, speed_r
 
 
 def _begun_rps(way_rad: float, takes_s: float, speed_rps: float, limit_rps: float) -> float:
-    """Return how fast it goes at first: at once as fast as it may, so that it only slows down; but it turns back smoothly."""
+    """Return how fast it goes at first: at once as fast as it may, so that it only slows down; but it turns back
+    smoothly."""
     if speed_rps * way_rad < 0.0:
         return 0.0
     fastest_rps = max(abs(speed_rps), SMOOTHEST * abs(way_rad) / takes_s)
@@ -161,7 +164,7 @@ def _takes(state: State, takes_s: float, asked_s: float, name: str) -> str:
 
 
 def _rest_s(state: State, name: str, now: float) -> float:
-    """Return how long the driver is still to hear that a joint that let go is without torque."""
+    """Return how long the driver is still to hear that a released joint is without torque."""
     return max(0.0, REST_S - (now - state.released_at)) if name in state.resting else 0.0
 
 

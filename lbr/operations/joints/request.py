@@ -1,4 +1,4 @@
-"""What a motion command asks for, whoever asks and under whichever lease; in the end always key frames."""
+"""What a motion command asks for, apart from its sender and lease; in the end always key frames."""
 
 from math import radians
 
@@ -53,7 +53,8 @@ def strengths(command: JointsCommand, body: Body) -> dict[str, float]:
 
 
 def frames(command: JointsCommand, body: Body, positions_s: float) -> tuple[KeyFrame, ...]:
-    """Return the key frames that it asks for, in a mirror if it says so; its positions are one, which takes `positions_s`."""
+    """Return the key frames that it asks for, in a mirror if it says so; its positions are one, which takes
+    `positions_s`."""
     asked_for = command.frames or (KeyFrame(positions=command.positions, duration_s=positions_s),)
     if not command.mirror:
         return asked_for

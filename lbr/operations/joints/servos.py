@@ -1,4 +1,4 @@
-"""What the servos' driver says, taken in: what has torque when nobody here knew, and what let go by itself."""
+"""Take in what the servos' driver says: torque that was not known here, and servos that released by themselves."""
 
 from math import nan
 
@@ -13,7 +13,7 @@ from lbr.operations.leasing.lease import Happened
 UNREAD_S = 3.0
 """A driver that has not said by then whether a servo has torque never does."""
 SWITCHING_S = 1.0
-"""So long a servo may take to have the torque that it was given."""
+"""How long a servo may take to have the torque that it was given."""
 
 
 def seen(state: State, event: ServosSeen, now: float) -> Decision:
@@ -55,7 +55,7 @@ def _known(state: State, now: float) -> bool:
 def _adopted(state: State, now: float) -> State:
     """Take over servos as they are, when it was not known: those with torque are held where they were measured.
 
-    Whoever moved them before this process began is lost; a driver that was away meanwhile lost nobody. A driver that has
+    The mover from before this process began is lost; a driver that was away meanwhile lost none. A driver that has
     just begun itself needs a moment to know which have torque.
     """
     if state.adopted or not _known(state, now):
@@ -75,7 +75,7 @@ def _adopted(state: State, now: float) -> State:
 
 
 def _found(state: State, now: float) -> State:
-    """A servo that was silent until now and has torque is held as well: it was somebody's before this process began."""
+    """A servo that was silent until now and has torque is held as well: it had a holder before this process began."""
     torque = {name: state.seen[name].torque for name in state.unread & state.seen.keys()}
     heard = frozenset(name for name, found in torque.items() if found is not None)
     on = frozenset(name for name in heard if torque[name])
@@ -91,14 +91,14 @@ def _has_torque(state: State, name: str, servo: ServoState) -> bool:
 
 
 def _strength(state: State, name: str) -> float:
-    """Return how strong a servo was found, unless it was just being let go."""
+    """Return how strong a servo was found, unless it was just being released."""
     torque = state.seen[name].torque
     releasing = state.servos is not None and state.servos.phase == "releasing"
     return 1.0 if releasing or not torque else min(torque, 1.0)
 
 
 def _note_released(state: State, now: float) -> State:
-    """Take in that the driver has let go, where that is for the driver to decide."""
+    """Take in that the driver has released servos, where that is for the driver to decide."""
     servos = state.servos
     decides = servos is not None and (state.lost or servos.estop or not servos.armed)
     if servos is None or not (state.adopted and decides and servos.phase == "released"):
@@ -113,7 +113,7 @@ def _off(state: State, names: frozenset[str], now: float) -> State:
 
 
 def _without_torque(state: State, now: float) -> Decision:
-    """A servo that let go by itself is without torque until that is switched on again, whatever becomes of its fault."""
+    """A servo that released by itself is without torque until that is switched on again, also when its fault is over."""
     if state.move is not None and state.move.stored is not None:
         return state, ()  # its controller has them
     late = now - max(state.switched, state.waited) >= SWITCHING_S
@@ -127,7 +127,7 @@ def _without_torque(state: State, now: float) -> Decision:
     told: Outputs = tuple(
         Happened(
             kind="let_go",
-            text=f"{name} is without torque: {why or 'its servo let go'}",
+            text=f"{name} is without torque: {why or 'its servo released'}",
             level="warning",
             code="latched" if state.seen[name].latched else "no_torque",
         )

@@ -33,8 +33,8 @@ PASSES_ON = ("", "pc")
 class Command(Struct, frozen=True, kw_only=True):
     """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
 
-    For `waited_s` before that it had waited at its sender. `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
-    the reply.
+    For `waited_s` before that it had waited at its sender. `remote`: from another machine, whose clock said `sender_s`
+    (NaN: it did not tell). `answerable`: the sender waits for the reply.
     """
 
     command: JointsCommand
@@ -49,7 +49,7 @@ class Command(Struct, frozen=True, kw_only=True):
 
 
 class Torque(Struct, frozen=True, kw_only=True):
-    """Somebody wants the torque of joints switched."""
+    """A sender wants the torque of joints switched."""
 
     command: TorqueCommand
     source: str
@@ -91,14 +91,13 @@ Outputs = tuple[Output, ...]
 class State(Struct, frozen=True, kw_only=True):
     """Everything the kernel remembers.
 
-    `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is), and
-    `strength` what is not all of that torque, as a fraction.
-    Nothing is known of either until the driver was heard (`adopted`; `begun`: it once was); until then it is told nothing.
-    `heard` is since when the driver was there, `switched` when torque was last switched on. Joints that let go at
-    `released_at` are `resting`: the driver is to hear of them without torque before it hears of them with it again.
-    Of `unread` it is not known yet whether they have torque.
-    `lost`: whoever moved them is gone, and the driver decides. `halt` counts how often all were to hold where
-    they were measured, `count` what the controller was told to play; until `waited` it passed no goals on.
+    `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is),
+    and `strength` what is not all of that torque, as a fraction. Nothing is known of either until the driver was heard
+    (`adopted`; `begun`: it once was); until then it is told nothing. `heard` is since when the driver was there,
+    `switched` when torque was last switched on. Joints released at `released_at` are `resting`: the driver is to hear
+    of them without torque before it hears of them with it again. Of `unread` it is not known yet whether they have
+    torque. `lost`: their mover is gone, and the driver decides. `halt` counts how often all were to hold where they
+    were measured, `count` what the controller was told to play; until `waited` it passed no goals on.
     """
 
     settings: JointsSettings
@@ -136,12 +135,12 @@ NOT_ADOPTED = Reason("not_ready", "servos are still being looked for; say it aga
 PHRASING = Phrasing(
     noun="the joints",
     rest="stop, or pause, before moving again",
-    idle="nobody moves the joints",
+    idle="no sender moves the joints",
 )
 
 
 def first_state(settings: JointsSettings, body: Body, began: float = -inf) -> State:
-    """Return the state of joints that nobody has moved since it `began`."""
+    """Return the state of joints that were not moved since it `began`."""
     ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
     return State(settings=settings, body=body, leases=first(PHRASING, settings.ttl_s, ahead_s, began=began))
 
@@ -155,7 +154,7 @@ def position_rad(state: State, name: str) -> float | None:
 
 
 def age_s(state: State, name: str, now: float) -> float:
-    """Return how old the measured position of a joint is; infinite if nobody knows."""
+    """Return how old the measured position of a joint is; infinite if unknown."""
     servo = state.seen.get(name)
     return inf if servo is None or servo.age_s is None else servo.age_s + max(0.0, now - state.servos_at)
 

@@ -22,7 +22,7 @@ FRESH_S = 0.05
 def begin(state: State, motion: StoredMotion, goal: str, now: float) -> tuple[State, Move]:
     """Return the state in which the controller is told, and the motion: nothing gets torque before that plays.
 
-    Counts grow with the clock, so that a process that begins anew does not say one again.
+    Counts grow with the clock, so that a process that starts over does not say one again.
     """
     count = max(state.count + 1, int(max(now, 0.0) * 1000.0) + 1)
     told = Stored(motion=motion, count=count, told=now)
@@ -71,7 +71,8 @@ def ending(state: State, told: Stored, now: float) -> tuple[Ending, Reason] | No
 
 
 def after(state: State, told: Stored, now: float) -> State:
-    """Return the state after its end: joints are at its pose, unless they were measured elsewhere since; or let go."""
+    """Return the state after its end: joints are at its pose, unless they were measured elsewhere since; or it is
+    released."""
     if told.motion.limp:
         return replace(state, on=frozenset(), goals={}, strength={}, resting=state.on, released_at=now)
     goals = {name: _afterwards(state, name, told.motion, now) for name in state.on}

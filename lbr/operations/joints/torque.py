@@ -1,4 +1,4 @@
-"""Switching the torque of joints: on where they are, off only as somebody means it."""
+"""Switching the torque of joints: on where they are, off only when that is confirmed."""
 
 from collections.abc import Iterable, Mapping
 

@@ -14,7 +14,8 @@ SHORTEST_S = 0.01
 """No way takes less, not even one to where a joint is already."""
 SLACK = 1e-9
 STEEPEST = 3.0
-"""A cubic stays between its ends while its slopes are no steeper than so many times the straight line's (Fritsch, Carlson)."""
+"""A cubic stays between its ends while its slopes are no steeper than this many times the straight line's (Fritsch,
+Carlson)."""
 
 Slopes = tuple[float, ...]
 
@@ -22,8 +23,8 @@ Slopes = tuple[float, ...]
 class Trajectory(Struct, frozen=True, kw_only=True):
     """Where joints are to be, and when, in seconds from the start; radians and radians a second.
 
-    `slopes` are the speeds at the knots; a joint that has none goes straight. `stretch` is how many times longer it takes
-    than it was asked to, because of `slowest`.
+    `slopes` are the speeds at the knots; a joint that has none goes straight. `stretch` is how many times longer it
+    takes than it was asked to, because of `slowest`.
     """
 
     times_s: tuple[float, ...]
@@ -52,8 +53,8 @@ def plan(
 ) -> Trajectory:
     """Return the way from `start` through every frame; a joint that a frame leaves out stays.
 
-    All of it is stretched alike, so that no joint is faster than its limit. A smooth way begins as fast as the joint goes
-    already (`speeds_rps`, unless it is stretched) and ends at rest; in between it stops only where it turns back.
+    All of it is stretched alike, so that no joint is faster than its limit. A smooth way begins as fast as the joint
+    goes already (`speeds_rps`, unless it is stretched) and ends at rest; in between it stops only where it turns back.
     """
     names = [name for name in start if any(name in frame.positions for frame in frames)]
     knots = {name: _knots(start[name], name, frames) for name in names}

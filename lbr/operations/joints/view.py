@@ -10,7 +10,7 @@ from lbr.operations.joints import stored, trajectory
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import State, servos_trouble
 
-LETS_GO = "the servos hold, and let go slowly unless somebody moves them or switches their torque on"
+LETS_GO = "the servos hold, and release slowly unless they are moved or their torque is switched on"
 
 
 def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -> JointsState:

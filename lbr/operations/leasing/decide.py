@@ -84,7 +84,7 @@ def _change(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> 
 
 
 def _begin(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Decision[M]:
-    """Hold it from now on; whoever held it does so no more."""
+    """Hold it from now on; the previous holder loses it."""
     before, offer = leases.live, offered(leases, ask.lease)
     source = offer.source if offer else ask.source
     why = Reason("taken_over", f"taken over by {source}") if before else None
@@ -115,7 +115,7 @@ def _offer(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> D
 
 
 def stop(leases: LeaseTable[M], event: Stop, now: float) -> Decision[M]:
-    """Stand still, whoever says so; what was sent before it begins nothing any more."""
+    """Stand still, whichever sender says so; a command that was sent before it begins nothing."""
     sent = min(now, event.received)  # this way round, NaN means now
     own = leases.live is not None and leases.live.source == event.source
     if event.whole or not own:

@@ -34,10 +34,10 @@ class Phrasing(Struct, frozen=True, kw_only=True):
 class LeaseRequest(Struct, frozen=True, kw_only=True):
     """A command as far as leases are concerned; it was sent, or else came in, at `received`.
 
-    `what` it asks for, whoever asks, under whichever lease and for how long; `moves` says that it is not standing still.
-    `remote`: from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: somebody waits for
-    the reply. `new_lease` is for what it may begin. It may be `patience_s` old. For `waited_s` before it was sent it had
-    waited at its sender, as a line does that somebody typed ahead.
+    `what` it asks for, apart from sender, lease and lifetime; `moves` says that it is not standing still. `remote`:
+    from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the
+    reply. `new_lease` is for what it may begin. It may be `patience_s` old. For `waited_s` before it was sent it had
+    waited at its sender, as a line does that was typed ahead.
     """
 
     source: str
@@ -56,7 +56,8 @@ class LeaseRequest(Struct, frozen=True, kw_only=True):
 
 
 class Stop(Struct, frozen=True, kw_only=True):
-    """Somebody wants it to stand still; `lost` says that whoever wanted the motion is gone, and counts from its holder.
+    """A sender wants it to stand still; `lost` says that the one who wanted the motion is gone, and counts from its
+    holder.
 
     `whole`: the robot is to stand still, not only what its holder moves.
     """
@@ -78,8 +79,8 @@ class EstopChanged(Struct, frozen=True, kw_only=True):
 class Lease(Struct, Generic[M], frozen=True, kw_only=True):
     """A live lease, what its holder asked for, and the motion that the kernel made of it.
 
-    `said` is when that was asked, `renewed` when the newest that quoted the lease was (NaN: none yet), `changed` when it
-    was accepted. `offset_s` is the least that a remote sender's clock was seen to be behind ours.
+    `said` is when that was asked, `renewed` when the newest that quoted the lease was (NaN: none yet), `changed` when
+    it was accepted. `offset_s` is the least that a remote sender's clock was seen to be behind ours.
     """
 
     id: str
@@ -114,7 +115,7 @@ class LeaseTable(Struct, Generic[M], frozen=True, kw_only=True):
     """Who has what moves. `offers` are leases that remote senders have yet to quote.
 
     Whatever was sent at or before `stopped` or `begun` begins nothing any more, nor what had waited at its sender since
-    before one of `halts`; `stopped_by` says who stopped it then, if it was a stop. `reason` says why nobody moves it.
+    before one of `halts`; `stopped_by` says who stopped it then, if it was a stop. `reason` says why it has no holder.
     A lease lives for `ttl_s` if its ask says nothing, and is over up to `ahead_s` sooner, so that the motion is too.
     """
 
@@ -175,7 +176,8 @@ class Reply(Struct, frozen=True, kw_only=True):
 
 
 def first(phrasing: Phrasing, ttl_s: float, ahead_s: float = 0.0, *, began: float = -inf) -> "LeaseTable[M]":
-    """Return that nobody has it yet. What was not sent after it `began` may have been stopped since, and begins nothing."""
+    """Return a table without a holder. What was not sent after it `began` may have been stopped since, and begins
+    nothing."""
     idle, halts = Reason("idle", phrasing.idle), Halts(at=began)
     return LeaseTable(phrasing=phrasing, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=idle)
 
@@ -198,5 +200,5 @@ def quoted(leases: LeaseTable[M], ask: LeaseRequest) -> Lease[M] | None:
 
 
 def streams(lease: Lease[M], ask: LeaseRequest) -> bool:
-    """Say whether a sender asks anew, and has never quoted the lease that it holds by."""
+    """Say whether a sender asks without its lease, and has never quoted the lease that it holds by."""
     return lease.source == ask.source and isnan(lease.renewed) and not ask.lease

@@ -44,7 +44,7 @@ def form(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> Reason | None:
 
 
 def holder(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> Reason | None:
-    """One holder: a quoted lease must be the live one; without a lease nobody may hold it, or it is taken over."""
+    """One holder: a quoted lease must be the live one; without a lease it must be free, or is taken over."""
     lease, owner = leases.live, quoted(leases, ask)
     if ask.lease and not (owner is not None and now < owner.expires):  # this way round, NaN means dead
         return not_live(leases, ask.lease)
@@ -107,7 +107,7 @@ def _waited(leases: LeaseTable[M], ask: LeaseRequest) -> Reason | None:
     at, by = leases.halts.by_others(ask.source)
     if dated(leases, ask) - ask.waited_s > at:  # this way round, NaN waited too long
         return None
-    return Reason("stopped_since", f"{STOPPED_SINCE}{f'by {by}' if by else 'what moves it began anew'}")
+    return Reason("stopped_since", f"{STOPPED_SINCE}{f'by {by}' if by else 'what moves it started over'}")
 
 
 def _order(leases: LeaseTable[M], ask: LeaseRequest, lease: Lease[M]) -> Reason | None:

@@ -48,7 +48,7 @@ KIND = Kind(
     learns=(MotionRow, MotionStep),
     words=(
         Word("/play/{motion}", "play", "Play a motion once, by its name"),
-        Word("/play/{motion}/{times}", "play", "Play a motion so many times, 1 to 1000; s ends it"),
+        Word("/play/{motion}/{times}", "play", "Play a motion this many times, 1 to 1000; s ends it"),
         Word(
             "/play/{motion}/{times}/{speed}",
             "play",
@@ -63,7 +63,7 @@ KIND = Kind(
         Word(
             "/mirror/{motion}/{times}",
             "play",
-            "Play a motion with left and right exchanged, so many times",
+            "Play a motion with left and right exchanged, this many times",
             {"mirror": True},
         ),
         Word("/pose/{motion}", "play", "Take a pose: a motion of one key frame", {"times": 1}),
@@ -75,7 +75,7 @@ KIND = Kind(
         Word(
             "/capture/{motion}/{duration_s}",
             "capture",
-            "The same, to be reached so many seconds after the frame before",
+            "The same, to be reached this many seconds after the frame before",
         ),
     ),
 )

@@ -49,7 +49,8 @@ OLDEST_S = 0.5
 
 
 class Motions(LeasingCapability[MotionsSettings, State]):
-    """Plays the motions of the rows through the joints, for whoever holds them, and writes down poses made by hand."""
+    """Plays the motions of the rows through the joints, for the holder of their lease, and writes down poses made by
+    hand."""
 
     ends, tick = "motions are shutting down", Tick()
     rate_hz = 50.0

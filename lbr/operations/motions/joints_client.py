@@ -69,7 +69,7 @@ class JointsClient:
             self._lease.send(command)
 
     def halt(self, why: str, *, lost: bool = False) -> None:
-        """Hold where the joints are; `lost`: whoever wanted them to move is gone."""
+        """Hold where the joints are; `lost`: the sender that moved them is gone."""
         if self._lease is not None:
             self._lease.release(why, lost=lost)
         self.abandon()

@@ -31,9 +31,10 @@ from lbr.operations.motions.state import (
 
 Decision = tuple[State, Outputs]
 ANSWER_S = 1.5
-"""So long a motion waits for joints operation to answer; its own lease counts from then on."""
+"""How long a motion waits for joints operation to answer; its own lease counts from then on."""
 AHEAD_S = 4.0
-"""How much of a motion is to lie ahead of the joints: enough for any pause of this process, little enough to compute."""
+"""How much of a motion is to lie ahead of the joints: enough for any pause of this process, little enough to compute.
+"""
 AHEAD_FRAMES = MAX_FRAMES // 2
 """And no more than that, however short they are: the joints take no more than `MAX_FRAMES`."""
 GRACE_S = 0.2
@@ -122,7 +123,7 @@ def _busy(lease: Lease[Playing] | None, lease_id: str, *, take_over: bool) -> Re
 
 
 def _begin(state: State, event: Play, playing: Playing, verdict: leasing.Verdict, now: float) -> Decision:
-    """Ask the joints for the first key frames; the answer to whoever plays waits for theirs."""
+    """Ask the joints for the first key frames; the answer to the player waits for theirs."""
     offer = confirmed(state.leases, event.ask)
     if offer is not None:
         playing = replace(playing, goal=offer.motion.goal)

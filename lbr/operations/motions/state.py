@@ -26,7 +26,7 @@ PHRASING = Phrasing(noun="the motions", rest="stop, or pause, before playing aga
 
 
 class Play(Struct, frozen=True, kw_only=True):
-    """Somebody wants a motion to be played, or goes on wanting it; without a programme it cannot be, for this reason.
+    """A sender wants a motion to be played, or renews that; without a programme it cannot be, for this reason.
 
     `trouble` is why joints operation would not follow, or nothing.
     """
@@ -58,14 +58,14 @@ class JointsEnded(Struct, frozen=True, kw_only=True):
 
 
 class JointsStopped(Struct, frozen=True, kw_only=True):
-    """Somebody stopped the joints themselves: what was asked for by `at` does not begin any more."""
+    """The joints themselves were stopped: what was asked for by `at` does not begin."""
 
     at: float
     why: Reason
 
 
 class Passed(Struct, frozen=True, kw_only=True):
-    """So many key frames of a goal of joints operation lie behind."""
+    """How many key frames of a goal of joints operation lie behind."""
 
     goal: str
     frames: int
@@ -79,16 +79,16 @@ Event = Play | Stop | EstopChanged | Accepted | Lost | JointsEnded | JointsStopp
 
 
 class Answer(Struct, frozen=True, kw_only=True):
-    """The answer to whoever waits for a motion to begin."""
+    """The answer to the sender that waits for a motion to begin."""
 
     message: CommandReply
 
 
 class Send(Struct, frozen=True, kw_only=True):
-    """Key frames for the joints: instead of what they do, or after it. Whoever asked waits for their answer.
+    """Key frames for the joints: instead of what they do, or after it. The sender waits for their answer.
 
     `asked_s` is when that was; what is appended bears none. `stored` is for their controller, instead of key frames.
-    `leg`: they came to rest in the middle of what is played, and nobody waits for the answer.
+    `leg`: they came to rest in the middle of what is played, and no sender waits for the answer.
     """
 
     frames: tuple[KeyFrame, ...]
@@ -101,14 +101,14 @@ class Send(Struct, frozen=True, kw_only=True):
 
 
 class Halt(Struct, frozen=True, kw_only=True):
-    """The joints are to hold where they are; `lost`: whoever had it played is gone."""
+    """The joints are to hold where they are; `lost`: the sender that had it played is gone."""
 
     why: str
     lost: bool = False
 
 
 class Abandon(Struct, frozen=True):
-    """The joints hold by themselves: they came to the end, or somebody else has them."""
+    """The joints hold by themselves: they came to the end, or have another holder."""
 
 
 Output = Reply | Answer | Send | Halt | Abandon | Result | Happened
@@ -116,10 +116,11 @@ Outputs = tuple[Output, ...]
 
 
 class Playing(Struct, frozen=True, kw_only=True):
-    """A motion under way: `sent` of its steps were sent, `passed` lie behind; the joints began from rest with step `leg`.
+    """A motion under way: `sent` of its steps were sent, `passed` lie behind; the joints began from rest with step
+    `leg`.
 
-    `asked`: joints operation has not answered yet; `joints_goal` is its name for it. `lost` is why its lease is no more,
-    since `lost_at`.
+    `asked`: joints operation has not answered yet; `joints_goal` is its name for it. `lost` is why its lease is no
+    more, since `lost_at`.
     """
 
     goal: str

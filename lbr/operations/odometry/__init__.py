@@ -15,9 +15,9 @@ class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """What a row of kind `odometry` may set.
 
     `track_m` is the distance between the wheels as it works out when turning on the spot: more than what a ruler says.
-    Where rows of `wheel` describe the base, they count instead of `track_m` and `wheel_diameter_m`.
-    A wheel stalls that is given `stall_power`, or draws `stall_a`, and counts nothing for `stall_s`. The base slips when
-    wheels and attitude differ by more than `slip_dps`, and by more than `slip_share` of the faster, for `slip_s`.
+    Where rows of `wheel` describe the base, they count instead of `track_m` and `wheel_diameter_m`. A wheel stalls that
+    is given `stall_power`, or draws `stall_a`, and counts nothing for `stall_s`. The base slips when wheels and
+    attitude differ by more than `slip_dps`, and by more than `slip_share` of the faster, for `slip_s`.
     """
 
     wheel_diameter_m: Annotated[float, Meta(gt=0.0, le=2.0)] = 0.1778
@@ -36,7 +36,7 @@ class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     slip_share: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
     slip_s: Annotated[float, Meta(gt=0.0, le=5.0)] = 0.6
     silent_s: Annotated[
-        float, Meta(gt=0.0, le=5.0, description="without the motors' state for so long nothing is known")
+        float, Meta(gt=0.0, le=5.0, description="without the motors' state for this long nothing is known")
     ] = 0.3
 
 

@@ -24,7 +24,7 @@ class Odometry(Capability[OdometrySettings]):
         self._said_s = 0.0
 
     def open(self) -> None:
-        """Begin to count anew."""
+        """Begin to count from zero."""
         self._reckoning = self._fresh()
         self._publish()
 

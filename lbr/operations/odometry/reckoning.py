@@ -90,7 +90,7 @@ class Reckoning:
             _difference(new, old) * metres for new, old, metres in zip(counts, before, self._per_count_m, strict=True)
         )
         most_m = JUMP_M + JUMP_SHARE * self._settings.max_speed_mps * elapsed_s
-        if max(map(abs, way_m)) > most_m:  # the controller began to count anew: how far it went is not known
+        if max(map(abs, way_m)) > most_m:  # the controller began to count from zero: how far it went is not known
             self._begin_anew()
             self._run.counts = counts
             self._start(now)

@@ -22,11 +22,11 @@ class PowerSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """What a row of kind `power` may set; the defaults are a lithium-polymer battery of three cells.
 
     `device` is the supply beside whose row is kept whether it is armed, and its thresholds; `armed`, `warn_v` and
-    `shutdown_v` hold until somebody says otherwise. Low is what stays below for `hold_s` and `hold_samples` readings;
+    `shutdown_v` hold until they are set. Low is what stays below for `hold_s` and `hold_samples` readings;
     good again is `hysteresis_v` more. Below `absent_v` the external supply is disconnected rather than low, if the
     supply's own battery backs it (`battery_backs`); then `battery_warn_v` and `battery_shutdown_v` count for that one.
 
-    Before it shuts down it plays `park_motion` (empty: none) for at most `park_s` and lets go of the joints within
+    Before it shuts down it plays `park_motion` (empty: none) for at most `park_s` and releases the joints within
     `let_go_s`, whatever comes of either. `bus` is the address of the D-Bus where logind is asked; empty: the system's.
     """
 
@@ -38,7 +38,7 @@ class PowerSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     hold_s: Seconds = 2.0
     hold_samples: Annotated[int, Meta(ge=1, le=1000)] = 3
     countdown_s: Seconds = 10.0
-    stale_s: Annotated[Deadline, Meta(description="no reading for so long is a supply that is silent")] = 5.0
+    stale_s: Annotated[Deadline, Meta(description="no reading for this long is a supply that is silent")] = 5.0
     battery_backs: bool = True
     absent_v: Annotated[float, Meta(ge=0.0, le=50.0)] = 2.0
     battery_warn_v: Volts = 3.7

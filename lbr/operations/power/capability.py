@@ -18,14 +18,14 @@ PUBLISH_S = 1.0
 SAY_WITHIN_S = 2.0
 ASK_AGAIN_S = 60.0
 REPLY_S = 0.7
-"""How long whoever arms waits to be told whether the computer may be powered off at all."""
+"""How long the sender that arms waits to be told whether the computer may be powered off at all."""
 SPOKEN = frozenset({"supply_low", "shutdown_countdown", "shutdown_failed"})
 REPEATED = frozenset({"supply_low", "supply_good", "supply_unknown", "supply_known"})
 """News that a voltage between two values, or a bad cable, brings again and again."""
 
 
 class Power(Capability[PowerSettings]):
-    """Watches the supply, tells people, and has the computer shut down in time once somebody armed it."""
+    """Watches the supply, tells people, and has the computer shut down in time once it is armed."""
 
     rate_hz = 20.0
 
@@ -105,7 +105,7 @@ class Power(Capability[PowerSettings]):
         warn_v, shutdown_v = kept.get("warn_v", settings.warn_v), kept.get("shutdown_v", settings.shutdown_v)
         if not (isfinite(warn_v) and 0.0 < shutdown_v <= warn_v <= 100.0):
             text = f"thresholds {warn_v:g} V and {shutdown_v:g} V beside device '{settings.device}' cannot be used; "
-            text += f"{settings.warn_v:g} V and {settings.shutdown_v:g} V are, until it is armed anew"
+            text += f"{settings.warn_v:g} V and {settings.shutdown_v:g} V are, until it is armed again"
             self.ctx.event("thresholds_unusable", text, level="warning")
             warn_v, shutdown_v = settings.warn_v, settings.shutdown_v
         return kept.get("armed", float(settings.armed)) != 0.0, warn_v, shutdown_v

@@ -1,7 +1,7 @@
 """Asks logind over D-Bus to power the computer off; in a thread of its own, because answers may take their time.
 
-The calls: `CanPowerOff() -> s` (yes, no, challenge, na) and `PowerOff(b interactive)`, never interactive: nobody is there
-to be asked. What polkit does not let happen comes back as `no`, `challenge` or an error.
+The calls: `CanPowerOff() -> s` (yes, no, challenge, na) and `PowerOff(b interactive)`, never interactive: nobody is
+there to be asked. What polkit does not let happen comes back as `no`, `challenge` or an error.
 """
 
 import asyncio
@@ -18,7 +18,7 @@ HOW = "let it by 'sudo lbr service install PROFILE --power-off', see docs/power.
 _MEANINGS = {
     "yes": "",
     "no": f"polkit does not let this user power off; {HOW}",
-    "challenge": f"polkit wants a password from whoever powers off, and nobody is here to give one; {HOW}",
+    "challenge": f"polkit wants a password to power off, and no user is here to give one; {HOW}",
     "na": "this system cannot power off",
 }
 _END_S = 0.2
@@ -83,7 +83,7 @@ def meaning(said: str) -> str:
 
 async def _call(address: str, question: Question) -> Answer | str:
     """Return what was said, or an error as an answer; a connection of its own, so that none grows old."""
-    from dbus_fast import BusType, Message, MessageType  # noqa: PLC0415 - whoever does not arm it needs none
+    from dbus_fast import BusType, Message, MessageType  # noqa: PLC0415 - needed only where it is armed
     from dbus_fast.aio import MessageBus  # noqa: PLC0415
 
     bus = await MessageBus(bus_address=address or None, bus_type=BusType.SYSTEM).connect()

@@ -1,4 +1,4 @@
-"""Bringing the robot down before the power goes: a motion under a lease that is kept up, then its joints let go."""
+"""Bringing the robot down before the power goes: a motion under a lease that is renewed, then its joints are released."""
 
 from typing import Protocol
 
@@ -53,7 +53,7 @@ class Parking:
             self._release(self._ctx.clock())
 
     def stop(self) -> None:
-        """End it where it is; joints hold, or stay let go."""
+        """End it where it is; joints hold, or stay released."""
         if self._lease is not None:
             self._lease.release("the shutdown is off")
         self._lease, self.done = None, True
@@ -77,14 +77,14 @@ class Parking:
         self.done = not self._ctx.targets("let_go")
 
     def _release(self, now: float) -> None:
-        """Let go; whoever holds the joints a moment longer has it refused, so it is tried again until time is up."""
+        """Release the joints. While another holds them it is refused, so it is tried again until time is up."""
         answers = self._asked.answers() if self._asked is not None else None
         if answers is not None:
             self._asked = None
             replies = [reply if isinstance(reply, CommandReply) else None for reply in answers.values()]
             self.done = all(reply is not None and reply.accepted for reply in replies)
         if not self.done and now >= self._until:
-            self._note("the joints were not let go in time")
+            self._note("the joints were not released in time")
             self.done = True
         elif not self.done and self._asked is None and now >= self._ask_at:
             self._ask_at = now + AGAIN_S

@@ -58,7 +58,7 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """Somebody arms or disarms; None: as it was."""
+    """A sender arms or disarms; None: as it was."""
 
     armed: bool
     warn_v: float | None = None
@@ -68,14 +68,14 @@ class Arm:
 
 @dataclass(frozen=True, slots=True)
 class Cancel:
-    """Somebody lets a shutdown come to nothing."""
+    """A sender cancels a shutdown."""
 
     who: str
 
 
 @dataclass(frozen=True, slots=True)
 class Parked:
-    """The robot is down and let go, or will never be."""
+    """The robot is down and released, or will never be."""
 
     trouble: str = ""
 

@@ -56,7 +56,7 @@ def decide(watch: Watch, event: Event, now: float, settings: PowerSettings) -> O
 
 
 def refusal(watch: Watch, event: Arm | Cancel) -> str:
-    """Return why somebody cannot have that, or nothing."""
+    """Return why a request is refused, or nothing."""
     if watch.phase in TOO_LATE:
         return "too late: the computer is going down"
     if isinstance(event, Cancel):
@@ -101,7 +101,7 @@ def _warn(watch: Watch, settings: PowerSettings) -> Outcome:
 
 
 def _unguarded(watch: Watch) -> str:
-    return "" if watch.armed else "; nobody shuts the computer down in time, because that is not armed"
+    return "" if watch.armed else "; the computer is not shut down in time, because that is not armed"
 
 
 def _silence(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
@@ -113,7 +113,7 @@ def _silence(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
 
 
 def _troubled(watch: Watch, view: View, now: float, settings: PowerSettings) -> Outcome:
-    """Leave it at what was counted for a moment, then count anew and say so: no reading is no low voltage."""
+    """Leave it at what was counted for a moment, then count from zero and say so: no reading is no low voltage."""
     watch = replace(watch, view=replace(view, backed=watch.view.backed))
     if now - watch.seen_s < settings.stale_s:
         return watch, ()
@@ -155,7 +155,7 @@ def _next(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
 def _guard(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
     if watch.view.low and not watch.cancelled and _low(watch, settings):
         text = f"{watch.view.said}, below {watch.view.shutdown_v:g} V: the computer is shut down"
-        text += f" in {settings.countdown_s:g} s unless somebody cancels"
+        text += f" in {settings.countdown_s:g} s unless it is cancelled"
         watch = replace(watch, phase="countdown", reason=text, until_s=now + settings.countdown_s)
         return watch, (Told("shutdown_countdown", text), "ask_can")
     return _rest(watch), ()

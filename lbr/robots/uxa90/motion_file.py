@@ -17,7 +17,7 @@ from lbr.robots.uxa90.rbm import RbmFile
 FACTORY = "factory"
 """The layer of the table `motor` whose `rest` are the nominal zeros."""
 BEGIN_S = 1.0
-"""A motion of the maker's begins where it is; ours leads there first, in so long or what the joints need."""
+"""A motion of the maker's begins where it is; ours leads there first, in this long or what the joints need."""
 SHORTEST_S = 0.01
 LONGEST_S = 60.0
 DIGITS = 4

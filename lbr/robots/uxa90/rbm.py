@@ -120,7 +120,8 @@ class _Fields:
         return found
 
     def text(self, length: int, what: str) -> str:
-        """Return a field of so many characters, which may have colons of its own; one of another length ends at a colon."""
+        """Return a field of this many characters, which may have colons of its own; one of another length ends at a
+        colon."""
         end = self._at + length
         if self._text[end : end + 1] not in {":", ""}:
             return self.until_colon(what)

@@ -32,7 +32,7 @@ class Cameras:
         self._faults: dict[str, CameraFaults] = {}
 
     def run(self) -> None:
-        """Begin as the world says, then draw for whoever watches."""
+        """Begin as the world says, then draw for the viewers."""
         begin, descriptors = self._heard()
         if not isinstance(begin, Begin):
             return

@@ -1,4 +1,4 @@
-"""The world's side of its cameras: starts the process that draws when somebody watches, and feeds it views."""
+"""The world's side of its cameras: starts the process that draws when there are viewers, and feeds it views."""
 
 import os
 import socket
@@ -22,7 +22,8 @@ _ENDING_S = 0.3
 
 
 class CameraHost:
-    """One process for all cameras of a packed model. `watch`, `set_faults` and `show` may come from another thread than the rest."""
+    """One process for all cameras of a packed model. `watch`, `set_faults` and `show` may come from another thread than
+    the rest."""
 
     def __init__(self, model: bytes, view_bytes: int, clock: Callable[[], float] = time.monotonic) -> None:
         self._model = model
@@ -44,7 +45,7 @@ class CameraHost:
         return self._view is not None
 
     def watch(self, device: str, mount: str, connection: socket.socket) -> None:
-        """Hand somebody over who has connected to a device."""
+        """Hand over a client that has connected to a device."""
         self._waiting.append((Watch(device, mount), connection))
 
     def set_faults(self, device: str, faults: CameraFaults) -> None:
@@ -101,7 +102,7 @@ class CameraHost:
             self._send(SetFaults(device, faults), [])
 
     def _send(self, order: Order, descriptors: list[int]) -> None:
-        """Hand on, or lose if nobody is there: who watches then sees its connection end."""
+        """Hand on, or lose if the process is gone: a viewer then sees its connection end."""
         if self._control is None:
             return
         try:

@@ -8,14 +8,15 @@ LONGEST_BYTES = 200_000
 
 
 class Begin(Struct, frozen=True, tag=True):
-    """The first one, with the descriptors of the shared memory and of the packed model, and whether OpenGL is to be tried."""
+    """The first one, with the descriptors of the shared memory and of the packed model, and whether OpenGL is to be
+    tried."""
 
     view_bytes: int
     use_gl: bool
 
 
 class Watch(Struct, frozen=True, tag=True):
-    """Somebody has connected to a device: the descriptor of that connection comes with it, and where it looks from."""
+    """A client has connected to a device: the descriptor of that connection comes with it, and where it looks from."""
 
     device: str
     mount: str

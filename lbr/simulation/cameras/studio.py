@@ -61,7 +61,7 @@ class Studio:
         return jpeg
 
     def close(self) -> None:
-        """Let go of the renderer."""
+        """Close the renderer."""
         self._renderer.close()
 
     def _chosen(self, *, use_gl: bool) -> Renderer:

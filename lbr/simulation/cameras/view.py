@@ -40,7 +40,7 @@ class SharedView:
         return None
 
     def close(self) -> None:
-        """Let go of the memory."""
+        """Release the memory."""
         self._memory.close()
         os.close(self.descriptor)
 

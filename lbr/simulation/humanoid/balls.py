@@ -1,4 +1,4 @@
-"""Coloured balls in the world of a humanoid: each keeps to its path, until somebody puts it elsewhere."""
+"""Coloured balls in the world of a humanoid: each keeps to its path, until it is put elsewhere."""
 
 from collections.abc import Mapping
 from math import cos, pi, sin

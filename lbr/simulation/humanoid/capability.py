@@ -120,7 +120,7 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
             return
         robot, rests = self.ctx.robot, bool(self.ctx.settings.rests)
         if was.held and not pose.held:
-            self.ctx.event("let_go", f"the helper's hand has let go: {robot} {_stance(pose)} by itself")
+            self.ctx.event("let_go", f"the helper's hand has released it: {robot} {_stance(pose)} by itself")
         if was.upright and not pose.upright:
             lean = f"rolled {degrees(pose.roll_rad):.0f} and pitched {degrees(pose.pitch_rad):.0f} degrees"
             again = "as it began" if rests else "back on its feet"

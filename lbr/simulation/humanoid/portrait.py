@@ -24,7 +24,7 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class _View:
-    """A direction to look along: what is to the right, and what is towards whoever looks, in the robot's axes."""
+    """A direction to look along: what is to the right, and what is towards the onlooker, in the robot's axes."""
 
     title: str
     right: Floats
@@ -62,7 +62,8 @@ def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int])
 
 
 def _faces(model: Any, data: Any, trunk: int) -> list[tuple[Floats, Floats, Colour]]:
-    """Return every visible face of the robot: its corners, its normal and its colour; what is round is drawn as its bounding box."""
+    """Return every visible face of the robot: its corners, its normal and its colour; what is round is drawn as its
+    bounding box."""
     found = []
     for geom in range(model.ngeom):
         if model.body_rootid[model.geom_bodyid[geom]] != trunk or model.geom_rgba[geom, 3] == 0.0:

@@ -56,14 +56,15 @@ class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The simulated humanoid: `model` is a body, in `$LBR_HOME/models` or a robot's by its name, whose joints bear the rows' names.
+    """The simulated humanoid: `model` is a body, in `$LBR_HOME/models` or a robot's by its name, whose joints bear the
+    rows' names.
 
-    It begins upright, every joint at zero, in a helper's hand. The hand lets go once all servos have had torque for
-    `hand_s` and its weight is above its feet; until then it keeps them on the floor. With `rests`, the angles of joints in
-    which it rests on the floor by itself, it begins so, limp, and no hand holds it. `seed` fixes all noise. Where the
-    inertial unit sits, the body says: the `mount` of `imu` counts for nothing. `motors` are those that differ from
-    `motor`, the first that fits; `mounted` are servos that do not sit as the joints' rows say, as on a body that is yet to be
-    calibrated, by joint; `balls` are what a camera in its head may look for, by name.
+    It begins upright, every joint at zero, in a helper's hand. The hand releases it once all servos have had torque for
+    `hand_s` and its weight is above its feet; until then it keeps them on the floor. With `rests`, the angles of joints
+    in which it rests on the floor by itself, it begins so, limp, and no hand holds it. `seed` fixes all noise. Where
+    the inertial unit sits, the body says: the `mount` of `imu` counts for nothing. `motors` are those that differ from
+    `motor`, the first that fits; `mounted` are servos that do not sit as the joints' rows say, as on a body that is yet
+    to be calibrated, by joint; `balls` are what a camera in its head may look for, by name.
     """
 
     model: Name

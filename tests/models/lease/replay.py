@@ -49,7 +49,7 @@ class Driver:
     _dates: SendTimes = field(default_factory=SendTimes)
 
     def begin(self, now: float, *, latched: bool) -> None:
-        """Begin anew, with zero at the controller."""
+        """Start over, with zero at the controller."""
         self.up, self.latched, self.turns = True, latched, False
         self.state, self._stepped, self._fed, self._dates = Arming(since=now), inf, now, SendTimes()
         self.step(now)

@@ -103,7 +103,7 @@ def healed_partitions(n: int, seed: int = 1) -> Count:
 
 
 def _cut(stage: Stage, asked: Message, lease: str, seconds: float) -> list[Message]:
-    """Return what a client sends into a link that is down, quoting its lease or asking anew."""
+    """Return what a client sends into a link that is down, quoting its lease or asking again."""
     ends, due, sent = stage.arena.now + seconds, stage.arena.now, []
     while stage.arena.now < ends:
         stage.turn()

@@ -48,7 +48,7 @@ class World:
         return self._time + self._shift
 
     def run(self, until_step: int) -> None:
-        """Let happen what happens until so many events have reached the kernel."""
+        """Let happen what happens until this many events have reached the kernel."""
         arena, queue = self.arena, self._queue
         while arena.steps < until_step:
             self._time, _, what, client = heappop(queue)
@@ -165,7 +165,7 @@ class World:
         return frozen_s + SENSE_S if chance < 0.985 else dice.random()
 
     def _attitude(self) -> float:
-        """Fast and mostly right; now and then silent, late, mad, anew or not known."""
+        """Fast and mostly right; now and then silent, late, mad, again or not known."""
         dice, arena = self.dice, self.arena
         chance = dice.random()
         if chance > 0.012:

@@ -24,7 +24,7 @@ from lbr.simulation.settings import Imu, WorldSettings
 STEP_S = 0.01
 TICK_STEPS, RENEW_STEPS, FIELD_STEPS = 2, 10, 10
 WAY_TICKS = (1, 2)
-"""A setpoint is in force so many ticks later: bus, driver, controller."""
+"""A setpoint is in force this many ticks later: bus, driver, controller."""
 SETTLE_S = 2.0
 LONGEST_S = 40.0
 FREE = Ranges(

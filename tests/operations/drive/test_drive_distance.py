@@ -91,7 +91,7 @@ def silence(body):
     [
         (silence, "the odometry is older than 0.3 s"),
         (lambda b: b.odometry.update(valid=False, reason="no counts"), "the odometry is not known: no counts"),
-        (lambda b: b.odometry.update(epoch="o2"), "the odometry began anew on the way"),
+        (lambda b: b.odometry.update(epoch="o2"), "the odometry started over on the way"),
         (lambda b: b.odometry.update(distance_m=nan), "the odometry makes no sense"),
         (lambda b: b.odometry.update(distance_m=9.0), "the odometry jumped by"),
         (lambda b: b.odometry.update(stalled=True), "the wheels stand although the motors push"),

@@ -169,7 +169,7 @@ def test_a_motion_from_afar_waits_until_its_lease_is_quoted(bench):
 def test_what_was_not_confirmed_in_time_is_dead(bench):
     offer = bench.drive_from_afar(0.5, interval_s=2.0)
     bench.run(0.32)
-    assert reason(bench) == "nobody drives"
+    assert reason(bench) == "no sender drives"
     assert bench.drive_from_afar(0.5, lease=offer.lease).reason == "lease is dead: not confirmed within 0.3 s"
     assert [(each.goal, each.result) for each in bench.results] == [(offer.goal, "lapsed")]
 

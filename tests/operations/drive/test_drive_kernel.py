@@ -496,7 +496,7 @@ def test_a_frozen_range_stops_motion_towards_it(bench):
 
 
 def test_the_state_at_rest_says_why(bench):
-    assert drive_state(bench.state, bench.now).reason == "nobody drives"
+    assert drive_state(bench.state, bench.now).reason == "no sender drives"
     moving(bench)
     bench.stop(reason="lunch")
     state = drive_state(bench.state, bench.now)

@@ -267,7 +267,7 @@ def lose_attitude(body):
     [
         (lose_attitude, "the attitude is older than 0.2 s"),
         (lambda b: b.attitude.update(valid=False, reason="iron"), "the attitude is not known: iron"),
-        (lambda b: b.attitude.update(epoch="e2"), "the attitude began anew in the middle of the turn"),
+        (lambda b: b.attitude.update(epoch="e2"), "the attitude started over in the middle of the turn"),
         (lambda b: b.attitude.update(turned_deg=nan), "the attitude makes no sense"),
         (lambda b: b.attitude.update(turned_deg=None), "the attitude makes no sense"),
         (lambda b: b.attitude.update(turned_deg=1300.0), "the attitude jumped by"),

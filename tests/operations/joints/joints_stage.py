@@ -89,7 +89,7 @@ class Twin:
 
 
 class Stage:
-    """A router, the twin, and the two processes; each may be killed, stopped and begun anew."""
+    """A router, the twin, and the two processes; each may be killed, stopped and started over."""
 
     def __init__(self, home: Path) -> None:
         self.home = home

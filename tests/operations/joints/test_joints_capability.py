@@ -60,7 +60,7 @@ def test_the_state_is_one_sweep_in_the_joints_own_radians(robot):
         "following",
         False,
         None,
-        "nobody moves the joints",
+        "no sender moves the joints",
     )
 
 

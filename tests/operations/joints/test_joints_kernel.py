@@ -418,7 +418,7 @@ def test_a_driver_that_holds_although_it_is_told_to_follow_ends_the_motion(bench
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(0.1, reply.lease)
     bench.servos.obey = lambda setpoint: None
-    bench.servos.phase, bench.servos.reason = "holding", "the lease of this motion has died; stop, then move anew"
+    bench.servos.phase, bench.servos.reason = "holding", "the lease of this motion has died; stop, then move again"
     bench.run(0.02, reply.lease)
     assert last(bench) == ("fault", f"the servos do not follow: {bench.servos.reason}")
 
@@ -428,7 +428,7 @@ def test_a_stream_of_commands_is_no_reason_to_wait_for_servos_for_ever(bench, fo
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(followed_s, reply.lease)
     bench.servos.obey = lambda setpoint: None
-    bench.servos.phase, bench.servos.reason = "holding", "the lease of this motion has died; stop, then move anew"
+    bench.servos.phase, bench.servos.reason = "holding", "the lease of this motion has died; stop, then move again"
     for turn in range(40):
         bench.run(0.01)
         bench.command(SLOW, duration_s=2.0 + turn / 100, lease=reply.lease)

@@ -291,7 +291,7 @@ def test_what_waited_changes_no_motion_that_began_meanwhile(hand):
 
 def test_what_moves_it_began_anew_since_then(hand):
     hand.leases = first(PHRASING, TTL_S, began=hand.now - 1.0)
-    assert hand.ask(waited_s=2.0) == f"{STOPPED_SINCE}what moves it began anew"
+    assert hand.ask(waited_s=2.0) == f"{STOPPED_SINCE}what moves it started over"
     assert hand.ask(waited_s=0.5) == ""
 
 

@@ -79,7 +79,7 @@ def test_a_killed_shutdown_stops_the_motion_and_the_next_one_sits_down_and_power
     os.kill(robot.capability("power")["pid"], signal.SIGKILL)
     soon(lambda: standing_still(robot), what="the motion stopped")
     assert "PowerOff" not in [name for name, _ in logind.calls]
-    soon(lambda: sitting_down(robot), what="it sits down anew")
+    soon(lambda: sitting_down(robot), what="it sits down again")
     soon(lambda: power(robot, "phase") == "off", what="logind was asked")
     assert logind.calls.count(("PowerOff", [False])) == 1
     assert "PowerOff" not in [name for name, body in logind.calls if body != [False]]

@@ -1,7 +1,7 @@
 """A client with nothing but Zenoh: python at_a_door.py CONFIG.json5 MANNER; prints a line for each answer.
 
 `quoting` repeats its command with its lease, `stamped` does so with the time of a clock of its own, `careless` repeats
-without any lease, and `asking` asks anew each time. Each line on standard input switches: `cease`, `go`.
+without any lease, and `asking` asks again each time. Each line on standard input switches: `cease`, `go`.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Listens to everything, slowly: `listener.py ENDPOINT ROBOT SECONDS` takes one message each so many seconds."""
+"""Listens to everything, slowly: `listener.py ENDPOINT ROBOT SECONDS` takes one message each this many seconds."""
 
 import json
 import sys

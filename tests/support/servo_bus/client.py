@@ -133,7 +133,7 @@ def main() -> None:
 
 
 def run(kind: str, path: str, servos: int, seconds: float) -> dict[str, float]:
-    """Read for a while; open the line anew when it went away."""
+    """Read for a while; open the line again when it went away."""
     tally, turns = Tally(), count()
     cpu_s = begun = until = None
     while until is None or time.monotonic() < until:

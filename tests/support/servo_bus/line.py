@@ -62,7 +62,7 @@ class Line:
         return [kind for kind, here in {**known, "vendor_three": sdk, "vendor_block": sdk}.items() if here]
 
     def set(self, **order: Any) -> None:
-        """Make the bus anew, or with `faults` alone change those."""
+        """Make the bus again, or with `faults` alone change those."""
         self._twin.tell(json.dumps(order))
         self._twin.answer()
 

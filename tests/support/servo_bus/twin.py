@@ -35,7 +35,7 @@ SPREAD, STEP = 57, 300
 """What tells servos apart, and the registers of one."""
 
 SPIN_S = 60e-6
-"""So long before something is due it no longer sleeps."""
+"""How long before something is due it no longer sleeps."""
 
 _PR_SET_TIMERSLACK = 29
 

@@ -1,4 +1,4 @@
-"""The newest picture for each viewer: who is slow misses pictures, and keeps nobody else waiting.
+"""The newest picture for each viewer: a slow viewer misses pictures, and does not delay the others.
 
 Everything here runs on the event loop's thread of the server, but for `close`.
 """
@@ -51,7 +51,7 @@ class Viewer:
 
 
 class Hub:
-    """Deals pictures out while somebody watches: `begin` has them come, each to `deal`, and returns what ends that."""
+    """Deals pictures out while there are viewers: `begin` has them come, each to `deal`, and returns what ends that."""
 
     def __init__(self, begin: Callable[[Deal], Callable[[], None]]) -> None:
         self._begin = begin
@@ -84,7 +84,7 @@ class Hub:
                 self._end = None
 
     def deal(self, camera: str, picture: bytes) -> None:
-        """Show a picture to whoever watches its camera, or watches whichever is on."""
+        """Show a picture to the viewers of its camera, and to those of whichever camera is on."""
         current, seen = self._current
         if camera == current or time.monotonic() - seen > CURRENT_S:
             self._current = (camera, time.monotonic())

@@ -10,7 +10,8 @@ from lbr.capability.context import Received
 from lbr.messages.camera import CameraState
 
 LOOK_S = 0.01
-"""How often the loop looks for pictures while somebody watches; otherwise they wait, unread, within the bus library."""
+"""How often the loop looks for pictures while there are viewers; otherwise they wait, unread, within the bus library.
+"""
 
 
 class Ports:
@@ -34,7 +35,7 @@ class Ports:
         return max(fresh, key=lambda last: last.arrived).message.data if fresh else None
 
     def step(self) -> None:
-        """Note states, and deal pictures out if somebody watches."""
+        """Note states, and deal pictures out if there are viewers."""
         for last in self._robot.ctx.take("cameras"):
             self._states[last.source] = last
         if self._deal is not None:
@@ -58,7 +59,7 @@ class Ports:
         return self._robot.sessions.knows(session)
 
     def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Have something called whenever somebody signs out."""
+        """Have something called whenever a user signs out."""
         self._robot.sessions.on_end.append(then)
 
     def tell(self, text: str) -> None:
@@ -66,7 +67,7 @@ class Ports:
         self._robot.tell("watched", text)
 
     def _look_for_pictures(self) -> None:
-        """Take in what came, and show it to whoever watches."""
+        """Take in what came, and show it to the viewers."""
         deal = self._deal
         for last in self._robot.ctx.take("frames"):
             camera = last.source.removeprefix(PREFIX)

@@ -24,7 +24,7 @@ class CameraParams(Struct, frozen=True, kw_only=True):
     """Which camera."""
 
     camera: Annotated[str, Meta(max_length=40, description="its name, such as rear; empty for the one that is on")] = ""
-    at: Annotated[str, Meta(max_length=40, description="anything, so that a browser asks anew")] = ""
+    at: Annotated[str, Meta(max_length=40, description="anything, so that a browser asks again")] = ""
 
 
 class Source(Protocol):
@@ -46,7 +46,7 @@ class Source(Protocol):
         """Say whether a session goes on."""
 
     def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Have something called, on the server's thread, whenever somebody signs out."""
+        """Have something called, on the server's thread, whenever a user signs out."""
 
     def tell(self, text: str) -> None:
         """Write down who watches."""

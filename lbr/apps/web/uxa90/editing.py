@@ -126,7 +126,8 @@ class Editor:
     async def _revision(self) -> int:
         """Return the newest revision of the rows: an edit without rows is refused with it.
 
-        If nobody answers, it is one that was heard before: whoever quotes that may be refused, but overwrites nothing.
+        Without an answer it is one that was heard before: a client that quotes it may be refused, but overwrites
+        nothing.
         """
         try:
             reply: EditReply = await self._robot.ask("edit", EditCommand(), timeout_s=REVISION_S)

@@ -18,7 +18,7 @@ from lbr.messages.system import Role
 
 
 class Handlers:
-    """What may be asked; plain functions are answered at once, from what nobody changes."""
+    """What may be asked; plain functions are answered at once, from what does not change."""
 
     def __init__(self, robot: Robot, work: Service) -> None:
         self._work = work
@@ -92,7 +92,7 @@ def ok(_request: Request) -> Response:
 
 
 def _refuse_head(request: Request) -> None:
-    """Whoever only wants to know what there is moves nothing."""
+    """Move nothing for a client that only asks what there is."""
     if request.method == "HEAD":
         raise web.Refused(405, "HEAD moves nothing: use GET or POST", {"Allow": "GET, POST"})
 

@@ -5,7 +5,7 @@ from math import copysign, floor, inf, isfinite, isinf, isnan, nan
 
 WHITESPACE = "\t\n\v\f\r \u00a0\u1680\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u2028\u2029\u202f\u205f\u3000\ufeff"
 LONGEST = 400
-"""Characters of a number; nobody means longer ones, and reading them takes ever longer."""
+"""Characters of a number; longer ones are mistakes, and reading them takes ever longer."""
 LARGEST_BITS = 1023
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _PREFIXED = re.compile(r"0(?:[xX][0-9a-fA-F]+|[oO][0-7]+|[bB][01]+)")

@@ -24,7 +24,7 @@ TORQUES_IN_BODY = ("torq", "torque", "toqr")
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """One motor that is to go to a count, at a level of torque, so long after the request."""
+    """One motor that is to go to a count, at a level of torque, this long after the request."""
 
     motor: Motor
     position: Number

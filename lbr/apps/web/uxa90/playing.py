@@ -33,7 +33,7 @@ class Player:
         heard, state = self._robot.snapshot.motions, self._robot.snapshot.motions_state
         if heard is None or state is None or not state.playing or heard.age_s(now) > OLDEST_S:
             return ""
-        return f"busy: '{state.motion}' is played by {state.holder or 'somebody'}"
+        return f"busy: '{state.motion}' is played by {state.holder or 'another'}"
 
     async def play(self, motion: str) -> None:
         """Play a motion; return once it was accepted, else raise Refused with the reason."""

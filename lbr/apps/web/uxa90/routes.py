@@ -19,7 +19,7 @@ from lbr.apps.web.uxa90.bodies import (
 from lbr.apps.web.uxa90.handlers import Handlers, ok
 from lbr.apps.web.uxa90.jobs import JobReply, JobsReply
 
-REFUSED = {400: "It makes no sense.", 409: "It is not there, is busy, held by somebody else, or not allowed."}
+REFUSED = {400: "It makes no sense.", 409: "It is not there, is busy, held by another, or not allowed."}
 MOVE_S = 4.0
 """A motion's answer may need three others': the joints given back, motions, joints again."""
 EDIT_S = 7.0

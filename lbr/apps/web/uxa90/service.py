@@ -1,4 +1,5 @@
-"""What the API does in the capability's loop: motors move by one lease, motions play one at a time, jobs begin when due."""
+"""What the API does in the capability's loop: motors move by one lease, motions play one at a time, jobs begin when
+due."""
 
 from collections.abc import Callable, Mapping
 from math import inf
@@ -27,7 +28,7 @@ from lbr.messages.system import Role
 
 TAKE_CONTROL_S = 3.0
 STOOD_STILL_S = 1.0
-"""What is due after so long without a round would surprise everybody."""
+"""What is due after this long without a round would surprise everybody."""
 
 
 class Service:
@@ -174,7 +175,7 @@ class Service:
             raise Refused(409, f"{joints.reason or 'emergency stop'}; 'reset' releases it", code="estop")
 
     def _watch_stops(self) -> None:
-        """Whoever stops the joints stops what waits, too."""
+        """Stop what waits, too, when the joints are stopped."""
         joints = self._robot.snapshot.joints_state
         if joints is None:
             return
@@ -183,7 +184,7 @@ class Service:
         if joints.estop:
             self._drop("the emergency stop was pressed")
         elif stopped:
-            self._drop("somebody stopped the joints")
+            self._drop("the joints were stopped")
 
     def _lost(self, why: str) -> None:
         self._drop(why)

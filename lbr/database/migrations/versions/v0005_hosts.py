@@ -29,7 +29,7 @@ SELECT name, role, hash, created_at, revoked_at, expires_at FROM former_user_tok
 
 
 def upgrade() -> None:
-    """Make the table anew: SQLite changes no check of a table that is there."""
+    """Make the table again: SQLite changes no check of a table that is there."""
     for statement in STATEMENTS:
         op.execute(statement)
 

@@ -16,17 +16,19 @@ from lbr.drivers.servos.protocol1.register import Register
 
 MARGIN_S = 0.01
 QUIET_S = 0.002
-"""A line that says nothing for so long has ended its answer, if that is long enough to be one."""
+"""A line that says nothing for this long has ended its answer, if that is long enough to be one."""
 LISTEN_SLICE_S = 0.002
 WARY_S = 1.0
-"""For so long after an answer was lost the line is emptied before each request."""
+"""For this long after an answer was lost the line is emptied before each request."""
 LATE_S = 0.01
-"""A lost answer may still come so late: who is asked the same again waits for that, lest it pass for the next."""
+"""A lost answer may still come this late: before the same is asked again this is waited for, so that it does not pass
+for the next."""
 MOST_BYTES = 4096
 
 
 class ProtocolBus:
-    """Transactions on a bus of servos that speak protocol 1.0, whatever their control table is. Lost answers are None, `trouble` then says why and `lost` how; a line that is gone is a DeviceError.
+    """Transactions on a bus of servos that speak protocol 1.0, whatever their control table is. Lost answers are None,
+    `trouble` then says why and `lost` how; a line that is gone is a DeviceError.
 
     `written_all` counts what was written to several servos at once. `urgent` is asked while the bus waits although the
     wire is free, and between tries: the rest is left undone then, and `cut_short` tells.
@@ -73,7 +75,8 @@ class ProtocolBus:
     def read(
         self, servo: int, address: int, count: int, *, tries: int | None = None, patience_s: float = inf
     ) -> Status | None:
-        """Return `count` bytes of a servo's control table; an answer later than wire and servo explain gets `patience_s`."""
+        """Return `count` bytes of a servo's control table; an answer later than wire and servo explain gets
+        `patience_s`."""
         return status_of(self.ask(self.question(servo, packet.read(servo, address, count), count), tries, patience_s))
 
     def get(self, servo: int, register: Register) -> int | None:
@@ -91,7 +94,7 @@ class ProtocolBus:
         return status is not None and not status.error & self.refusals
 
     def write_all(self, address: int, blocks: Mapping[int, bytes]) -> None:
-        """Give each servo its block at the same time; nobody answers that."""
+        """Give each servo its block at the same time; servos do not answer that."""
         if blocks:
             for request in packet.sync_write(address, blocks):
                 self._line.send(request)
@@ -102,7 +105,7 @@ class ProtocolBus:
         return [servo for servo in servos if self.ping(servo) is not None]
 
     def leftover(self) -> list[Status]:
-        """Return what somebody says unasked within a moment, such as a second servo with the same id."""
+        """Return what comes unasked within a moment, such as from a second servo with the same id."""
         data = self._line.receive(QUIET_S)
         return StatusParser().feed(data) if data else []
 
@@ -162,7 +165,7 @@ class ProtocolBus:
         self.leftover()
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
         self._line.close()
 
     def __enter__(self) -> Self:
@@ -174,11 +177,11 @@ class ProtocolBus:
         self.close()
 
     def write_each(self, register: Register, values: Mapping[int, int]) -> None:
-        """Give each servo its value of a register at the same time; nobody answers that."""
+        """Give each servo its value of a register at the same time; servos do not answer that."""
         self.write_all(register.address, {servo: register.encode(value) for servo, value in values.items()})
 
     def question(self, servo: int, request: bytes, count: int) -> Question:
-        """Make a request ready that so many bytes answer, to be asked again and again."""
+        """Make a request ready that this many bytes answer, to be asked again and again."""
         size = packet.OVERHEAD_BYTES + count
         head = packet.HEADER + bytes((servo, count + 2))
         busy_s = self._line.busy_s(len(request), size)

@@ -16,7 +16,7 @@ class DynamixelFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=T
     switching on when that ends; `brown_out`: all of them. `overload`, `hot`: what they report, and switch off for.
     `wrong_model`: they are no AX-12A. `duplicate`: another servo answers to the same id. `babbling`: something on the
     line talks all the time. `echo`: the adapter hands back what it is given.
-    Of answers, `drop`: none comes; `bit_flip`: a bit is wrong; `garbage`, `stray`: noise, or a packet nobody asked for,
+    Of answers, `drop`: none comes; `bit_flip`: a bit is wrong; `garbage`, `stray`: noise, or a packet that was not asked for,
     comes before; `half`: it ends early; `pieces`: with a pause in it; `late`: 12 ms later.
     """
 
@@ -43,7 +43,7 @@ class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """What hangs on a `dynamixel` device row's bus, and how fast it is; `usb2ax` is a dongle's firmware, null: none.
 
     `return_delay` is what the servos' registers hold at first, in 2 us; 250 as they leave the factory.
-    `goal_switches_on`: whoever gets a goal gets torque too, as some users say of theirs and the manual does not.
+    `goal_switches_on`: a servo that gets a goal gets torque too, as some users say of theirs and the manual does not.
     """
 
     faults: DynamixelFaults = DynamixelFaults()

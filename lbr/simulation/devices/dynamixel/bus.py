@@ -83,7 +83,7 @@ class DynamixelBus:
             self.faults = self._faults
 
     def feed(self, data: bytes, now: float, baud: float | None = None) -> bytes:
-        """Take bytes that the host sends at a rate; return what has reached it by now."""
+        """Take bytes that the host sends at a rate; return what has reached it so far."""
         self.baud = baud or self.baud
         said = self.poll(now)
         begin = max(now + self.timing.usb_us * 0.5e-6, self._host_free)
@@ -99,7 +99,7 @@ class DynamixelBus:
         return said + self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has reached the host by now."""
+        """Return what has reached the host so far."""
         if self._faults.babbling and now >= self._babbled:
             self._babbled = now + self._random.uniform(0.5, 1.5) * _BABBLE_S
             self._send(noise(self._random), now)

@@ -27,7 +27,7 @@ class Usb2Ax:
         self._table = bytearray((_MODEL & 0xFF, _MODEL >> 8, firmware, NUMBER, 50, 4, 100))
 
     def held_s(self, size: int) -> float:
-        """Return how long it waits before it sends the end of so many bytes to the host, in case more come."""
+        """Return how long it waits before it sends the end of this many bytes to the host, in case more come."""
         return self._table[_HOLD_OFF] * _TICK_S if size % _USB_PACKET else 0.0
 
     def stray(self, instruction: Instruction) -> bytes:

@@ -18,7 +18,7 @@ class InfraredFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """Faults of an infrared receiver.
 
     `silent`: it sees nothing. `garbage`: a record has noise before it. `half`: a record ends early. `stray`: a code of
-    somebody else's remote control comes in between. `stuck`: the left beam all the time.
+    another remote control comes in between. `stuck`: the left beam all the time.
     """
 
     silent: bool = False

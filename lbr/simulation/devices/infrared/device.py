@@ -34,7 +34,7 @@ class InfraredReceiver:
         self._next_at: dict[Beam, float] = {}
 
     def poll(self, now: float) -> bytes:
-        """Return the records that are due by now."""
+        """Return the records that are due."""
         said = b""
         for turn, beam in enumerate(ORDER):
             if not self._seen(beam):

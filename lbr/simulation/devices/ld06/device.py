@@ -11,12 +11,13 @@ from lbr.simulation.devices.ld06 import Ld06Faults
 from lbr.simulation.wire import flip_one_bit, noise
 
 Face = Callable[[float], float | None]
-"""Returns the distance in metres along an angle, anticlockwise from the lidar's zero in radians; None: nothing comes back."""
+"""Returns the distance in metres along an angle, anticlockwise from the lidar's zero in radians; None: nothing comes
+back."""
 
 _POINTS, _POINTS_PER_S, _STEP_CDEG, _SPEED_DPS = 12, 4500, 80, 3600
 _PACKET_S = _POINTS / _POINTS_PER_S
 _BURST = 4
-"""So many packets are handed over at once: a host that is woken for each of 375 a second does little else."""
+"""How many packets are handed over at once: a host that is woken for each of 375 a second does little else."""
 _LATEST_S = 0.1
 """What it had to say longer ago than this is lost: it was not read meanwhile."""
 _STARTUP_S = 0.5
@@ -35,13 +36,13 @@ class Ld06:
         self.power_cycle(powered_at)
 
     def power_cycle(self, now: float) -> None:
-        """Start anew: the mirror takes half a second to come up to speed."""
+        """Restart: the mirror takes half a second to come up to speed."""
         self._began = self._next_at = now + _STARTUP_S
         self._angle_cdeg = 0
         self._last: dict[int, int] = {}
 
     def poll(self, now: float) -> bytes:
-        """Return the packets that are ready by now."""
+        """Return the packets that are ready."""
         said = bytearray()
         self._next_at = max(self._next_at, now - _LATEST_S) if now > self._next_at else self._next_at
         while now >= self._next_at:

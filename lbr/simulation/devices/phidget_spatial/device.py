@@ -35,7 +35,7 @@ class PhidgetSpatial:
         self.plugged_in()
 
     def plugged_in(self) -> None:
-        """Forget what was set: it is attached anew."""
+        """Forget what was set: it is attached again."""
         self._interval_ms = 0
         self._due_ms = inf
         self._frozen = b""
@@ -59,7 +59,7 @@ class PhidgetSpatial:
         return self._began + (self._due_ms + (self._burst - 1) * self._interval_ms) / 1000.0
 
     def records(self, now: float) -> bytes:
-        """Return what is due by now."""
+        """Return what is due."""
         if now < self.next_due():
             return b""
         now_ms = (now - self._began) * 1000.0

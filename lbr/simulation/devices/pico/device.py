@@ -1,7 +1,7 @@
 """An emulated UPS PIco, register by register; no I/O. Status answers at its address, commands two above.
 
 Where the manual leaves room, this device assumes: it goes over to its battery below 7 V and back above 7.5 V; a relay
-keeps its state without power, all else begins anew; its registers can be read in any length, one after the other.
+keeps its state without power, all else starts over; its registers can be read in any length, one after the other.
 """
 
 from collections.abc import Mapping

@@ -42,13 +42,13 @@ class RioxDevice(AsciiDevice[RioxFaults]):
             self._orientation.follow(reading, now)
 
     def feed(self, data: bytes, now: float) -> bytes:
-        """Take bytes from the host; return what has crossed the line back by now."""
+        """Take bytes from the host; return what has crossed the line back so far."""
         if self.present(now):
             self.hear(data, now)
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has crossed the line to the host by now."""
+        """Return what has crossed the line to the host so far."""
         if self.faults.brown_out:
             self.outbox.clear()
         return self.outbox.due(now)

@@ -24,7 +24,8 @@ _IDENTITY = {"FID": "Roboteq v1.8 SDC2130 08/20/2016", "TRN": "RCB500:SDC2130"}
 
 
 class Measured(Struct, frozen=True, kw_only=True):
-    """What the controller knows. Counts, amps and rpm are per channel, in the channel's own sense: positive for a positive command."""
+    """What the controller knows. Counts, amps and rpm are per channel, in the channel's own sense: positive for a
+    positive command."""
 
     battery_v: float = 12.6
     internal_v: float = 12.0
@@ -67,7 +68,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         super().__init__(faults or RoboteqFaults(), seed)
 
     def feed(self, data: bytes, now: float) -> bytes:
-        """Take bytes from the host; return what has crossed the line back by now."""
+        """Take bytes from the host; return what has crossed the line back so far."""
         self._now = now
         if self.present(now):
             self._stage.expired(now)
@@ -75,7 +76,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has crossed the line to the host by now."""
+        """Return what has crossed the line to the host so far."""
         self._now = now
         self._stage.expired(now)
         if self._faults.brown_out:

@@ -27,7 +27,8 @@ _ERROR_CM = 0
 class UltrasonicBoard:
     """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach).
 
-    `more` are sensors beyond the four that every board has. Each sensor takes its turn for as long as its echo takes, so that when they are told the first reading is the oldest.
+    `more` are sensors beyond the four that every board has. Each sensor takes its turn for as long as its echo takes,
+    so that when they are told the first reading is the oldest.
     """
 
     def __init__(
@@ -48,7 +49,7 @@ class UltrasonicBoard:
         self.power_cycle(powered_at)
 
     def power_cycle(self, now: float) -> None:
-        """Start anew: sensors settle for half a second; the Arduino then waits for its `g`."""
+        """Restart: sensors settle for half a second; the Arduino then waits for its `g`."""
         self._ranging = self.board == "parallax"
         self._cycle_s = self._told_s = 0.0
         self._next_at = now + _STARTUP_S
@@ -57,7 +58,7 @@ class UltrasonicBoard:
         self._outbox.clear()
 
     def feed(self, data: bytes, now: float) -> bytes:
-        """Take bytes from the host; return what has crossed the line back by now."""
+        """Take bytes from the host; return what has crossed the line back so far."""
         if self.board == "arduino":
             for byte in data:
                 self._outbox.received(1, now)
@@ -66,7 +67,7 @@ class UltrasonicBoard:
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has crossed the line to the host by now."""
+        """Return what has crossed the line to the host so far."""
         while self._ranging and now >= self._next_at and not self._blocked():
             if self._turn == len(self.sensors):
                 self._report(now)

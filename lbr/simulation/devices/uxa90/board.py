@@ -79,7 +79,7 @@ class MainBoard:
     # The line.
 
     def feed(self, data: bytes, now: float, baud: float | None = None) -> bytes:
-        """Take bytes that the host sends at a rate; return what has reached it by now."""
+        """Take bytes that the host sends at a rate; return what has reached it so far."""
         said = self.poll(now)
         if self._mode == "off" or (baud and abs(baud - self.row.baud) > 0.03 * self.row.baud):
             return said
@@ -97,7 +97,7 @@ class MainBoard:
         return said + self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has reached the host by now."""
+        """Return what has reached the host so far."""
         self._until(now)
         return self._replies.due(now) if self._mode != "off" else b""
 

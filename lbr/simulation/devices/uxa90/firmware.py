@@ -28,8 +28,8 @@ Level = Annotated[int, Meta(ge=0, le=4, description="torque level, 0 the stronge
 class Frame(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Takes its servos, by id, from where they are to nominal counts within its time; those that it does not name hold.
 
-    Fractions of counts are allowed. It goes evenly, or with a gentle start and end if it is `smooth`, at a torque level of
-    its own or the programme's. A frame with `figure` plays that figure of the programme so many `times` instead.
+    Fractions of counts are allowed. It goes evenly, or with a gentle start and end if it is `smooth`, at a torque level
+    of its own or the programme's. A frame with `figure` plays that figure of the programme this many `times` instead.
     """
 
     duration_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 0.0
@@ -47,7 +47,7 @@ class Frame(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A motion of the main board: its frames, one after the other, from wherever the servos are.
 
-    What it never names stays as it was, limp or held. With `limp` all servos are let go at its end. A figure is a few
+    What it never names stays as it was, limp or held. With `limp` all servos are released at its end. A figure is a few
     frames, which may be played more than once.
     """
 

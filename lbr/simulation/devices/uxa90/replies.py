@@ -37,7 +37,7 @@ class Replies:
         self._say(self._flipped(data), at + faults.late_s)
 
     def due(self, now: float) -> bytes:
-        """Take what has crossed the line by now."""
+        """Take what has crossed the line so far."""
         if self.faults.babble and now >= self._babbles_at:
             self._babbles_at = now + self._random.uniform(0.5, 1.5) * BABBLE_S
             self._say(noise(self._random), now)

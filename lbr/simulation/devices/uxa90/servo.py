@@ -1,7 +1,8 @@
 """An emulated SAM servo: what it is told, what it answers, and what that makes of its motor.
 
-Speeds and stiffness at a torque level are guesses: no data sheet of these servos was found. Positions are the main board's
-nominal counts; the fine ones of 14 bits are the servo's own, which the main board does not correct by its zeros.
+Speeds and stiffness at a torque level are guesses: no data sheet of these servos was found. Positions are the main
+board's nominal counts; the fine ones of 14 bits are the servo's own, which the main board does not correct by its
+zeros.
 """
 
 from collections.abc import Mapping
@@ -76,7 +77,7 @@ class SamServo:
         self._head_for(own - (self.zero - self._nominal) * COUNT_RAD, self._level or 0, None)
 
     def release(self) -> None:
-        """Let go."""
+        """Switch the torque off."""
         self._level, self._braked, self._drive = None, False, None
 
     def brake(self) -> None:
@@ -84,7 +85,7 @@ class SamServo:
         self._level, self._braked, self._drive = None, True, None
 
     def hold(self) -> None:
-        """Stay where it was told to be by now, if it was."""
+        """Stay where it was last told to be, if it was."""
         if self._level is not None:
             self._way_rps, self._drive = None, None
 
