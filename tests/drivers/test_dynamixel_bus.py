@@ -8,6 +8,7 @@ from lbr.drivers.dynamixel.bus import open_bus
 from lbr.drivers.dynamixel.setup import Setup, find_servos
 from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
 from lbr.drivers.servos.contract import SETTING_UP
+from lbr.drivers.servos.protocol1.bus import ProtocolBus
 from lbr.errors import DeviceError
 from tests.drivers.peers import until
 from tests.drivers.servo_peers import Chain, status
@@ -287,3 +288,37 @@ def test_another_model_and_an_endless_servo_are_named(chain, bus):
 def test_a_silent_servo_is_told_apart_from_a_bad_one(chain, bus):
     chain.dead.add(1)
     assert Setup([]).prepare(bus, 1) == "does not answer"
+
+
+class SlowLine:
+    """A line that hands over what a test puts there; each look at it takes as long as it may."""
+
+    margin_s = 0.01
+
+    def __init__(self):
+        self.now, self.came = 0.0, []
+
+    def busy_s(self, *_):
+        return 0.001
+
+    def send(self, _request):
+        if self.came and self.came[0] == b"":
+            self.came.pop(0)
+
+    def receive(self, wait_s):
+        self.now += wait_s
+        return b"" if not self.came or self.came[0] == b"" else self.came.pop(0)
+
+
+def test_answers_that_a_busy_machine_hears_late_are_no_babble():
+    line = SlowLine()
+    bus = ProtocolBus(line, retries=0, clock=lambda: line.now)
+    late, answer = status(1, b"\1" * 6), status(1, b"\2" * 6)
+    assert bus.read(1, 36, 6) is None
+    line.came = [late, b"", answer]
+    assert bus.read(1, 36, 6).params == b"\2" * 6
+    assert (bus.counts.babble, bus.counts.strays) == (0, 1)
+    assert bus.read(1, 36, 6) is None
+    line.came = [b"\x07" * 40, late[:5], b"", answer]
+    assert bus.read(1, 36, 6).params == b"\2" * 6
+    assert (bus.counts.babble, bus.counts.strays) == (45, 1)

@@ -47,6 +47,18 @@ def test_a_killed_driver_leaves_servos_that_hold_fade_and_are_let_go(device, dea
     assert time.monotonic() - killed > HOLD_S + RELEASE_S - 0.2
 
 
+def test_a_driver_that_is_killed_at_its_first_torque_leaves_no_servo_on(device):
+    servos = device.twin.servos
+    argv = dying_with_parent((sys.executable, "-c", DRIVER, device.device.address))
+    process = subprocess.Popen(argv, cwd=__file__.rpartition("/")[0], stdout=subprocess.DEVNULL)
+    try:
+        wait(lambda: any(servo.torque for servo in servos.values()), "the first torque")
+    finally:
+        process.kill()
+        process.wait()
+    wait(lambda: not any(servo.torque for servo in servos.values()), "off")
+
+
 def wait(condition, what, within_s=6.0):
     end = time.monotonic() + within_s
     while not condition():

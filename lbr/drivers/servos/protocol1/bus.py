@@ -142,7 +142,7 @@ class ProtocolBus:
         parser, line = StatusParser(), self._line
         self.cut_short = False
         if self._wary_until:
-            self.counts.babble += len(line.receive(0.0))
+            self._came_late(line.receive(0.0))
         line.send(request)
         answers_bytes = (packet.OVERHEAD_BYTES + count) * len(servos)
         until = self._clock() + line.busy_s(len(request), answers_bytes, len(servos)) + line.margin_s
@@ -266,13 +266,22 @@ class ProtocolBus:
     def _settle(self, question: Question) -> None:
         """After a lost answer: throw away what came late, and wait until nothing can that would pass for the next one."""
         listen_until = self._late.pop(question.head, 0.0)
+        late = b""
         while (now := self._clock()) < listen_until and not self._urgent():
-            self.counts.babble += len(self._line.receive(min(LISTEN_SLICE_S, listen_until - now)))
+            late += self._line.receive(min(LISTEN_SLICE_S, listen_until - now))
         if now >= self._wary_until:
             self._wary_until = 0.0
             self._late.clear()
-        elif late := self._line.receive(0.0):
-            self.counts.babble += len(late)
+        else:
+            late += self._line.receive(0.0)
+        self._came_late(late)
+
+    def _came_late(self, data: bytes) -> None:
+        """Count what came after it was given up: whole packets are answers that a busy machine heard late, no babble."""
+        if data:
+            parser = StatusParser()
+            self.counts.strays += len(parser.feed(data))
+            self.counts.babble += parser.noise + parser.held_bytes
 
 
 def status_of(answer: bytes | None) -> Status | None:
