@@ -94,22 +94,22 @@ class LeaseClient:
 
     @property
     def holds(self) -> bool:
-        """Whether motion can be sent by it."""
+        """Return whether motion can be sent by it."""
         return self.accepted is not None and self.ended is None and self._lost is None
 
     @property
     def renewal_due(self) -> bool:
-        """Whether it is time to renew it."""
+        """Return whether it is time to renew it."""
         return self.holds and not self._transport.clock() - self._sent < RENEW_S
 
     @property
     def lost(self) -> bool:
-        """Whether it was refused to go on, also while the result that says why is awaited."""
+        """Return whether it was refused to go on, also while the result that says why is awaited."""
         return self._lost is not None
 
     @property
     def good(self) -> bool:
-        """Whether its goal ended as planned."""
+        """Return whether its goal ended as planned."""
         return self.result is not None and self.result.result in PLANNED
 
     def step(self) -> None:

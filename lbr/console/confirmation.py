@@ -21,7 +21,7 @@ class Confirmation:
 
     @property
     def open(self) -> bool:
-        """Whether an answer is waited for."""
+        """Return whether an answer is waited for."""
         return bool(self._line) and self._clock() < self._until
 
     def ask(self, result: ConsoleResult) -> None:

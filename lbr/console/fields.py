@@ -62,12 +62,12 @@ class Field(Struct, frozen=True):
 
     @property
     def items(self) -> "Field | None":
-        """What each of a list is; None if it is no list."""
+        """Return what each of a list is; None if it is no list."""
         return Field(self.name, self.schema.get("items", {})) if self.schema.get("type") == "array" else None
 
     @property
     def allowed(self) -> str:
-        """What it may be, in words: `0 to 1`, `-360 to 360 degrees`, `forward, back or left`."""
+        """Return what it may be, in words: `0 to 1`, `-360 to 360 degrees`, `forward, back or left`."""
         if self.choices:
             return listed(list(self.choices))
         if self.items is not None:

@@ -168,7 +168,7 @@ class BusOperator:
         return result
 
     def words(self) -> list[dict[str, Any]]:
-        """Return what can be said."""
+        """Return the words that can be said."""
         try:
             data = self._submit("help", 0.0).data
         except (BusError, InputError):

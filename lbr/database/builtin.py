@@ -16,7 +16,7 @@ class Word(NamedTuple):
 
     @property
     def word(self) -> str:
-        """What it begins with."""
+        """Return the text that it begins with."""
         return self.pattern.strip("/").partition("/")[0]
 
 

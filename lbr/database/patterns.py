@@ -23,7 +23,7 @@ class Pattern(Struct, frozen=True):
 
     @property
     def shape(self) -> tuple[str, ...]:
-        """What lines it takes; two patterns of one shape cannot be told apart."""
+        """Return what lines it takes; two patterns of one shape cannot be told apart."""
         parts = tuple(
             ("{...}" if self.rest and part is self.parts[-1] else "{}") if part[0] == "{" else part
             for part in self.parts

@@ -65,13 +65,14 @@ class Guard:
 
     @property
     def standing(self) -> bool:
-        """Whether it still watches: it lives, and hears the beats."""
+        """Return whether it still watches: it lives, and hears the beats."""
         deaf = self._unheard is not None and self._beat_at - self._unheard > DEAF_S
         return not deaf and self._process.poll() is None
 
     @property
     def listens(self) -> bool:
-        """Whether its program runs and has heard its driver: before, a death of the driver is only noticed later."""
+        """Return whether its program runs and has heard its driver: before, a death of the driver is only noticed
+        later."""
         self._listens = self._listens or (self._process.poll() is None and not _unread(self._alive))
         return self._listens
 

@@ -44,7 +44,7 @@ class LineSplitter:
 
     @property
     def held_bytes(self) -> int:
-        """How many bytes of an unfinished line it holds."""
+        """Return how many bytes of an unfinished line it holds."""
         return len(self._line)
 
     def _extend(self, piece: bytes) -> None:

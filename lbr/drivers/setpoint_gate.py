@@ -18,7 +18,7 @@ class Setpoint(Protocol):
 
     @property
     def lease(self) -> str:
-        """What tells its lease from others; a setpoint without cannot be revoked."""
+        """Return what tells its lease from others; a setpoint without cannot be revoked."""
 
     @property
     def born(self) -> float:
@@ -26,11 +26,11 @@ class Setpoint(Protocol):
 
     @property
     def finite(self) -> bool:
-        """Whether all of its numbers are finite."""
+        """Return whether all of its numbers are finite."""
 
     @property
     def neutral(self) -> bool:
-        """Whether it asks for nothing that moves, and so may pass under a revoked lease."""
+        """Return whether it asks for nothing that moves, and so may pass under a revoked lease."""
 
 
 S = TypeVar("S", bound=Setpoint)

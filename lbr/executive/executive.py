@@ -176,12 +176,12 @@ class Executive:
 
     @property
     def plan(self) -> Plan:
-        """What runs."""
+        """Return the plan that runs."""
         return self._rows.plan
 
     @property
     def vocabulary(self) -> Vocabulary:
-        """What can be said."""
+        """Return the words that can be said."""
         return self._rows.vocabulary
 
     # -- what console lines need; from any thread ---------------------------------------------------------------

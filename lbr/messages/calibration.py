@@ -29,7 +29,7 @@ class CalibrationValue(Row, frozen=True, kw_only=True):
 
     @property
     def told(self) -> str:
-        """Which device's: the many numbers of one measurement are told once."""
+        """Return whose it is: the many numbers of one measurement are told once."""
         return f"calibration of '{self.device}'"
 
 

@@ -61,16 +61,17 @@ class Button(Row, frozen=True, kw_only=True):
 
     @property
     def told(self) -> str:
-        """Which number."""
+        """Return which number."""
         return f"button {self.id}"
 
 
 class EditCommand(Struct, frozen=True, kw_only=True):
-    """Write these rows, by table, all or none: new ones, or in the place of those with the same key. Built-in ones stay.
+    """Write these rows, by table, all or none: new ones, or in the place of those with the same key. Built-in ones
+    stay.
 
-    Which tables, the kind of who asks says in `edits`; parts of a row, such as key frames, come with it, and are then all
-    that it has. `create`: none of them may be there yet; otherwise all of them must. `revision`: only if none of them has
-    changed since that revision. `by` is who wants it.
+    Which tables, the kind of who asks says in `edits`; parts of a row, such as key frames, come with it, and are then
+    all that it has. `create`: none of them may be there yet; otherwise all of them must. `revision`: only if none of
+    them has changed since that revision. `by` is who wants it.
     """
 
     rows: dict[str, Raw] = {}

@@ -40,7 +40,8 @@ class Twist(Struct, frozen=True, kw_only=True):
 
 
 class Base(Struct, frozen=True, kw_only=True):
-    """What the wheels of a base make of it. The orders of `per_twist`, `per_speed` and `diameters_m` are that of `motors`.
+    """What the wheels of a base make of it. The orders of `per_twist`, `per_speed` and `diameters_m` are that of
+    `motors`.
 
     A motor's speed is its `per_twist` times vx, vy and wz; each motor's share in the twist is its `per_speed` times its
     speed. `track_m` is such that, in a spin, the fastest wheel runs at wz times half of it.
@@ -55,12 +56,12 @@ class Base(Struct, frozen=True, kw_only=True):
 
     @property
     def holonomic(self) -> bool:
-        """Whether it can move sideways."""
+        """Return whether it can move sideways."""
         return self.kind in HOLONOMIC
 
     @property
     def two(self) -> bool:
-        """Whether its motors are `left` and `right`, and nothing else."""
+        """Return whether its motors are `left` and `right`, and nothing else."""
         return self.motors == TWO
 
     def speeds(self, twist: Twist) -> tuple[float, ...]:
@@ -97,8 +98,8 @@ class Base(Struct, frozen=True, kw_only=True):
 class Wheel(Row, frozen=True, kw_only=True):
     """A driven wheel: where it is on the base (REP 103), along what it rolls, and which motor drives it.
 
-    `yaw_rad` is where it rolls to when its motor turns forward: 0 ahead, 1.5708 left. `roller_rad` is the angle from its
-    axle to that of the rollers which touch the floor, anticlockwise: 0.7854 or -0.7854 for mecanum wheels.
+    `yaw_rad` is where it rolls to when its motor turns forward: 0 ahead, 1.5708 left. `roller_rad` is the angle from
+    its axle to that of the rollers which touch the floor, anticlockwise: 0.7854 or -0.7854 for mecanum wheels.
     """
 
     TABLE = "wheel"
@@ -237,8 +238,8 @@ def _base(kind: BaseKind, wheels: Iterable[Wheel], track_factor: float) -> Base:
 def _rolls(wheel: Wheel, track_factor: float) -> Vector:
     """Return how fast a wheel rolls for each of vx, vy and wz.
 
-    The floor moves under the wheel by (vx - wz y, vy + wz x). Rollers let it slide along their own direction, so that only
-    what is across that counts (Lynch and Park, Modern Robotics, 13.2).
+    The floor moves under the wheel by (vx - wz y, vy + wz x). Rollers let it slide along their own direction, so that
+    only what is across that counts (Lynch and Park, Modern Robotics, 13.2).
     """
     along = wheel.yaw_rad + wheel.roller_rad
     ahead, aside = cos(along) / cos(wheel.roller_rad), sin(along) / cos(wheel.roller_rad)

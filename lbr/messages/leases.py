@@ -46,7 +46,7 @@ class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     @property
     def why(self) -> Reason:
-        """Why it was refused; of a dead lease, how that one ended."""
+        """Return why it was refused; of a dead lease, how that one ended."""
         return heard(self.cause or self.code, self.note or self.reason or "it was refused without a reason")
 
 

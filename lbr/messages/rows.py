@@ -45,12 +45,12 @@ class Row(Struct, frozen=True, kw_only=True):
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What tells it from other rows of its robot."""
+        """Return what tells it from other rows of its robot."""
         return tuple(getattr(self, column) for column in self.KEY)
 
     @property
     def told(self) -> str:
-        """Which row it is, for people."""
+        """Return which row it is, for people."""
         return f"{self.TABLE} '{'/'.join(map(str, self.key))}'"
 
     def refusal(self, before: Mapping[str, Any] | None, parts: Sequence["Row"]) -> tuple[str, Code] | None:  # noqa: ARG002

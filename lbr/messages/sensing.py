@@ -21,10 +21,10 @@ LEVEL_RAD = 0.5
 class Ranges(Struct, frozen=True, kw_only=True):
     """Distances around the robot in metres; null is not measured, and `status` says why.
 
-    The sensors are rows of `range_sensor`. Five names have a field of their own, all others are in `others_m`. A message
-    with others tells of those sensors alone that have a value or a status. `over_range`: nothing within the sensor's
-    reach. `invalid`: the sensor answered with a value that it uses for errors. `missing`: no such sensor, or it did not
-    answer. `cycle_s` is the board's own measuring cycle.
+    The sensors are rows of `range_sensor`. Five names have a field of their own, all others are in `others_m`. A
+    message with others tells of those sensors alone that have a value or a status. `over_range`: nothing within the
+    sensor's reach. `invalid`: the sensor answered with a value that it uses for errors. `missing`: no such sensor, or
+    it did not answer. `cycle_s` is the board's own measuring cycle.
     """
 
     forward_m: float | None
@@ -67,15 +67,16 @@ def ranges(
 
 
 Reading = float | Literal["Infinity", "-Infinity"] | None
-"""A distance in metres, or why there is none, as REP 117 has it: nothing within reach, too near to be measured, unknown."""
+"""A distance in metres, or why there is none, as REP 117 has it: nothing within reach, too near to be measured,
+unknown."""
 
 
 class Scan(Struct, frozen=True, kw_only=True):
     """Many distances at once, all around a sensor: a LaserScan.
 
     Reading number i is along `angle_min_rad + i * angle_increment_rad`, anticlockwise from where the row of `sensor`
-    looks. As in REP 117, "Infinity" is nothing up to `range_max_m`, "-Infinity" something nearer than `range_min_m`, and
-    null (there NaN) not known. `scan_s` is how long a scan takes.
+    looks. As in REP 117, "Infinity" is nothing up to `range_max_m`, "-Infinity" something nearer than `range_min_m`,
+    and null (there NaN) not known. `scan_s` is how long a scan takes.
     """
 
     sensor: Name
@@ -133,8 +134,8 @@ Metres = Annotated[float, Meta(ge=-5.0, le=5.0)]
 class RangeSensor(Row, frozen=True, kw_only=True):
     """A sensor of distance: where it sits and looks on the base (REP 103), how wide and how far.
 
-    With one of its `rays` it tells a distance, with more a scan. The base stops `stop_m` before what it sees; null: only
-    rules of the drive that name it count.
+    With one of its `rays` it tells a distance, with more a scan. The base stops `stop_m` before what it sees; null:
+    only rules of the drive that name it count.
     """
 
     TABLE = "range_sensor"
@@ -156,12 +157,12 @@ class RangeSensor(Row, frozen=True, kw_only=True):
 
     @property
     def level(self) -> bool:
-        """Whether it sees what stands in the way, rather than the floor or the ceiling."""
+        """Return whether it sees what stands in the way, rather than the floor or the ceiling."""
         return abs(self.pitch_rad) <= LEVEL_RAD
 
     @property
     def round(self) -> bool:
-        """Whether it sees all around."""
+        """Return whether it sees all around."""
         return self.fov_rad > 2 * pi - 0.01
 
     @property

@@ -69,10 +69,11 @@ class WorldPose(Struct, frozen=True, kw_only=True):
 
 
 class HumanoidPose(Struct, frozen=True, kw_only=True):
-    """The truth about a humanoid (REP 103): where its trunk is and how it lies, where its joints are, what it stands on.
+    """The truth about a humanoid (REP 103): where its trunk is and how it lies, where its joints are, what it stands
+    on.
 
-    `upright`: its trunk leans less than 45 degrees; `stands`: and is up, not sitting. `held`: a helper's hand has it, or a
-    stand. `on_floor` are the parts that touch the floor.
+    `upright`: its trunk leans less than 45 degrees; `stands`: and is up, not sitting. `held`: a helper's hand has it,
+    or a stand. `on_floor` are the parts that touch the floor.
     """
 
     x_m: float
@@ -91,7 +92,7 @@ class HumanoidPose(Struct, frozen=True, kw_only=True):
 
     @property
     def posture(self) -> str:
-        """How it is, in one word for people."""
+        """Return how it is, in one word for people."""
         if self.held or not self.upright:
             return "held" if self.held else "FALLEN"
         return "upright" if self.stands else "sitting"

@@ -26,7 +26,7 @@ class AsciiDevice(Generic[F]):
 
     @property
     def faults(self) -> F:
-        """What is made to go wrong; setting it takes effect at once."""
+        """Return what is made to go wrong; setting it takes effect at once."""
         return self._faults
 
     @faults.setter

@@ -110,7 +110,7 @@ class Engine:
 
     @property
     def ranges_m(self) -> dict[str, float | None]:
-        """What the sensors of a single distance face, in metres; null: nothing within reach."""
+        """Return what the sensors of a single distance face, in metres; null: nothing within reach."""
         return self._ranges
 
     def imu(self) -> ImuReading:

@@ -26,7 +26,7 @@ class Placed:
 
     @property
     def things(self) -> tuple[WorldBox, ...]:
-        """What is placed now."""
+        """Return what is placed now."""
         return tuple(self._things.values())
 
     def place(self, thing: WorldBox, robot: tuple[float, float, float]) -> None:

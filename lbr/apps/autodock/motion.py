@@ -28,7 +28,7 @@ class Motion:
 
     @property
     def ending(self) -> Ending | None:
-        """How it ended, if it has."""
+        """Return how it ended, if it has."""
         lease, why = self._lease, self._lease.ended
         if why is None:
             return None

@@ -20,12 +20,12 @@ class BaseClient:
 
     @property
     def ended(self) -> Reason | None:
-        """Why it holds the base no more, if it does not."""
+        """Return why it holds the base no more, if it does not."""
         return self._lease.ended
 
     @property
     def holds(self) -> bool:
-        """Whether it has the base."""
+        """Return whether it has the base."""
         return self._lease.holds
 
     def move(self, move: Move) -> None:

@@ -60,7 +60,7 @@ class Connection(H11Protocol):
 
     @property
     def is_held(self) -> bool:
-        """Whether the other end has not cut the connection, as far as the kernel knows: see `peers.is_held`."""
+        """Return whether the other end has not cut the connection, as far as the kernel knows: see `peers.is_held`."""
         return peers.is_held(self.transport.get_extra_info("socket"))
 
     def data_received(self, data: bytes) -> None:

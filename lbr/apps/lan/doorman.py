@@ -40,7 +40,7 @@ class Doorman:
 
     @property
     def refused(self) -> int:
-        """How many wrong tokens were shown in all."""
+        """Return how many wrong tokens were shown in all."""
         return self._attempts.refused
 
     def watch(self, ports: frozenset[int]) -> None:

@@ -28,7 +28,7 @@ class Job:
 
     @property
     def title(self) -> str:
-        """What to call it."""
+        """Return what to call it."""
         return self.song or (f"'{self.text[:40]}{'…' if len(self.text) > 40 else ''}'")
 
 
@@ -40,7 +40,7 @@ class Jobs:
         self._waiting: deque[Job] = deque()
 
     def __len__(self) -> int:
-        """How many texts of others wait to be said."""
+        """Return how many texts of others wait to be said."""
         return sum(not job.own and job.keep is None for job in self._waiting)
 
     def add(self, job: Job) -> None:
@@ -78,5 +78,5 @@ class Jobs:
         return dropped
 
     def __contains__(self, job: Job) -> bool:
-        """Whether a job still waits."""
+        """Return whether a job still waits."""
         return job in self._waiting

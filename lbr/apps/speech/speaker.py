@@ -30,12 +30,12 @@ class Speaker:
 
     @property
     def playing(self) -> bool:
-        """Whether a sound is being played."""
+        """Return whether a sound is being played."""
         return self._playing is not None
 
     @property
     def immediate(self) -> bool:
-        """Whether a sound has been taken whole as soon as it began."""
+        """Return whether a sound has been taken whole as soon as it began."""
         return self._sink.immediate
 
     def start(self, sound: Wav) -> float:

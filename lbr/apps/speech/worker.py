@@ -38,12 +38,12 @@ class Worker:
 
     @property
     def started(self) -> bool:
-        """Whether the engine works, on a text or not."""
+        """Return whether the engine works, on a text or not."""
         return self._greeted
 
     @property
     def idle(self) -> bool:
-        """Whether it takes a text now."""
+        """Return whether it takes a text now."""
         return self._greeted and not self._asked
 
     def say(self, request: Request, limit_s: float) -> None:

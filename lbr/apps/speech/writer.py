@@ -25,17 +25,17 @@ class Writer:
 
     @property
     def trouble(self) -> str:
-        """Why there is no engine now, or nothing."""
+        """Return why there is no engine now, or nothing."""
         return self._worker.trouble
 
     @property
     def started(self) -> bool:
-        """Whether there is an engine."""
+        """Return whether there is an engine."""
         return self._worker.started
 
     @property
     def ready(self) -> bool:
-        """Whether there is an engine that waits for a text."""
+        """Return whether there is an engine that waits for a text."""
         return self._worker.idle
 
     def poll(self) -> list[tuple[Job, str]]:

@@ -32,7 +32,7 @@ class Line:
 
     @property
     def newest_s(self) -> float:
-        """When it was told last; minus infinity before the first."""
+        """Return when it was told last; minus infinity before the first."""
         return self._times[-1] if self._times else -inf
 
     def add(self, at_s: float, value: float) -> None:

@@ -26,7 +26,8 @@ class Neck(NamedTuple):
 
 
 class HeadClient:
-    """Holds the joints for one following, which was asked for at `asked_s`; looking at `first` gives them their strength."""
+    """Holds the joints for one following, which was asked for at `asked_s`; looking at `first` gives them their
+    strength."""
 
     def __init__(self, ctx: Transport, neck: Neck, first: Angles, asked_s: float) -> None:
         self._ctx = ctx
@@ -36,12 +37,12 @@ class HeadClient:
 
     @property
     def ended(self) -> Reason | None:
-        """Why the head is not ours to move any more, if it is not."""
+        """Return why the head is not ours to move any more, if it is not."""
         return self._lease.ended
 
     @property
     def holds(self) -> bool:
-        """Whether it is."""
+        """Return whether it is."""
         return self._lease.holds
 
     def look(self, wanted: Angles) -> None:

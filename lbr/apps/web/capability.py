@@ -151,7 +151,7 @@ class Web(Capability[WebSettings]):
 
     @property
     def _legacy(self) -> bool:
-        """Whether the old API is open to apps without a token."""
+        """Return whether the old API is open to apps without a token."""
         setting = self.ctx.settings.legacy
         return setting == "on" or (setting == "simulated" and self.ctx.simulated)
 

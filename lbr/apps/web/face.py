@@ -84,7 +84,8 @@ class Client:
 
     @property
     def known(self) -> bool:
-        """Whether it is known who that is: by a token, a cookie, or as this robot's own user, and not by a place alone."""
+        """Return whether it is known who that is: by a token, a cookie, or as this robot's own user, and not by a place
+        alone."""
         return bool(self.name or self.session) or self.role == "admin"
 
     def may(self, role: Role | None) -> bool:
@@ -242,5 +243,5 @@ class Face:
 
     @property
     def jobs(self) -> int:
-        """How many jobs wait or are under way."""
+        """Return how many jobs wait or are under way."""
         return 0

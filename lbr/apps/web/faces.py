@@ -29,7 +29,7 @@ class Shown:
 
     @property
     def jobs(self) -> int:
-        """How many jobs wait or are under way."""
+        """Return how many jobs wait or are under way."""
         return int(self._run(lambda: self._face.jobs, 0))
 
     def step(self, now: float) -> None:
@@ -110,17 +110,17 @@ class Faces:
 
     @property
     def trouble(self) -> str:
-        """What is not shown, and why; empty if all is."""
+        """Return what is not shown, and why; empty if all is."""
         return "; ".join([*self._refused, *(one.broken for one in self.shown if one.broken)])
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What is shown."""
+        """Return what is shown."""
         return tuple(one.name for one in self.shown if not one.broken)
 
     @property
     def jobs(self) -> int:
-        """How many jobs wait or are under way."""
+        """Return how many jobs wait or are under way."""
         return sum(one.jobs for one in self.shown)
 
     def step(self, now: float) -> None:

@@ -36,7 +36,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
 
     @property
     def motions(self) -> Received | None:
-        """What is played, as it was received last."""
+        """Return what is played, as it was received last."""
         return self.heard.get("motions")
 
     @property
@@ -56,7 +56,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
 
     @property
     def is_latched(self) -> bool:
-        """Whether the emergency stop is latched in all that moves, as far as it was heard."""
+        """Return whether the emergency stop is latched in all that moves, as far as it was heard."""
         states = [last.message for last in (self.joints, self.drive) if last is not None]
         return bool(states) and all(state.estop for state in states)
 
@@ -67,7 +67,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
 
     @property
     def motions_state(self) -> MotionsState | None:
-        """What is played."""
+        """Return what is played."""
         return self.motions.message if self.motions is not None else None
 
 

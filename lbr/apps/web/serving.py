@@ -30,7 +30,7 @@ class Serving:
 
     @property
     def connections(self) -> int:
-        """How many connections are open."""
+        """Return how many connections are open."""
         return len(self._server.slots)
 
     def start(self) -> None:

@@ -56,7 +56,7 @@ class Capture:
 
     @property
     def stopping(self) -> bool:
-        """Whether it was asked to end."""
+        """Return whether it was asked to end."""
         return self._stopping
 
     def join(self, timeout_s: float) -> None:

@@ -108,7 +108,7 @@ class Bus(ProtocolBus):
 
     @property
     def together(self) -> bool:
-        """Whether an adapter reads several servos by one request."""
+        """Return whether an adapter reads several servos by one request."""
         return self.adapter is not None
 
     def read_state(self, servo: int, patience_s: float) -> tuple[Motion | None, SlowState] | None:

@@ -37,7 +37,7 @@ class Receiver:
 
     @property
     def passed_over(self) -> int:
-        """How many bytes were no part of a record."""
+        """Return how many bytes were no part of a record."""
         return self._parser.passed_over
 
     def poll(self) -> list[Scancode]:

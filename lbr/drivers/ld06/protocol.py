@@ -38,7 +38,7 @@ class Packet(Struct, frozen=True):
 
     @property
     def span_cdeg(self) -> int:
-        """How far it is from the first to the last distance."""
+        """Return how far it is from the first to the last distance."""
         return (self.end_cdeg - self.start_cdeg) % FULL_TURN_CDEG
 
 
@@ -81,7 +81,7 @@ class PacketParser:
 
     @property
     def held_bytes(self) -> int:
-        """How many bytes of an unfinished packet it holds."""
+        """Return how many bytes of an unfinished packet it holds."""
         return len(self._held)
 
 

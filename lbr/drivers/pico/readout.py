@@ -51,7 +51,7 @@ class Readout:
 
     @property
     def next(self) -> Item | None:
-        """What is to be read now; None: it is over, early if something essential does not come."""
+        """Return what is to be read now; None: it is over, early if something essential does not come."""
         return self.left[0] if self.left and not self.blind else None
 
     def take(self, bits: int) -> None:

@@ -143,7 +143,7 @@ class RelaySwitch:
 
     @property
     def trouble(self) -> str:
-        """Why it is not as it should be."""
+        """Return why it is not as it should be."""
         if self.found == self.bits:
             return ""
         return f"the relay reads {self.found:#04x} after {self.bits} was written; look at the supply"

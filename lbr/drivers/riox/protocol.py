@@ -62,7 +62,7 @@ class ReplyParser:
 
     @property
     def held_bytes(self) -> int:
-        """How many bytes of an unfinished line it holds."""
+        """Return how many bytes of an unfinished line it holds."""
         return self._lines.held_bytes
 
 

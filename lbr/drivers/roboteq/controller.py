@@ -114,7 +114,7 @@ class Controller:
 
     @property
     def guard_stop(self) -> GuardStop:
-        """What its guard writes to stop it."""
+        """Return what its guard writes to stop it."""
         return GuardStop(wire.STOP, wire.ACKNOWLEDGED)
 
     @property

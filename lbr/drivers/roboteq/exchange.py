@@ -60,7 +60,7 @@ class Exchange:
 
     @property
     def busy(self) -> bool:
-        """Whether an answer is due."""
+        """Return whether an answer is due."""
         return bool(self._command)
 
     def learn_echo(self) -> None:

@@ -49,11 +49,11 @@ class BusThread(Generic[Bus]):
         return future
 
     def urgent(self) -> bool:
-        """Whether a stop waits; the bus asks that while it listens."""
+        """Return whether a stop waits; the bus asks that while it listens."""
         return bool(self._jobs[STOP]) or self._ending
 
     def waiting(self, priority: int) -> bool:
-        """Whether a job of that priority waits."""
+        """Return whether a job of that priority waits."""
         return bool(self._jobs[priority])
 
     def join(self, within_s: float) -> bool:

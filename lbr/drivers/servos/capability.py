@@ -34,11 +34,11 @@ class Session(Protocol):
 
     @property
     def turning(self) -> bool:
-        """Whether any servo has torque, or is getting it."""
+        """Return whether any servo has torque, or is getting it."""
 
     @property
     def failure(self) -> Exception | None:
-        """What ended the bus's thread."""
+        """Return what ended the bus's thread."""
 
     def beat(self) -> None:
         """Start the guard once it is needed, and feed it."""

@@ -30,11 +30,11 @@ class Motion(Protocol):
 
     @property
     def position(self) -> int:
-        """Where it is."""
+        """Return where it is."""
 
     @property
     def speed(self) -> int:
-        """How fast it turns."""
+        """Return how fast it turns."""
 
     @property
     def position_rad(self) -> float:
@@ -53,8 +53,8 @@ class Motion(Protocol):
 class SlowState:
     """What a servo says of itself apart from its motion; `at` is when. Read of one servo in each round of the poller.
 
-    `enabled` and `goal` are to be what the servo says: by them a stop is acknowledged and the guard knows whom to hold. A
-    servo that knows no speed says 0, one without a torque limit its `full_torque`.
+    `enabled` and `goal` are to be what the servo says: by them a stop is acknowledged and the guard knows whom to hold.
+    A servo that knows no speed says 0, one without a torque limit its `full_torque`.
     """
 
     at: float
@@ -92,7 +92,7 @@ class Snapshot:
 
     @property
     def searched(self) -> bool:
-        """Whether every servo was looked for; before, nothing can be said of what has torque."""
+        """Return whether every servo was looked for; before, nothing can be said of what has torque."""
         return all(seen.reason not in {UNSEEN, SETTING_UP} for seen in self.servos.values())
 
 
@@ -123,7 +123,7 @@ class ServoBus(Protocol):
 
     @property
     def together(self) -> bool:
-        """Whether several servos are read by one request."""
+        """Return whether several servos are read by one request."""
 
     def read_motion(self, servo: int) -> Motion | None:
         """Return the motion of one servo."""
@@ -133,7 +133,7 @@ class ServoBus(Protocol):
 
     @property
     def together_errors(self) -> bool:
-        """Whether the error bits of what is read together are the servos' own."""
+        """Return whether the error bits of what is read together are the servos' own."""
 
     def read_state(self, servo: int, patience_s: float) -> tuple[Motion | None, SlowState] | None:
         """Return all of one servo, asked once; an answer later than wire and servo explain gets `patience_s`."""
@@ -203,9 +203,10 @@ class ServoLink(Generic[B]):
     """An open line of servos, as a driver hands it to the capability.
 
     `prepare` sees each servo before it is polled, also one that comes back, and says what is wrong with it, or nothing;
-    in the bus's thread, as `begin`, which is called once before the first servo. `guard` starts the guard. `recovery` returns
-    the job that takes a servo out of its latched faults, which returns why it did not; None: there is nothing to do, or it
-    was not prepared yet. `judge` is called in the loop's thread, now and then, to tell what there is to tell.
+    in the bus's thread, as `begin`, which is called once before the first servo. `guard` starts the guard. `recovery`
+    returns the job that takes a servo out of its latched faults, which returns why it did not; None: there is nothing
+    to do, or it was not prepared yet. `judge` is called in the loop's thread, now and then, to tell what there is to
+    tell.
     """
 
     bus: B

@@ -29,7 +29,7 @@ class BornSetpoint:
 
     @property
     def finite(self) -> bool:
-        """Whether every goal is of finite numbers."""
+        """Return whether every goal is of finite numbers."""
         return all(_finite(goal) for goal in self.message.goals)
 
     @property
@@ -58,12 +58,12 @@ class ServoGate(SetpointGate[BornSetpoint]):
 
     @property
     def follows(self) -> bool:
-        """Whether its goals are in force."""
+        """Return whether its goals are in force."""
         return self.setpoint is not None
 
     @property
     def seen(self) -> bool:
-        """Whether there ever was a setpoint; before, torque is left as it was found."""
+        """Return whether there ever was a setpoint; before, torque is left as it was found."""
         return self.born > -inf
 
 

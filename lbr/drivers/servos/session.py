@@ -83,12 +83,12 @@ class ServoSession(Generic[S, B]):
 
     @property
     def turning(self) -> bool:
-        """Whether any servo has torque, or is getting it."""
+        """Return whether any servo has torque, or is getting it."""
         return self.targets.turning
 
     @property
     def failure(self) -> Exception | None:
-        """What ended the bus's thread."""
+        """Return what ended the bus's thread."""
         return self.thread.failure
 
     def beat(self) -> None:

@@ -105,7 +105,7 @@ class ServoTargets(Generic[B]):
 
     @property
     def turning(self) -> bool:
-        """Whether any servo has torque, or is getting it."""
+        """Return whether any servo has torque, or is getting it."""
         return any(out.on or out.switching for out in self.servos.values())
 
     def unconfirmed(self, snapshot: Snapshot, *, released: bool) -> list[int]:
@@ -190,7 +190,7 @@ class ServoTargets(Generic[B]):
             self._submit(servos, lambda bus: bus.torque_off(servos), STOP)
 
     def _forget_goals(self) -> None:
-        """What still waits to be sent must not come after a stop."""
+        """Drop what still waits to be sent: it must not come after a stop."""
         if self._sending is not None and self._sending.cancel():
             for out in self._all():
                 out.aimed = min(out.aimed, self._clock())

@@ -88,7 +88,7 @@ class RangeBoard:
         self._asked = now
 
     def _catch_up(self, now: float) -> None:
-        """What came in while this process was held up is old; wait for the next frame as long as usual."""
+        """Drop what came in while this process was held up: it is old; wait for the next frame as long as usual."""
         self._line.drop_input()
         self._parser.reset()
         self._heard = now

@@ -1,6 +1,7 @@
 """What the range boards say: one JSON object per line, in centimetres. No I/O.
 
-A board with more than the five sensors tells the others beside them, by their names with a capital letter. The Arduino waits for `g`, stops on `s` and tells of every byte it received; the Parallax board just talks.
+A board with more than the five sensors tells the others beside them, by their names with a capital letter. The Arduino
+waits for `g`, stops on `s` and tells of every byte it received; the Parallax board just talks.
 """
 
 from dataclasses import dataclass
@@ -62,7 +63,7 @@ class LineParser:
 
     @property
     def held_bytes(self) -> int:
-        """How many bytes of an unfinished line it holds."""
+        """Return how many bytes of an unfinished line it holds."""
         return self._lines.held_bytes
 
 

@@ -194,12 +194,12 @@ class Bus:
 
     @property
     def check_s(self) -> float:
-        """How long nothing may follow the answers before they count."""
+        """Return how long nothing may follow the answers before they count."""
         return min(self._reply_s, CHECK_S + CHECK_SHARE * self._slowest_s)
 
     @property
     def wait_s(self) -> float:
-        """How long until a question may be asked, if nothing comes."""
+        """Return how long until a question may be asked, if nothing comes."""
         return max(0.0, max(self._quiet_at, self._framed_at) - self._clock()) or (SLICE_S if self._owed else 0.0)
 
     @property

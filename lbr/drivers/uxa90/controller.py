@@ -35,17 +35,17 @@ class Controller:
 
     @property
     def passes(self) -> bool:
-        """Whether the main board passes packets on, and moves nothing itself."""
+        """Return whether the main board passes packets on, and moves nothing itself."""
         return self.mode.pc and not self.occupied
 
     @property
     def occupied(self) -> bool:
-        """Whether it plays, or is about to."""
+        """Return whether it plays, or is about to."""
         return self.plays.phase in {"waiting", "playing", "ending"}
 
     @property
     def left_s(self) -> float:
-        """How long what it plays takes still."""
+        """Return how long what it plays takes still."""
         return max(0.0, self.plays.until - self._clock())
 
     def hear(self, frame: Frame) -> None:

@@ -60,7 +60,7 @@ class FrameParser:
 
     @property
     def held(self) -> int:
-        """How many bytes may become a frame still."""
+        """Return how many bytes may become a frame still."""
         return len(self._held)
 
     def feed(self, data: bytes) -> tuple[list[Frame], bytes]:

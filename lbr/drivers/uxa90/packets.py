@@ -30,7 +30,7 @@ class Answer(NamedTuple):
 
     @property
     def possible(self) -> bool:
-        """Whether a servo may say so: FF is never a data byte, and nothing at all is what a dead line says."""
+        """Return whether a servo may say so: FF is never a data byte, and nothing at all is what a dead line says."""
         return self.load < HEAD and self.position < HEAD and (self.load, self.position) != (0, 0)
 
 

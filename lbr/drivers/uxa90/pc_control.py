@@ -23,7 +23,7 @@ class PcControl:
 
     @property
     def pc(self) -> bool:
-        """Whether packets are passed on to servos."""
+        """Return whether packets are passed on to servos."""
         return self.name == "pc"
 
 

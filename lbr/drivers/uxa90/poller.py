@@ -69,7 +69,7 @@ class Poller:
 
     @property
     def all_silent(self) -> bool:
-        """Whether every servo was asked in vain."""
+        """Return whether every servo was asked in vain."""
         return all(servo.misses >= MISSES for servo in self._servos.values())
 
     @property

@@ -95,12 +95,12 @@ class Session:
 
     @property
     def turning(self) -> bool:
-        """Whether any servo has torque by this driver, or the main board moves them."""
+        """Return whether any servo has torque by this driver, or the main board moves them."""
         return self.targets.turning or self.controller.plays.busy
 
     @property
     def failure(self) -> Exception | None:
-        """What ended the line's thread."""
+        """Return what ended the line's thread."""
         return self.thread.failure
 
     def beat(self) -> None:
@@ -120,7 +120,7 @@ class Session:
 
     @property
     def mute(self) -> bool:
-        """Whether every servo was asked in vain, or some were for so long that all of them may be."""
+        """Return whether every servo was asked in vain, or some were for so long that all of them may be."""
         long = bool(self._ctx.settings.sweep_hz) and self.bus.unheard_s >= SILENT_S
         return long or self.poller.all_silent
 

@@ -31,7 +31,7 @@ class StoredMotions:
 
     @property
     def wanted(self) -> bool:
-        """Whether a motion is to be started."""
+        """Return whether a motion is to be started."""
         return self.phase == "waiting"
 
     def state(self) -> StoredState | None:

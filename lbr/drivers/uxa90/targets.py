@@ -60,7 +60,7 @@ class ServoTargets:
 
     @property
     def turning(self) -> bool:
-        """Whether any servo has torque by this driver, or may have had it by the one before."""
+        """Return whether any servo has torque by this driver, or may have had it by the one before."""
         return any(out.on or out.carried for out in self._all())
 
     @property
@@ -70,7 +70,7 @@ class ServoTargets:
 
     @property
     def due(self) -> bool:
-        """Whether there is something to write."""
+        """Return whether there is something to write."""
         return self.open and any(out.want != out.said for out in self._all())
 
     def apply(self, gate: ServoGate, strength: float) -> None:

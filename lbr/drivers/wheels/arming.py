@@ -55,7 +55,7 @@ class Arming(SetpointGate[Setpoint]):
 
     @property
     def armed(self) -> bool:
-        """Whether the next fresh setpoint will be applied."""
+        """Return whether the next fresh setpoint will be applied."""
         return self.setpoint is not None
 
     @property
@@ -65,7 +65,7 @@ class Arming(SetpointGate[Setpoint]):
 
     @property
     def moving(self) -> bool:
-        """Whether a power other than zero is in force."""
+        """Return whether a power other than zero is in force."""
         return self.setpoint is not None and not self.setpoint.neutral
 
 

@@ -16,7 +16,8 @@ class GuardStop(NamedTuple):
 class Measured(TypedDict, total=False):
     """The measured fields of MotorsState; what is left out, or None, is not measured.
 
-    A controller of other motors than `left` and `right` tells of each in `motor_amps_a` and `motor_counts`, in their order.
+    A controller of other motors than `left` and `right` tells of each in `motor_amps_a` and `motor_counts`, in their
+    order.
     """
 
     voltage_v: float | None
@@ -33,7 +34,8 @@ class Measured(TypedDict, total=False):
 
 
 class WheelController(Protocol):
-    """A controller of some motors on its line. Powers are -1..1, forward positive. Whatever is wrong is a DeviceError that says what to do.
+    """A controller of some motors on its line. Powers are -1..1, forward positive. Whatever is wrong is a DeviceError
+    that says what to do.
 
     No call may take longer than a few milliseconds in the usual case, nor hold up a stop for longer than 30 ms ever:
     the loop that calls it is what stops the wheels. Commands that are not acknowledged count as lost, and are repeated
@@ -64,7 +66,7 @@ class WheelController(Protocol):
 
     @property
     def guard_stop(self) -> GuardStop:
-        """What its guard writes to stop it."""
+        """Return what its guard writes to stop it."""
 
     def drive(self, *powers: float) -> None:
         """Write the power of each motor; if one is not finite, zero to all."""
@@ -87,7 +89,8 @@ class WheelController(Protocol):
 
     @property
     def faults(self) -> tuple[str, ...] | None:
-        """What it complains of, by name; EMERGENCY_STOP is one of them. None: not known, so that nothing may move."""
+        """Return what it complains of, by name; EMERGENCY_STOP is one of them. None: not known, so that nothing may
+        move."""
 
     @property
     def grave(self) -> tuple[str, ...]:

@@ -44,7 +44,7 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
 
     @property
     def guarded(self) -> bool:
-        """Whether it may leave a guard behind, which has the last word on its line."""
+        """Return whether it may leave a guard behind, which has the last word on its line."""
         return self.family == "driver" and self.program is None
 
 

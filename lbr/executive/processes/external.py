@@ -46,7 +46,7 @@ class Command:
 
     @property
     def over(self) -> bool:
-        """Whether it has ended."""
+        """Return whether it has ended."""
         return self.popen.poll() is not None
 
 

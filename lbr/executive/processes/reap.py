@@ -74,7 +74,7 @@ class Silence:
 
     @property
     def watched(self) -> bool:
-        """Whether beats are expected."""
+        """Return whether beats are expected."""
         return self._waiting
 
     def beat(self, now: float) -> None:
@@ -141,7 +141,7 @@ class Run:
 
     @property
     def tidy(self) -> bool:
-        """Whether nothing is known to be left behind by what has ended."""
+        """Return whether nothing is known to be left behind by what has ended."""
         return not self._left
 
     def hear(self, word: bytes) -> None:

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 
 class Conditions:
-    """What hinders the executive now. `happened(kind, subject, text, level)` hears every change; only for the executive's own thread."""
+    """What hinders the executive now. `happened(kind, subject, text, level)` hears every change; only for the
+    executive's own thread."""
 
     def __init__(self, happened: Callable[[str, str, str, str], None]) -> None:
         self._happened = happened
@@ -12,7 +13,7 @@ class Conditions:
 
     @property
     def current(self) -> tuple[str, ...]:
-        """What is wrong at this moment."""
+        """Return what is wrong at this moment."""
         return tuple(self._now.values())
 
     def tell(self, what: str, why: str) -> None:

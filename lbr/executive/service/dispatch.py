@@ -53,7 +53,7 @@ class _Speaker(NamedTuple):
 
     @property
     def told(self) -> str:
-        """Who it is, for the audit trail: from another machine with the token that the door saw proven."""
+        """Return who it is, for the audit trail: from another machine with the token that the door saw proven."""
         if not self.remote_stamp:
             return self.source
         found = stamp.read(self.remote_stamp)

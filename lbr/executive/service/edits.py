@@ -39,7 +39,7 @@ class Rows(Protocol):
 
     @property
     def plan(self) -> Plan:
-        """What runs."""
+        """Return the plan that runs."""
 
     def edited(self, name: str, edit: Edit) -> None:
         """Take note that a capability has an edit already."""

@@ -12,11 +12,11 @@ class Robot(Protocol):
 
     @property
     def plan(self) -> Plan:
-        """What runs."""
+        """Return the plan that runs."""
 
     @property
     def vocabulary(self) -> Vocabulary:
-        """What can be said."""
+        """Return the words that can be said."""
 
     def status(self) -> Status:
         """Return the robot at a glance."""

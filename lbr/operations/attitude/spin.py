@@ -26,12 +26,12 @@ class Spin:
 
     @property
     def began(self) -> bool:
-        """Whether the drive took the command."""
+        """Return whether the drive took the command."""
         return self._lease is not None and self._lease.accepted is not None
 
     @property
     def ended(self) -> Reason | None:
-        """Why it turns no longer, if it does not."""
+        """Return why it turns no longer, if it does not."""
         return self._halted or (self._lease.ended if self._lease is not None else None)
 
     def step(self, direction: Direction) -> None:

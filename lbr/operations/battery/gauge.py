@@ -76,7 +76,7 @@ class Gauge:
         return "measuring began just now" if self._rest.value is None else ""
 
     def _begin_anew(self) -> None:
-        """What was before a gap says nothing of what is after it."""
+        """Forget what was before a gap: it says nothing of what is after it."""
         self._recent.clear()
         self._terminal = Smooth(self._settings.filter_s)
         self._rest = Smooth(self._settings.filter_s)

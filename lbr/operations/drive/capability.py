@@ -124,7 +124,7 @@ def _event(call: Call, answers: Answers = NO_ANSWERS) -> Command:
 
 
 def _gist(state: DriveState) -> tuple[object, ...]:
-    """What is worth telling at once when it changes."""
+    """Return what is worth telling at once when it changes."""
     stopped_by = "" if state.moving else state.reason
     asked = (state.power, state.angle_deg)
     told = bool(state.limited_by), stopped_by, state.stopped_s, state.estop

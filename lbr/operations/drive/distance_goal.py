@@ -36,12 +36,12 @@ class DistanceGoal(Struct, frozen=True, kw_only=True):
 
     @property
     def travelled_m(self) -> float:
-        """How far it came towards its end."""
+        """Return how far it came towards its end."""
         return self.sense * (self.odometry.distance_m - self.begun_m)
 
     @property
     def left_m(self) -> float:
-        """How far it has yet to go."""
+        """Return how far it has yet to go."""
         return self.asked_m - self.travelled_m
 
 

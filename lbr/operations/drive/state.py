@@ -167,7 +167,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     @property
     def lease(self) -> Lease[ActiveMotion] | None:
-        """Who has the base, and what for."""
+        """Return who has the base, and what for."""
         return self.leases.live
 
 

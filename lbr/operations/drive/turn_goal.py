@@ -70,12 +70,12 @@ class TurnGoal(Struct, frozen=True, kw_only=True):
 
     @property
     def turned_deg(self) -> float:
-        """How far it has turned since it began."""
+        """Return how far it has turned since it began."""
         return self.heading.turned_deg - self.begun_deg
 
     @property
     def left_deg(self) -> float:
-        """How far it has yet to turn."""
+        """Return how far it has yet to turn."""
         return self.asked_deg - self.turned_deg
 
 

@@ -87,7 +87,7 @@ def _busy(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -
 
 
 def _order(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
-    """What is appended follows something, and is not more than can be planned without being late."""
+    """Refuse to append to nothing, or more than can be planned in time."""
     del now
     lease = state.leases.live
     if not command.append:
@@ -141,7 +141,7 @@ def _stored_form(state: State, command: JointsCommand, motion: StoredMotion) -> 
 
 
 def _at_once(state: State, command: JointsCommand, now: float) -> Reason | None:
-    """What gives torque must know who has it, and the controller must have motions."""
+    """Refuse a stored motion without a known holder of the torque, or without motions of the controller."""
     if not state.adopted:
         return NOT_ADOPTED
     if command.stored is not None:

@@ -11,7 +11,8 @@ from lbr.operations.joints.trajectory import Trajectory
 
 
 class Way(Struct, frozen=True, kw_only=True):
-    """The way of one joint that began for itself; before 0 s it waits. `arrived` is when its end was commanded (NaN: not yet)."""
+    """The way of one joint that began for itself; before 0 s it waits. `arrived` is when its end was commanded (NaN:
+    not yet)."""
 
     trajectory: Trajectory
     elapsed_s: float = 0.0
@@ -28,11 +29,12 @@ class Stored(Struct, frozen=True, kw_only=True):
 
 
 class Move(Struct, frozen=True, kw_only=True):
-    """A motion under way, `elapsed_s` after the start of its trajectory; what was only offered has none of its kinds yet.
+    """A motion under way, `elapsed_s` after the start of its trajectory; what was only offered has none of its kinds
+    yet.
 
     `passed` key frames lay behind when the trajectory began. `arrived` is when its end was commanded (NaN: not yet).
-    `beside` are the ways of joints that joined. `followed`: the driver said that the servos follow; it has been `told` so
-    since then, under this lease. With `stay` it is not over when all have arrived.
+    `beside` are the ways of joints that joined. `followed`: the driver said that the servos follow; it has been `told`
+    so since then, under this lease. With `stay` it is not over when all have arrived.
     """
 
     goal: str
@@ -54,22 +56,22 @@ class Move(Struct, frozen=True, kw_only=True):
 
     @property
     def targets(self) -> dict[str, float]:
-        """Where it leads its joints."""
+        """Return where it leads its joints."""
         return {name: way.targets[name] for name, way, _, _ in self.ways()}
 
     @property
     def offered(self) -> bool:
-        """Whether nothing of it has begun."""
+        """Return whether nothing of it has begun."""
         return self.trajectory is None and not self.beside and self.stored is None
 
     @property
     def over(self) -> bool:
-        """Whether the ends of all ways were commanded."""
+        """Return whether the ends of all ways were commanded."""
         return not any(isnan(arrived) for _, _, _, arrived in self.ways())
 
     @property
     def over_since(self) -> float:
-        """When the last of these was; NaN while one was not."""
+        """Return when the last of these was; NaN while one was not."""
         return max((arrived for _, _, _, arrived in self.ways()), default=nan) if self.over else nan
 
     def ways(self) -> Iterator[tuple[str, Trajectory, float, float]]:

@@ -35,12 +35,12 @@ class Trajectory(Struct, frozen=True, kw_only=True):
 
     @property
     def duration_s(self) -> float:
-        """How long all of it takes."""
+        """Return how long all of it takes."""
         return self.times_s[-1]
 
     @property
     def targets(self) -> dict[str, float]:
-        """Where it ends."""
+        """Return where it ends."""
         return {name: values[-1] for name, values in self.knots.items()}
 
 

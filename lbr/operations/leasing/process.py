@@ -28,7 +28,7 @@ class LeasedState(Protocol):
 
     @property
     def leases(self) -> LeaseTable[Any]:
-        """Who has what moves."""
+        """Return who has what moves."""
 
 
 S = TypeVar("S", bound=Struct)
@@ -220,7 +220,8 @@ def said_by(call: Call) -> dict[str, Any]:
 
 
 def marked(setpoint: Struct) -> Struct:
-    """Return a setpoint that tells leases apart by marks: many may hear it, and a lease is good for each that quotes it."""
+    """Return a setpoint that tells leases apart by marks: many may hear it, and a lease is good for each that quotes
+    it."""
     lease = getattr(setpoint, "lease", "")
     return replace(setpoint, lease=mark(lease)) if lease else setpoint
 

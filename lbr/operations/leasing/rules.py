@@ -98,7 +98,7 @@ def _held(lease: Lease[M], ask: LeaseRequest) -> Reason:
 
 
 def _waited(leases: LeaseTable[M], ask: LeaseRequest) -> Reason | None:
-    """What was typed or written before another stopped the robot moves it no more, however late it is sent.
+    """Refuse what was typed or written before another stopped the robot, however late it is sent.
 
     How long it waited is told by its sender's clock alone, so that the clocks of two machines are never compared.
     """
@@ -111,7 +111,7 @@ def _waited(leases: LeaseTable[M], ask: LeaseRequest) -> Reason | None:
 
 
 def _order(leases: LeaseTable[M], ask: LeaseRequest, lease: Lease[M]) -> Reason | None:
-    """What quotes a lease counts once, and not after something newer; standing still counts whenever it comes."""
+    """Refuse what quotes a lease a second time, or after something newer; standing still always counts."""
     if not ask.moves:
         return None
     newest = max(lease.said, lease.renewed)  # this way round, NaN is no renewal yet

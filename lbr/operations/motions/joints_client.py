@@ -49,7 +49,7 @@ class JointsClient:
 
     @property
     def trouble(self) -> Reason | None:
-        """Why the joints would not follow, or nothing."""
+        """Return why the joints would not follow, or nothing."""
         names = self._ctx.targets("move")
         gone = names and not any(self._ctx.alive(name) for name in names)
         return Reason("unreachable", f"joints operation ({', '.join(names)}) is not running") if gone else None

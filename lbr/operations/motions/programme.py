@@ -39,12 +39,12 @@ class Programme(Struct, frozen=True):
 
     @property
     def length(self) -> int:
-        """How many steps there are."""
+        """Return how many steps there are."""
         return _steps(self.lead_in) + self.times * _steps(self.motion) + _steps(self.lead_out)
 
     @property
     def duration_s(self) -> float:
-        """How long all of it takes, but for the way to where it begins."""
+        """Return how long all of it takes, but for the way to where it begins."""
         rest_s = self.times * _lasts_s(self.motion) + _lasts_s(self.lead_out)
         return (_lasts_s(self.lead_in) + rest_s) / self.speed
 

@@ -143,7 +143,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     @property
     def lease(self) -> Lease[Playing] | None:
-        """Who plays what."""
+        """Return who plays what."""
         return self.leases.live
 
 

@@ -143,7 +143,8 @@ class Power(Capability[PowerSettings]):
 
     @property
     def _pretends(self) -> bool:
-        """Whether the supply is none that could fail: its twin must never power off the computer that it runs on."""
+        """Return whether the supply is none that could fail: its twin must never power off the computer that it runs
+        on."""
         return not self.ctx.settings.bus and (self._ups is None or self._ups.emulated)
 
     def _ask(self, question: Question) -> None:

@@ -21,22 +21,22 @@ class View:
 
     @property
     def low(self) -> bool:
-        """Whether the computer has to be shut down if this goes on."""
+        """Return whether the computer has to be shut down if this goes on."""
         return not self.trouble and self.volts < self.shutdown_v
 
     @property
     def wanting(self) -> bool:
-        """Whether people should know."""
+        """Return whether people should know."""
         return not self.trouble and (self.volts < self.warn_v or self.backed)
 
     @property
     def well(self) -> bool:
-        """Whether it is good enough to forget a shutdown that was near."""
+        """Return whether it is good enough to forget a shutdown that was near."""
         return not self.trouble and self.volts >= self.shutdown_v + self.hysteresis_v
 
     @property
     def fine(self) -> bool:
-        """Whether there is nothing to warn of any more."""
+        """Return whether there is nothing to warn of any more."""
         return not self.trouble and not self.backed and self.volts >= self.warn_v + self.hysteresis_v
 
     @property

@@ -242,7 +242,7 @@ def _cancel(watch: Watch, event: Cancel) -> Outcome:
 
 
 def _low(watch: Watch, settings: PowerSettings) -> bool:
-    """Whether readings have been low for long enough, by the times of the readings."""
+    """Return whether readings have been low for long enough, by the times of the readings."""
     low = watch.low
     return low is not None and low.samples >= settings.hold_samples and watch.seen_s - low.since_s >= settings.hold_s
 

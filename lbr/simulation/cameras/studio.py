@@ -35,7 +35,7 @@ class Studio:
 
     @property
     def renderer(self) -> str:
-        """What draws."""
+        """Return what draws."""
         return self._renderer.name
 
     def newest_ns(self) -> int:

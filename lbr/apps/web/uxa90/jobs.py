@@ -1,4 +1,5 @@
-"""Moves that are to begin later: what waits, what became of it, and what ends all of it. Pure; times are monotonic seconds."""
+"""Moves that are to begin later: what waits, what became of it, and what ends all of it. Pure; times are monotonic
+seconds."""
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
@@ -67,7 +68,7 @@ class Jobs:
 
     @property
     def waiting(self) -> int:
-        """How many have steps that have not begun."""
+        """Return how many have steps that have not begun."""
         return sum(job.state == "waiting" for job in self._jobs.values())
 
     def refuse_more(self) -> None:

@@ -42,5 +42,5 @@ class Uxa90Face(web.Face):
 
     @property
     def jobs(self) -> int:
-        """How many wait."""
+        """Return how many wait."""
         return self._work.jobs.waiting

@@ -38,14 +38,14 @@ class MotorClient:
 
     @property
     def holds(self) -> bool:
-        """Whether motors are under way by our lease, or it is being asked for."""
+        """Return whether motors are under way by our lease, or it is being asked for."""
         return self._lease is not None
 
     async def turn(self, turns: Iterable[Turn], joint: Callable[[Turn], Joint], *, timed: bool = False) -> None:
         """Move motors; return once the joints have accepted all of it, else raise Refused with their reason.
 
-        `timed`: it was asked for long ago, so a stop that was not heard of yet is to come first. What was asked for by a
-        lease that ended just then, because all had arrived, is asked for again.
+        `timed`: it was asked for long ago, so a stop that was not heard of yet is to come first. What was asked for by
+        a lease that ended just then, because all had arrived, is asked for again.
         """
         command = _command(turns, joint)
         if command is None:
@@ -72,7 +72,8 @@ class MotorClient:
                 self._lost(lease.ended.text)
 
     def release(self, why: str) -> PendingReply | None:
-        """Give the joints back, where they are, and begin nothing that waits; the answer says that they hold, if any did."""
+        """Give the joints back, where they are, and begin nothing that waits; the answer says that they hold, if any
+        did."""
         self._released = (self._released[0] + 1, why)
         lease, self._lease = self._lease, None
         return lease.release(why) if lease is not None else None

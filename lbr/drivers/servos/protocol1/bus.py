@@ -227,7 +227,7 @@ class ProtocolBus:
         return data[len(request) :]
 
     def _miss(self, servos: Sequence[int], count: int) -> None:
-        """What did not come in time may come late, and must not pass for the answer to what is asked next."""
+        """Note a lost answer: it may come late, and must not pass for the answer to the next request."""
         if servos and not self.cut_short:
             self.counts.timeouts += len(servos)
             self.trouble, self.lost = "does not answer", "silent"

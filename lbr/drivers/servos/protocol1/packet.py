@@ -108,7 +108,7 @@ class StatusParser:
 
     @property
     def held_bytes(self) -> int:
-        """How many bytes of an unfinished packet it holds."""
+        """Return how many bytes of an unfinished packet it holds."""
         return len(self._held)
 
     def _candidate(self, at: int) -> int:

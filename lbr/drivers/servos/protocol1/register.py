@@ -16,7 +16,7 @@ class Register:
 
     @property
     def writable(self) -> bool:
-        """Whether it can be written."""
+        """Return whether it can be written."""
         return self.lowest is not None
 
     def encode(self, value: int) -> bytes:

@@ -58,7 +58,7 @@ class DynamixelBus:
 
     @property
     def faults(self) -> DynamixelFaults:
-        """What is made to go wrong; setting it takes effect at once."""
+        """Return what is made to go wrong; setting it takes effect at once."""
         return self._faults
 
     @faults.setter
@@ -73,7 +73,7 @@ class DynamixelBus:
 
     @property
     def supplied(self) -> bool:
-        """Whether the servos have power."""
+        """Return whether the servos have power."""
         return self._supplied
 
     @supplied.setter

@@ -49,7 +49,7 @@ class Instruction(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many bytes it has on the line."""
+        """Return how many bytes it has on the line."""
         return len(self.parameters) + 6
 
 

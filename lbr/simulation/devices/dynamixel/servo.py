@@ -82,7 +82,7 @@ class AxServo:
 
     @property
     def return_delay_s(self) -> float:
-        """What its register says."""
+        """Return what its register says."""
         return self._table[reg.RETURN_DELAY] * 2e-6
 
     @property

@@ -50,7 +50,7 @@ class Mpu9150(RegisterDevice):
 
     @property
     def faults(self) -> Mpu9150Faults:
-        """What is made to go wrong; setting it takes effect at once."""
+        """Return what is made to go wrong; setting it takes effect at once."""
         return self._faults
 
     @faults.setter

@@ -38,7 +38,7 @@ class Pico:
 
     @property
     def faults(self) -> PicoFaults:
-        """What is made to go wrong; setting it takes effect at once."""
+        """Return what is made to go wrong; setting it takes effect at once."""
         return self._faults
 
     @faults.setter

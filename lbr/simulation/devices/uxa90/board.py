@@ -59,12 +59,12 @@ class MainBoard:
 
     @property
     def mode(self) -> Mode:
-        """What it heeds."""
+        """Return what it heeds."""
         return self._mode
 
     @property
     def faults(self) -> Uxa90Faults:
-        """What is made to go wrong; setting it takes effect at once."""
+        """Return what is made to go wrong; setting it takes effect at once."""
         return self._faults
 
     @faults.setter

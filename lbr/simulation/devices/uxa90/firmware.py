@@ -75,7 +75,7 @@ class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     @property
     def duration_s(self) -> float:
-        """How long it takes."""
+        """Return how long it takes."""
         return sum(frame.duration_s for frame in self.played())
 
     def ends_at(self) -> dict[int, float]:

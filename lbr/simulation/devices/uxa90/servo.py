@@ -115,12 +115,12 @@ class SamServo:
 
     @property
     def meant_rad(self) -> float:
-        """Where it is told to be, or where it is if it is not told."""
+        """Return where it is told to be, or where it is if it is not told."""
         return self.felt.position_rad if self._level is None else self._goal_rad
 
     @property
     def counts(self) -> float:
-        """Where it is told to be, or where it is, in nominal counts."""
+        """Return where it is told to be, or where it is, in nominal counts."""
         return as_counts(self.meant_rad)
 
     def load(self) -> int:
