@@ -2,17 +2,32 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import asdict
+from math import inf, isfinite, nan
 from typing import Any
+
+import msgspec
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Device
 from lbr.capability.kind import Kind
 from lbr.errors import DeviceError
+from lbr.messages.motors import MotorSetpoint
+from lbr.simulation.faults import FaultValue
+from lbr.simulation.twins import ServoBus, WheelDrive
+from lbr.testing import driver_process
 from lbr.testing.context import FakeContext
 from lbr.testing.device import Plugged
 
 WITHIN_S = 8.0
 """Devices take seconds to begin; what takes longer than that has failed."""
+BAD_LINE_S = 1.0
+RUBBISH = ("garbage", "bit_flip", "half", "half_lines", "drop", "nak")
+"""Faults of a line that emulated devices may have, each with how often it strikes."""
+BAD_SHARE = 0.3
+POWER = 0.2
+STOPS_WITHIN_S = 1.0
+"""Longer than any controller's own watchdog, on a machine that has much else to do."""
 
 
 class RealTimeContext(FakeContext[Any]):
@@ -43,6 +58,8 @@ class DriverBench:
         self.kind = kind
         self.device = device
         self.lost = lose
+        self.settings = settings
+        self._leases = 0
         self.ctx = RealTimeContext(kind.parse(settings), device=device.device, devices=(device.device,), **rest)
         self.ctx.wired = wired or {}
         self.driver: Capability[Any] = kind.load()(self.ctx)
@@ -67,6 +84,49 @@ class DriverBench:
             assert time.monotonic() < end, f"{self.kind.name}: not within {WITHIN_S:g} s: {what}; {self._state()}"
             time.sleep(0.005)
 
+    def runs(self, for_s: float) -> None:
+        """Step for a while."""
+        end = time.monotonic() + for_s
+        self.until(lambda: time.monotonic() >= end, "time goes on")
+
+    def faults(self) -> dict[str, Any]:
+        """Return what can be made to go wrong with its device, as it is now."""
+        return self.device.twin.fault("unplug", value=False)
+
+    def drive(self, power: float) -> None:
+        """Have a setpoint for wheels come, as from the drive."""
+        self.ctx.arrive(
+            "setpoint", MotorSetpoint(left=power, right=power, lease=f"lease {self._leases}"), source=self._sender()
+        )
+
+    def drives(self) -> None:
+        """Have wheels turn, by a lease of their own: a zero arms their driver, then they are told to."""
+        self._leases += 1
+
+        def armed() -> bool:
+            self.drive(0.0)
+            return any(state.armed for state in self.ctx.said("state")[-1:])
+
+        def turning() -> bool:
+            self.drive(POWER)
+            return any(state.left > 0.0 for state in self.ctx.said("state")[-1:])
+
+        self.until(armed, "its driver is armed by a zero")
+        self.until(turning, "its wheels are told to turn")
+
+    def told(self) -> dict[str, Any]:
+        """Return it as JSON tells it to another process."""
+        return {
+            "kind": self.kind.name,
+            "home": self.ctx.home,
+            "settings": self.settings,
+            "device": asdict(self.device.device),
+            "wired": self.ctx.wired,
+            "given": [
+                (type(row).__module__, type(row).__qualname__, msgspec.to_builtins(row)) for row in self.ctx.given
+            ],
+        }
+
     def close(self) -> None:
         """Close the driver."""
         self._opened = False
@@ -84,6 +144,9 @@ class DriverBench:
             or any(phase != "ready" for phase in self.ctx.health)
             or not all(map(_valid, self.ctx.published[-1:]))
         )
+
+    def _sender(self) -> str:
+        return next(iter(self.ctx.wired.get("setpoint", ())), "setpoint")
 
     def _state(self) -> str:
         return f"errors {[str(err) for err in self.errors[-2:]]}, health {self.ctx.health[-2:]}"
@@ -108,7 +171,7 @@ def ends_as_often_as_it_is_told(bench: DriverBench) -> None:
 
 
 def names_a_device_that_is_not_there(bench: DriverBench) -> None:
-    """Without its device it raises a DeviceError that names the row or the port, and ends no process."""
+    """Without its device it raises a DeviceError or warns, names the row or the port, and ends no process."""
     device = bench.device.device
     absent = Device(device.name, device.type, f"{device.address}-absent", device.settings)
     ctx = RealTimeContext(bench.ctx.settings, device=absent, devices=(absent,), given=bench.ctx.given)
@@ -116,8 +179,9 @@ def names_a_device_that_is_not_there(bench: DriverBench) -> None:
     end, said = time.monotonic() + WITHIN_S, ""
     try:
         driver.open()
-        while time.monotonic() < end:
+        while not said and time.monotonic() < end:
             driver.step()
+            said = next((told for told in ctx.health if absent.name in told or absent.address in told), "")
             time.sleep(0.005)
     except DeviceError as err:
         said = str(err)
@@ -149,11 +213,99 @@ def acknowledges_the_emergency_stop(bench: DriverBench) -> None:
     bench.close()
 
 
+def says_that_its_device_is_silent(bench: DriverBench) -> None:
+    """When its device is there and says nothing it tells so; when that speaks again, it works again."""
+    usual, twin = bench.faults().get("silent"), bench.device.twin
+    if usual is None:
+        return
+    silent: FaultValue = True
+    if not isinstance(usual, bool) and isinstance(twin, ServoBus):
+        silent = ",".join(map(str, twin.drives(time.monotonic())))  # each of its servos
+    bench.works()
+    bench.errors.clear()
+    bench.ctx.health.clear()
+    bench.device.fault("silent", silent)
+    bench.until(bench.in_trouble, "it is told that the device is silent")
+    bench.device.fault("silent", usual)
+    bench.works()
+    bench.close()
+
+
+def publishes_no_rubbish(bench: DriverBench) -> None:
+    """On a bad line it neither breaks nor publishes what is no number; on a good one it works again."""
+    usual = bench.faults()
+    found = [name for name in RUBBISH if isinstance(usual.get(name), float)]
+    bench.works()
+    for name in found:
+        bench.device.fault(name, BAD_SHARE)
+        bench.runs(BAD_LINE_S)
+        bench.device.fault(name, usual[name])
+    bench.works()
+    wrong = [(output, message) for output, message in bench.ctx.published if not _finite(msgspec.to_builtins(message))]
+    assert not wrong, f"{bench.kind.name}: it publishes what is no number: {wrong[0]}"
+    bench.close()
+
+
+def takes_no_number_for_a_stop(bench: DriverBench) -> None:
+    """Wheels that turn stop when a setpoint is no number."""
+    twin = bench.device.twin
+    if not isinstance(twin, WheelDrive):
+        return
+    for power in (nan, inf, -inf):
+        bench.drives()
+        bench.until(lambda: _turns(twin), "its wheels turn")
+
+        def stopped(power: float = power) -> bool:
+            bench.drive(power)
+            return not _turns(twin)
+
+        bench.until(stopped, f"its wheels stop at a setpoint of {power}")
+    bench.close()
+
+
+def may_be_killed(bench: DriverBench) -> None:
+    """When it is killed, wheels stop by what is left of it or by their controller; the next one has the device at once."""
+    twin = bench.device.twin
+    process = driver_process.started(bench.told())
+    try:
+        driver_process.wait_until_it_works(process, WITHIN_S)
+        if isinstance(twin, WheelDrive):
+            end = time.monotonic() + WITHIN_S
+            while not _turns(twin):
+                assert time.monotonic() < end, f"{bench.kind.name}: its wheels did not turn"
+                time.sleep(0.005)
+    finally:
+        driver_process.kill(process)
+    end = time.monotonic() + STOPS_WITHIN_S
+    while isinstance(twin, WheelDrive) and _turns(twin):
+        assert time.monotonic() < end, f"{bench.kind.name}: its wheels turn on after it was killed"
+        time.sleep(0.005)
+    bench.works()
+    bench.close()
+
+
+def _turns(twin: WheelDrive) -> bool:
+    return any(power != 0.0 for power in twin.wheels(time.monotonic()))
+
+
+def _finite(value: Any) -> bool:
+    """Say whether all numbers in it are some."""
+    if isinstance(value, dict):
+        return all(map(_finite, value.values()))
+    if isinstance(value, list | tuple):
+        return all(map(_finite, value))
+    return not isinstance(value, float) or isfinite(value)
+
+
 CHECKS: tuple[Callable[[DriverBench], None], ...] = (
     says_what_it_reads,
     ends_as_often_as_it_is_told,
     names_a_device_that_is_not_there,
     misses_its_device_and_comes_back,
     acknowledges_the_emergency_stop,
+    says_that_its_device_is_silent,
+    publishes_no_rubbish,
+    takes_no_number_for_a_stop,
+    may_be_killed,
 )
 """All of it."""

@@ -1,0 +1,52 @@
+"""The program that a test kills: runs a driver, whose bench is its argument as JSON, until then; wheels turn meanwhile."""
+
+import importlib
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import msgspec
+
+from lbr.capability import registry
+from lbr.capability.context import Device
+from lbr.messages.motors import MotorSetpoint
+from lbr.testing.device import Plugged
+from lbr.testing.driver import POWER, DriverBench
+from lbr.testing.driver_process import WORKS
+
+STEP_S = 0.01
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """A device whose twin is in another process."""
+
+    device: Device
+
+
+def main(said: dict[str, Any]) -> None:
+    """Run the driver, and say once that it works."""
+    bench = DriverBench(
+        registry.find(said["kind"], Path(said["home"])),
+        said["settings"],
+        cast("Plugged", Elsewhere(Device(**said["device"]))),
+        wired={port: tuple(names) for port, names in said["wired"].items()},
+        given=tuple(
+            msgspec.convert(row, getattr(importlib.import_module(module), name)) for module, name, row in said["given"]
+        ),
+    )
+    turns = bench.kind.setpoints.get("setpoint") is MotorSetpoint
+    bench.works()
+    if turns:
+        bench.drives()
+    print(WORKS, flush=True)
+    while True:
+        if turns:
+            bench.drive(POWER)
+        bench.runs(STEP_S)
+
+
+if __name__ == "__main__":
+    main(json.loads(sys.argv[1]))
