@@ -65,7 +65,7 @@ def fits(secret: str, stored: str) -> bool:
 
     try:
         return PasswordHasher().verify(stored, secret)
-    except (VerificationError, InvalidHashError):
+    except (VerificationError, InvalidHashError, UnicodeEncodeError):
         return False
 
 

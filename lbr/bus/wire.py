@@ -16,6 +16,7 @@ from lbr.bus import stamp as stamps
 from lbr.bus.access import Credentials
 from lbr.errors import BusError
 from lbr.messages.camera import JpegFrame
+from lbr.messages.leases import CommandReply
 
 JSON = zenoh.Encoding.APPLICATION_JSON
 JPEG = zenoh.Encoding.IMAGE_JPEG
@@ -247,7 +248,8 @@ class QueryServer:
     def _queue(self, request: Request) -> None:
         if len(self._waiting) >= MAX_WAITING_COMMANDS:
             self.dropped += 1
-            request.reply({"accepted": False, "reason": f"too many commands at once on {self.key}"}, self._source)
+            reason = f"too many commands at once on {self.key}"
+            request.reply(CommandReply(accepted=False, code="busy", reason=reason), self._source)
             return
         self._waiting.append(request)
         self._wake()
