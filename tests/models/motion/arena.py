@@ -259,6 +259,8 @@ class Arena:
                 raise self._violation(f"faster growth than allowed: {self._wheels} to {left} {right}")
             if left * was_left < 0.0 or right * was_right < 0.0:
                 raise self._violation(f"the sense changed without a zero: {self._wheels} to {left} {right}")
+            if setpoint.motors or self.state.aside:
+                raise self._violation(f"two wheels were told more than left and right: {setpoint}")
             if not setpoint.lease:
                 raise self._violation("it moves under no lease")
             if why := self.model.around.too_fast(left, right, self.now) or self._off_target(left, right):

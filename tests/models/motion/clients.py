@@ -4,11 +4,15 @@ from math import isnan, nan
 from random import Random
 from typing import Literal, Protocol
 
+from msgspec.structs import replace
+
 from lbr.messages.leases import CommandReply
 from tests.models.motion.message import Message
 
 RENEW_S = 0.1
 ANGLES = (0.0, 0.0, 0.0, 30.0, -30.0, 90.0, -90.0, 150.0, 180.0, 180.0, 210.0)
+TWIST_POWERS = frozenset({0.2, 0.6})
+"""What asks for these is said as a twist, where it has no bounds."""
 POWERS = (0.05, 0.2, 0.4, 0.6, 0.8, 1.0)
 TURNS = (-360.0, -90.0, -2.0, 0.0, 5.0, 45.0, 90.0, 180.0)
 HEADINGS = (0.0, 90.0, 180.0, 270.0, 360.0)
@@ -92,7 +96,7 @@ class Client:
         kind, angle_deg = dice.random(), dice.choice(ANGLES)
         straight = angle_deg in {0.0, 180.0} and kind > 0.3
         range_cm = dice.choice((40.0, 80.0)) if straight and dice.random() < 0.2 else 0.0
-        return Message(
+        found = Message(
             source=self.source,
             power=0.0 if kind < 0.3 else dice.choice(POWERS),
             angle_deg=angle_deg,
@@ -108,6 +112,8 @@ class Client:
             ahead_s=self.clock_ahead_s,
             check=None if dice.random() < 0.9 else dice.random() < 0.7,
         )
+        bounded = found.range_cm or found.distance_cm or found.interval_s or found.turns
+        return found if bounded or found.power not in TWIST_POWERS else replace(found, twist=True)
 
     def _now(self, wanted: Message, now: float, *, lease: str, asks: bool = False) -> Message:
         return Message(
@@ -127,4 +133,5 @@ class Client:
             wanted.turn_deg,
             wanted.heading_deg,
             wanted.distance_cm,
+            wanted.twist,
         )

@@ -147,13 +147,19 @@ class MotionMachine(RuleBasedStateMachine):
         angle=angles,
         bound=bounds,
         range_cm=ranges_cm,
+        twist=st.booleans(),
         ttl_s=ttls_s,
         take_over=st.booleans(),
         answerable=st.booleans(),
         check=checks,
         age_s=ages_s,
     )
-    def somebody_asks(self, angle: float, range_cm: float, bound: dict[str, Any], age_s: float, **more: Any) -> None:
+    def somebody_asks(
+        self, angle: float, range_cm: float, bound: dict[str, Any], twist: bool, age_s: float, **more: Any
+    ) -> None:
+        if twist:
+            self._send(Message(angle_deg=angle, twist=True, **more), age_s)
+            return
         bounded = {**bound, "range_cm": range_cm if angle in {0.0, 180.0} else 0.0}
         self._send(Message(angle_deg=angle, **bounded, **more), age_s)
 

@@ -1,19 +1,25 @@
 """What senders and sensors of a simulated world say, and the same as the kernel hears it."""
 
-from math import inf, isfinite, isnan, nan
+from math import cos, inf, isfinite, isnan, nan, radians, sin
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.messages.drive import CheckVerdict, DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.drive import CheckVerdict, DriveCommand, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.sensing import Ranges, RangeStatus
 from lbr.operations.drive.state import Command
+from tests.models.motion.senses import FULL_MPS
 
 What = tuple[float | None, ...]
+TRACK_M = 0.27
+"""As far apart as the drive takes the wheels to be."""
 
 
 class Message(Struct, frozen=True):
-    """A motion command on its way, a turn if it has `turn_deg` or `heading_deg`: `sent` is the truth; `ahead_s` is how much its sender's clock is ahead (NaN: none)."""
+    """A motion command on its way, a turn if it has `turn_deg` or `heading_deg`: `sent` is the truth; `ahead_s` is how much its sender's clock is ahead (NaN: none).
+
+    A `twist` says its power and angle in SI units.
+    """
 
     source: str
     power: float
@@ -31,13 +37,15 @@ class Message(Struct, frozen=True):
     turn_deg: float | None = None
     heading_deg: float | None = None
     distance_cm: float = 0.0
+    twist: bool = False
 
     @property
     def what(self) -> What:
         """What it asks for."""
         if self.turns:
             return (self.turn_deg, self.heading_deg)
-        return (self.power, self.angle_deg, self.range_cm, self.interval_s, self.distance_cm)
+        kind = float(self.twist and self.moves)
+        return (kind, self.power, self.angle_deg, self.range_cm, self.interval_s, self.distance_cm)
 
     @property
     def turns(self) -> bool:
@@ -76,12 +84,15 @@ def command_event(message: Message, name: str, now: float) -> Command:
     )
 
 
-def _command(message: Message) -> DriveCommand | TurnCommand | HeadingCommand:
+def _command(message: Message) -> DriveCommand | TurnCommand | HeadingCommand | TwistCommand:
     lease, ttl_s, take_over = message.lease, message.ttl_s, message.take_over
     if message.turn_deg is not None:
         return TurnCommand(angle_deg=message.turn_deg, lease=lease, ttl_s=ttl_s, take_over=take_over)
     if message.heading_deg is not None:
         return HeadingCommand(heading_deg=message.heading_deg, lease=lease, ttl_s=ttl_s, take_over=take_over)
+    if message.twist:
+        vx_mps, wz_rps = _twist(message.power, radians(message.angle_deg))
+        return TwistCommand(vx_mps=vx_mps, wz_rps=wz_rps, lease=lease, ttl_s=ttl_s, take_over=take_over)
     return DriveCommand(
         power=message.power,
         angle_deg=message.angle_deg,
@@ -92,6 +103,12 @@ def _command(message: Message) -> DriveCommand | TurnCommand | HeadingCommand:
         ttl_s=ttl_s,
         take_over=take_over,
     )
+
+
+def _twist(power: float, angle: float) -> tuple[float, float]:
+    """Return metres a second ahead and radians a second anticlockwise of an arc whose faster wheel has this power."""
+    speed_mps = power * FULL_MPS / max(1.0, abs(cos(angle)) + abs(sin(angle)))
+    return cos(angle) * speed_mps, -2.0 * sin(angle) * speed_mps / TRACK_M
 
 
 def to_ranges(distances: dict[str, float]) -> Ranges:
