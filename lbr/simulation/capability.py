@@ -9,7 +9,7 @@ import msgspec
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
-from lbr.messages.kinematics import Kinematics, Wheel
+from lbr.messages.kinematics import HOLONOMIC, Kinematics, Wheel
 from lbr.messages.sensing import Ranges, RangeSensor, RangeStatus, ranges
 from lbr.messages.simulation import WorldBox, WorldScene
 from lbr.simulation.cameras.host import CameraHost
@@ -58,8 +58,9 @@ class World(Capability[WorldSettings]):
         now = self.ctx.clock()
         self._painter = Painter()
         sensors = self.ctx.rows(RangeSensor)
-        wheels = self.ctx.rows(Wheel) if self.ctx.rows(Kinematics) else ()
-        engine = self._engine = Engine(self.ctx.settings, sensors, wheels)
+        base = next(iter(self.ctx.rows(Kinematics)), None)
+        wheels, rollers = (self.ctx.rows(Wheel), base.kind in HOLONOMIC) if base else ((), False)
+        engine = self._engine = Engine(self.ctx.settings, sensors, wheels, rollers=rollers)
         self._trace = OutputTrace(self.ctx.settings.trace)
         cameras = self._cameras = CameraHost(engine.packed(), len(engine.view()))
         mounts = tuple(self.ctx.settings.cameras)

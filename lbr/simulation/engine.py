@@ -6,7 +6,6 @@ from math import atan2, cos, hypot, isfinite, pi, sin
 import msgspec
 from msgspec.structs import replace
 
-from lbr.errors import InputError
 from lbr.messages.kinematics import TWO, Wheel
 from lbr.messages.sensing import RangeSensor, ring
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
@@ -19,6 +18,7 @@ from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_
 from lbr.simulation.physics import mujoco, packed
 from lbr.simulation.placing import Placed
 from lbr.simulation.ranging import Rangers
+from lbr.simulation.rollers import Rollers
 from lbr.simulation.room import BoxSettings
 from lbr.simulation.settings import WorldSettings
 
@@ -31,18 +31,22 @@ _AMPS_SETTLE = 0.15
 class Engine:
     """The world, moved by the power of its motors; the same steps with the same seed give the same run.
 
-    `sensors` are the robot's sensors of distance; None: a ring around its outline. `wheels` are its wheels; none: two.
+    `sensors` are the robot's sensors of distance; None: a ring around its outline. `wheels` are its wheels, with
+    `rollers` or without; none: two.
     """
 
     def __init__(
-        self, settings: WorldSettings, sensors: Sequence[RangeSensor] | None = None, wheels: Sequence[Wheel] = ()
+        self,
+        settings: WorldSettings,
+        sensors: Sequence[RangeSensor] | None = None,
+        wheels: Sequence[Wheel] = (),
+        *,
+        rollers: bool = False,
     ) -> None:
         self.settings = settings
         self._wheels = tuple(wheels) or two_wheels(settings.body)
-        if any(wheel.yaw_rad != 0.0 or wheel.roller_rad != 0.0 for wheel in self._wheels):
-            raise InputError("the simulated world has plain wheels that roll ahead, and none with rollers")
         self.battery = BatteryState(settings.battery)
-        self._model = mujoco.MjModel.from_xml_string(model_xml(settings, self._wheels))
+        self._model = mujoco.MjModel.from_xml_string(model_xml(settings, self._wheels, rollers=rollers))
         self._data = mujoco.MjData(self._model)
         self._amps, self._drawn = [0.0] * len(self._wheels), [0.0] * len(self._wheels)
         self._power: dict[str, float] = {}
@@ -62,6 +66,8 @@ class Engine:
         joints = [self._model.joint(wheel.name) for wheel in self._wheels]
         self._wheel_q = [int(joint.qposadr[0]) for joint in joints]
         self._wheel_v = [int(joint.dofadr[0]) for joint in joints]
+        mass_kg = settings.body.mass_kg
+        self._rollers = Rollers(self._model, self._wheels, self._wheel_v, mass_kg, TIMESTEP_S) if rollers else None
         self._settle()
         self._sense()
 
@@ -198,6 +204,8 @@ class Engine:
         for index, wheel in enumerate(self._wheels):
             power = self._power.get(wheel.motor, 0.0)
             self._data.ctrl[index] = self._ramped(float(self._data.ctrl[index]), power, wheel.diameter_m / 2)
+        if self._rollers is not None:
+            self._rollers.push(self._data, self._place()[2])
         mujoco.mj_step(self._model, self._data)
         self._imu.follow(self._data)
         self._load()

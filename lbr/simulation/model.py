@@ -38,10 +38,11 @@ _CASTER_GAP_M = 0.002
 _SMOOTH = 'friction="0.3 0.005 0.0001"'
 
 
-def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = ()) -> str:
+def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = (), *, rollers: bool = False) -> str:
     """Return the model, with a camera for each of the robot's; `FLOOR`, `STANDING` and `ROBOT` are its groups.
 
-    Without rows of wheels the robot has two. Each wheel, its joint and its motor have the name of its row.
+    Without rows of wheels the robot has two. Each wheel, its joint and its motor have the name of its row. Wheels with
+    `rollers` slide on the floor: what drives such a base is `rollers.Rollers`.
     """
     wheels = wheels or two_wheels(settings.body)
     return f"""
@@ -52,7 +53,7 @@ def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = ()) -> str:
   <worldbody>
     <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001" rgba="0.74 0.68 0.6 1"/>
 {"".join(_thing(box) for box in settings.walls)}{_dock(settings.dock)}{"".join(map(_placeable, PLACEABLE))}
-{_robot(settings, wheels)}
+{_robot(settings, wheels, rollers=rollers)}
   </worldbody>
   <actuator>{"".join(_motor(wheel.name) for wheel in wheels)}</actuator>
   <sensor><gyro site="{IMU}"/><accelerometer site="{IMU}"/><magnetometer site="{IMU}"/></sensor>
@@ -104,7 +105,7 @@ def _placeable(name: str) -> str:
     </body>"""
 
 
-def _robot(settings: WorldSettings, wheels: Sequence[Wheel]) -> str:
+def _robot(settings: WorldSettings, wheels: Sequence[Wheel], *, rollers: bool) -> str:
     body, start = settings.body, settings.start
     radius = axle_m(wheels)
     half_length, half_width = body.length_m / 2, body.width_m / 2 - _WHEEL_WIDTH_M
@@ -118,7 +119,7 @@ def _robot(settings: WorldSettings, wheels: Sequence[Wheel]) -> str:
       <geom name="mast" type="box" group="{ROBOT}" size="0.03 0.03 {mast}" pos="0 0 {deck_z + _DECK_M / 2 + mast}"
             mass="{body.mass_kg * 0.08}"/>
       {"" if _stands(wheels) else _caster("front", caster_x, caster_z) + _caster("rear", -caster_x, caster_z)}
-      {"".join(_wheel(wheel, radius, body.mass_kg * _WHEELS_SHARE / len(wheels)) for wheel in wheels)}
+      {"".join(_wheel(wheel, radius, body.mass_kg * _WHEELS_SHARE / len(wheels), rollers=rollers) for wheel in wheels)}
       <site name="{IMU}" {_place(settings.imu.mount, radius)} {_turned(settings.imu.mount)}/>
       {"".join(_camera(name, mount, settings, radius) for name, mount in settings.cameras.items())}
     </body>"""
@@ -135,13 +136,18 @@ def _stands(wheels: Sequence[Wheel]) -> bool:
     return min(wheel.x_m for wheel in wheels) < 0.0 < max(wheel.x_m for wheel in wheels)
 
 
-def _wheel(wheel: Wheel, base_m: float, mass_kg: float) -> str:
+def _wheel(wheel: Wheel, base_m: float, mass_kg: float, *, rollers: bool) -> str:
     name, radius = wheel.name, wheel.diameter_m / 2
+    grip = (
+        'friction="0.001 0.0001 0.0001" priority="1" condim="1"'
+        if rollers
+        else 'friction="1.0 0.005 0.0001" condim="4"'
+    )
     return f"""
-      <body name="{name}_wheel" pos="{wheel.x_m} {wheel.y_m} {radius - base_m}">
+      <body name="{name}_wheel" pos="{wheel.x_m} {wheel.y_m} {radius - base_m}" euler="0 0 {wheel.yaw_rad}">
         <joint name="{name}" type="hinge" axis="0 1 0" frictionloss="{ROLLING_NM}" armature="0.02"/>
         <geom name="{name}_wheel" type="cylinder" group="{ROBOT}" size="{radius} {_WHEEL_WIDTH_M / 2}"
-              euler="{pi / 2} 0 0" mass="{mass_kg}" friction="1.0 0.005 0.0001" condim="4"/>
+              euler="{pi / 2} 0 0" mass="{mass_kg}" {grip}/>
       </body>"""
 
 

@@ -1,11 +1,11 @@
 """A world whose robot has the wheels of its rows: skid steering slips, and the odometry knows by how much."""
 
-from math import pi
+from math import cos, pi, sin
 
 import pytest
+from msgspec.structs import replace
 
-from lbr.errors import InputError
-from lbr.messages.kinematics import Kinematics, Wheel, base_of
+from lbr.messages.kinematics import Kinematics, Twist, Wheel, base_of
 from lbr.messages.motors import MotorsState
 from lbr.operations.odometry import OdometrySettings
 from lbr.operations.odometry.reckoning import Reckoning
@@ -79,7 +79,42 @@ def test_by_its_wheels_alone_the_odometry_of_a_slipping_base_is_near_the_truth(p
         assert found.x_m == pytest.approx(engine.pose().x_m, abs=0.03)
 
 
-def test_wheels_with_rollers_are_not_simulated_and_that_is_said():
-    wheels = [Wheel(name="w", motor="w", y_m=0.1, roller_rad=0.7854, diameter_m=0.1)]
-    with pytest.raises(InputError, match="none with rollers"):
-        Engine(WORLD, (), wheels)
+ARM = pi / 4
+MECANUM = [replace(wheel, roller_rad=-ARM if wheel.x_m * wheel.y_m > 0 else ARM) for wheel in four("{}_{}".format)]
+STAR = [
+    Wheel(name=f"w{n}", motor=f"w{n}", x_m=0.18 * cos(a), y_m=0.18 * sin(a), yaw_rad=a + pi / 2, diameter_m=0.1)
+    for n, a in enumerate((0.0, 2 * pi / 3, 4 * pi / 3))
+]
+TWISTS = [(0.3, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.8), (0.2, -0.2, 0.0), (-0.1, 0.1, -0.5)]
+
+
+@pytest.mark.parametrize("twist", TWISTS)
+@pytest.mark.parametrize(("kind", "wheels"), [("mecanum", MECANUM), ("omni", STAR)])
+def test_a_base_on_rollers_moves_as_its_kinematics_say(kind, wheels, twist):
+    base = base_of([Kinematics(name="base", kind=kind)], wheels, 0.27)
+    engine = Engine(WORLD, (), wheels, rollers=True)
+    speeds = base.speeds(Twist(vx_mps=twist[0], vy_mps=twist[1], wz_rps=twist[2]))
+    powers = {motor: speed / BODY.max_speed_mps for motor, speed in zip(base.motors, speeds, strict=True)}
+    run(engine, 1.5, **powers)
+    before, counts = engine.pose(), engine.sensed().motors
+    turned = run(engine, 0.5, **powers)
+    after, later = engine.pose(), engine.sensed().motors
+    middle = before.yaw_rad + turned / 2
+    east, north = (after.x_m - before.x_m) / 0.5, (after.y_m - before.y_m) / 0.5
+    moved = cos(middle) * east + sin(middle) * north, cos(middle) * north - sin(middle) * east, turned / 0.5
+    assert moved == pytest.approx(twist, abs=0.05)
+    each = [
+        (later[motor].counts - counts[motor].counts) / 400 * pi * wheels[0].diameter_m / 0.5 for motor in base.motors
+    ]
+    told = base.twist(each)
+    assert (told.vx_mps, told.vy_mps, told.wz_rps) == pytest.approx(twist, abs=0.06)
+
+
+def test_a_base_on_rollers_stands_when_its_motors_do():
+    engine = Engine(WORLD, (), MECANUM, rollers=True)
+    run(engine, 1.0, front_left=-0.3, front_right=0.3, rear_left=0.3, rear_right=-0.3)
+    assert engine.pose().y_m > 0.05
+    run(engine, 1.5)
+    began = engine.pose().y_m
+    run(engine, 0.5)
+    assert engine.pose().y_m == pytest.approx(began, abs=0.005)
