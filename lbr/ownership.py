@@ -1,4 +1,4 @@
-"""Who could change what is at a path: one check for the home, its keys, the database and its logs, and capability
+"""Tells who could change what is at a path: one check for the home, its keys, the database and its logs, and capability
 files.
 
 A place is ours if it belongs to us or to root, if no other user may write it, and if that holds for each folder and

@@ -1,4 +1,4 @@
-"""Where the files that ship with lbr are: inside an installed package, or at the root of a checkout."""
+"""Finds the files that ship with lbr: inside an installed package, or at the root of a checkout."""
 
 from pathlib import Path
 

@@ -18,7 +18,7 @@ OLDEST_S = 0.3
 
 
 class WanderSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `wander` may set."""
+    """Settings of a row of kind `wander`."""
 
     power: Annotated[float, Meta(gt=0.0, le=0.5)] = 0.25
     turn_at_m: Annotated[float, Meta(ge=0.4, le=3.0, description="turns when something ahead is nearer")] = 0.9

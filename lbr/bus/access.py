@@ -1,4 +1,4 @@
-"""Who may do what on a router: the users it knows, what each may send into it, and what it is given.
+"""The rights on a router: the users it knows, what each may send into it, and what it is given.
 
 Zenoh enforces this and refuses nothing aloud: what is not allowed is dropped where it comes in.
 """
@@ -23,7 +23,7 @@ class Credentials(Struct, frozen=True, kw_only=True):
 
 
 class Rights(Struct, frozen=True, kw_only=True):
-    """What a user may do, each as key expressions; nothing else passes.
+    """The rights of a user, each as key expressions; nothing else passes.
 
     `put` to publish, `ask` to query, `serve` to answer queries, `hear` to subscribe and be given, `alive` to show
     presence and `watch` to see it. `never_put` takes back part of `put`, `never_hear` part of what others put and
@@ -42,7 +42,8 @@ class Rights(Struct, frozen=True, kw_only=True):
 
 
 class Limits(Struct, frozen=True, kw_only=True):
-    """What a router takes from each link of `protocols`: the size of a message, and how many a second on which key.
+    """Limits of what a router takes from each link of `protocols`: the size of a message, and how many a second on
+    which key.
 
     What is put more often than `puts_hz` says is dropped where it comes in. `sessions` may be open at once.
     """

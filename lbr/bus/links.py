@@ -1,4 +1,4 @@
-"""Who comes and goes at a router."""
+"""Tells who comes and goes at a router."""
 
 from collections import deque
 from collections.abc import Callable

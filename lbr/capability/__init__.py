@@ -1,4 +1,4 @@
-"""What a driver, operation or app is: its kind, its settings and ports, and its life.
+"""A driver, operation or app: its kind, its settings and ports, and its life.
 
 A capability of your own needs no more than this package: `Kind` to declare it, `Capability` to subclass.
 """

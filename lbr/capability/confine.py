@@ -1,4 +1,4 @@
-"""What a process gives up before it does anything: Linux capabilities, new privileges, core dumps, files for others.
+"""Confines a process before it does anything: Linux capabilities, new privileges, core dumps, files for others.
 
 Imports nothing of the project, so that a program's tether can use it too. To be called while there is one thread.
 """

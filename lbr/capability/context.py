@@ -1,4 +1,4 @@
-"""What a running capability sees of the robot: settings, wiring, bus and emergency stop."""
+"""The robot as a running capability sees it: settings, wiring, bus and emergency stop."""
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass

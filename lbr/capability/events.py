@@ -1,4 +1,4 @@
-"""How many events of a kind may be told: a burst, then a steady trickle; what was left out is counted, never lost
+"""Limits how many events of a kind are told: a burst, then a steady trickle; what was left out is counted, never lost
 silently."""
 
 BURST = 20.0

@@ -1,4 +1,4 @@
-"""Who stopped the robot last, so that what others had written before moves nothing any more. Pure."""
+"""Remembers who stopped the robot last, so that what others had written before moves nothing any more. Pure."""
 
 from math import inf
 

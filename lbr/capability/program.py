@@ -12,7 +12,7 @@ Port = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
 
 
 class ProgramSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How to start the program: `argv` without a shell, and the names of its ports.
+    """Settings of a program: `argv` without a shell, and the names of its ports.
 
     `ready`: `start` counts it ready once it runs, `token` once it declares the liveliness token `LBR_ALIVE`.
     """

@@ -1,4 +1,5 @@
-"""Which kinds there are: the installed ones by entry point, and the user's own files in `$LBR_HOME/capabilities`."""
+"""Finds the kinds that there are: the installed ones by entry point, and the user's own files in
+`$LBR_HOME/capabilities`."""
 
 import contextlib
 import re

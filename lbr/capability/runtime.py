@@ -97,7 +97,7 @@ class Port:
 
 
 class ProcessContext:
-    """What `Capability.ctx` is in a process of its own.
+    """The context of a capability in a process of its own.
 
     `wake` is called from any thread for whatever arrives; for streams `wake_for_streams` is, or nothing if it is None.
     """

@@ -1,4 +1,5 @@
-"""When a stream's messages were sent, by our clock, and which are newer than those before; also from another machine."""
+"""Tells when a stream's messages were sent, by our clock, and which are newer than those before; also from another
+machine."""
 
 from collections import deque
 from math import inf

@@ -1,1 +1,1 @@
-"""What people type and see: the grammar of lines, holding a motion, the terminal and the commands of `lbr`."""
+"""The user interface in text: the grammar of lines, holding a motion, the terminal and the commands of `lbr`."""

@@ -51,7 +51,7 @@ class Telemetry(Struct, frozen=True, kw_only=True):
 
 
 class Operator(Protocol):
-    """What a front end needs of a robot. `submit` may be called by several threads at once.
+    """The part of a robot that a front end needs. `submit` may be called by several threads at once.
 
     What moves goes on only while the thread that would take a stop beats at `ear`, ten times a second.
     """

@@ -54,7 +54,7 @@ Parsed = VerbCall | ExternalCall | ExternalStop | PythonLine
 
 
 class Vocabulary:
-    """What can be said to one robot: the words that every robot has, and those of its rows.
+    """The vocabulary of one robot: the words that every robot has, and those of its rows.
 
     `messages` gives the type (a Struct or a JSON Schema) of a target's message, by target (`drive.command`);
     fields of a target that it does not name are texts. `roles` gives the least role that a target needs, whatever the

@@ -1,4 +1,4 @@
-"""Who feeds whom, from the rows: as a text tree, as a graph for `dot`, and as plain data."""
+"""Shows who feeds whom, from the rows: as a text tree, as a graph for `dot`, and as plain data."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""What is wrong with a robot's rows: every problem at once, each with its table, row and column."""
+"""Finds what is wrong with a robot's rows: every problem at once, each with its table, row and column."""
 
 from collections.abc import Iterable, Mapping
 

@@ -1,4 +1,4 @@
-"""What SQLite says when a row is against the schema, in words: the table, the column, and what is allowed there."""
+"""Tells in words what SQLite says when a row is against the schema: the table, the column, and what is allowed there."""
 
 import re
 import sqlite3

@@ -17,7 +17,7 @@ ROBOT = "robot"
 
 
 class Problem(Struct, frozen=True):
-    """What is wrong with one row: `row` is its key as people read it, `column` may be empty for the whole row."""
+    """A problem of one row: `row` is its key as people read it, `column` may be empty for the whole row."""
 
     table: str
     row: str

@@ -1,4 +1,5 @@
-"""Which robots there are: of lbr and of other packages; one that cannot be used is named with its package, others stay."""
+"""Finds the robots that there are: of lbr and of other packages; one that cannot be used is named with its package,
+others stay."""
 
 import re
 from collections.abc import Iterator

@@ -27,7 +27,7 @@ def rhythm(random: Random) -> Rhythm:
 
 
 class BusTiming(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What delays an answer beyond its bytes' own time at the line's rate. Each part may be 0.
+    """Delays of an answer beyond its bytes' own time at the line's rate. Each part may be 0.
 
     `ping_us`, `read_us`, `write_us` and `write_byte_us` are what a servo thinks about before it answers (as users
     measured it); its return delay register hides that time, or with `delay_adds` comes on top (which of the two was not

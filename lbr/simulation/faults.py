@@ -1,4 +1,4 @@
-"""What can be made to go wrong with an emulated device: its row's setting `faults`, and changed while it runs."""
+"""Faults of an emulated device: its row's setting `faults`, and changed while it runs."""
 
 from typing import Annotated, Any, TypeVar
 
@@ -15,7 +15,7 @@ F = TypeVar("F", bound="Faults")
 
 
 class Faults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What can go wrong with any device: `unplug`, its cable is out."""
+    """Faults of any device: `unplug`, its cable is out."""
 
     unplug: bool = False
 
@@ -40,8 +40,8 @@ class LineFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class I2cFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of a device on an i2c bus; `unplug`: the bus is gone.
 
-    `silent`: the bus hangs, nothing is answered. `nak`: a transaction is not acknowledged. `half`: an answer ends early.
-    `all_ones`: whatever is read is 0xFF. `brown_out`: it is without supply.
+    `silent`: the bus hangs, nothing is answered. `nak`: a transaction is not acknowledged. `half`: an answer ends
+    early. `all_ones`: whatever is read is 0xFF. `brown_out`: it is without supply.
     """
 
     silent: bool = False

@@ -1,4 +1,4 @@
-"""What can be asked of the world while it runs."""
+"""Requests to the world while it runs."""
 
 from typing import Annotated, Any
 
@@ -12,7 +12,8 @@ Pixels = Annotated[int, Meta(ge=100, le=4000)]
 
 
 class PlugRequest(Struct, frozen=True, kw_only=True):
-    """Emulate one more device, at the place where this robot's emulated devices are; the executive asks it for a new row."""
+    """Emulate one more device, at the place where this robot's emulated devices are; the executive asks it for a new
+    row."""
 
     device: Name
     type: str
@@ -80,7 +81,8 @@ class BallReply(Struct, frozen=True, kw_only=True):
 
 
 class HandRequest(Struct, frozen=True, kw_only=True):
-    """Have a hand move a joint of a humanoid's body there, and hold it: as a person moves a limp one. `gone`: it leaves all."""
+    """Have a hand move a joint of a humanoid's body there, and hold it: as a person moves a limp one. `gone`: it leaves
+    all."""
 
     joint: NameOrNone = ""
     angle_deg: Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees from the joint's zero")] = 0.0

@@ -1,4 +1,4 @@
-"""What a `world` row may set; the defaults are a furnished room with the lbr6 robot and its dock in it."""
+"""Settings of a `world` row; the defaults are a furnished room with the lbr6 robot and its dock in it."""
 
 from math import cos, radians, sin
 from typing import Annotated
@@ -127,10 +127,10 @@ class Ultrasonic(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Dock(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The charging dock: the middle of its face, whose normal points along `yaw_rad`, and what it sends.
 
-    It is low enough for the ultrasonic sensors to look over it from nearby. The robot backs against it; it charges while
-    both contacts, `contacts_m` apart, touch within `give_m`, and within `plate_m` to each side. Its infrared beams reach
-    from `overlap_deg` / 2 beyond its middle line to `spread_deg`, the left one to its own left (y). The robot's receiver
-    sees within `receiver_deg` around straight back.
+    It is low enough for the ultrasonic sensors to look over it from nearby. The robot backs against it; it charges
+    while both contacts, `contacts_m` apart, touch within `give_m`, and within `plate_m` to each side. Its infrared
+    beams reach from `overlap_deg` / 2 beyond its middle line to `spread_deg`, the left one to its own left (y). The
+    robot's receiver sees within `receiver_deg` around straight back.
     """
 
     x_m: Place = -1.14

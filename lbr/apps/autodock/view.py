@@ -1,4 +1,4 @@
-"""What docking sees, and what it may do."""
+"""The part of the robot that docking sees and uses."""
 
 from collections.abc import Generator
 from dataclasses import dataclass

@@ -9,7 +9,7 @@ from lbr.messages.leases import CommandReply
 
 
 class CamerasSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `cameras` may set."""
+    """Settings of a row of kind `cameras`."""
 
 
 OFF = "off"

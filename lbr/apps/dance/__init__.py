@@ -14,7 +14,7 @@ from lbr.messages.units import Name
 
 
 class DanceSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `dance` may set: the choreography that is danced unless a command names another."""
+    """Settings of a row of kind `dance`: the choreography that is danced unless a command names another."""
 
     dance: Name = "to_and_fro"
     max_s: Annotated[float, Meta(gt=0.0, le=3600.0, description="the longest dance")] = 300.0

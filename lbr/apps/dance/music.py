@@ -1,4 +1,5 @@
-"""The song of a dance, played by speech: when it began, and whether it goes on. Without sound, beats are counted from now."""
+"""The song of a dance, played by speech: when it began, and whether it goes on. Without sound, beats are counted from
+now."""
 
 from typing import Any, Protocol
 
@@ -12,7 +13,7 @@ NEAR_THE_END_S = 0.5
 
 
 class Asking(Protocol):
-    """What is needed of a context."""
+    """The part of a context that is needed here."""
 
     def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         """Ask by a request port."""

@@ -1,4 +1,4 @@
-"""Who is at the other end of a connection within this machine, by what the kernel says of its socket. Linux only.
+"""Tells who is at the other end of a connection within this machine, by what the kernel says of its socket. Linux only.
 
 A program that passes on what others ask, a tunnel or a proxy, is itself at that end: `is_relayed` knows those that say
 so.

@@ -1,4 +1,4 @@
-"""Which connections are held, and which is cut when there are too many or it takes too long. Pure.
+"""Decides which connections are held, and which is cut when there are too many or it takes too long. Pure.
 
 A connection is always let in: what it wants is known only once its head is read, and it may be a stop. What makes room
 for it asks nothing yet, or has waited longest.

@@ -1,4 +1,4 @@
-"""Whether messages still pass through the door and its threads go round. Pure; it counts rounds, not seconds.
+"""Tells whether messages still pass through the door and its threads go round. Pure; it counts rounds, not seconds.
 
 A machine that has no time for this process has none for what it hears either, so nothing is concluded from its silence.
 """

@@ -14,7 +14,7 @@ LanguageTag = Annotated[str, Meta(pattern="^[a-z][a-z]+(-[a-z0-9]+)*$", max_leng
 
 
 class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `speech` may set.
+    """Settings of a row of kind `speech`.
 
     `language` is that of texts and of the phrases looked up first; `greets` says the phrases `hello` and `goodbye`.
     """

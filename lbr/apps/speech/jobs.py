@@ -1,4 +1,4 @@
-"""What waits to be said: in order, bounded, each first written to a file and then played. No I/O."""
+"""The queue of speech: in order, bounded, each first written to a file and then played. No I/O."""
 
 from collections import deque
 from dataclasses import dataclass

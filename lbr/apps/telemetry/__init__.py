@@ -17,7 +17,7 @@ from lbr.messages.telemetry import Telemetry
 
 
 class TelemetrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `telemetry` may set."""
+    """Settings of a row of kind `telemetry`."""
 
     rate_hz: Annotated[float, Meta(ge=0.1, le=20.0, description="packages a second")] = 5.0
 

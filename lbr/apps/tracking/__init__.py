@@ -17,7 +17,7 @@ Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
 
 
 class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `tracking` may set; the colour is that of an orange ball, as hue, saturation and value.
+    """Settings of a row of kind `tracking`; the colour is that of an orange ball, as hue, saturation and value.
 
     A hue from 350 to 10 goes over red. The yaw joint turns to the left, the pitch joint downwards, the camera with
     both.

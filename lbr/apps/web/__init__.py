@@ -35,7 +35,7 @@ Network = Annotated[str, Meta(description="an address or a network, such as 192.
 
 
 class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `web` may set.
+    """Settings of a row of kind `web`.
 
     Where other machines reach it, it speaks TLS, unless `clear_text` says otherwise. `trusted` are the networks whose
     clients operate without a token. `legacy` opens what was built before there were tokens: then so do all programs of

@@ -1,4 +1,4 @@
-"""Who asks: this machine, its owner, trusted networks, tokens and their roles."""
+"""Tells who asks: this machine, its owner, trusted networks, tokens and their roles."""
 
 import ipaddress
 import secrets

@@ -1,4 +1,5 @@
-"""Which faces are shown: those that the row names, out of installed packages. What cannot be shown is refused in words."""
+"""Chooses the faces that are shown: those that the row names, out of installed packages. What cannot be shown is
+refused in words."""
 
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from dataclasses import replace

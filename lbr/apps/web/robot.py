@@ -23,7 +23,7 @@ EDIT_S = 5.0
 
 
 class Snapshot(Struct, frozen=True, kw_only=True):
-    """What was heard last of everything, by the input; `faces` is what each face adds."""
+    """The newest message of each input; `faces` is what each face adds."""
 
     at: float
     heard: dict[str, Received] = {}

@@ -1,4 +1,4 @@
-"""Which route answers a request, and what it takes out of it. Pure.
+"""Finds the route that answers a request, and what it takes out of it. Pure.
 
 Paths are found as widespread servers do: letters in either case, and with or without a slash at the end. They are
 compared as they were written: what is hidden behind percent signs is another path.

@@ -14,7 +14,7 @@ ControlName = Annotated[str, Meta(min_length=1, max_length=80)]
 
 
 class CameraSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `camera` may set; where a camera cannot do it exactly, its state says what it does.
+    """Settings of a row of kind `camera`; where a camera cannot do it exactly, its state says what it does.
 
     `controls` are the camera's own, by their names in V4L2 (`v4l2-ctl --list-ctrls`) or libcamera; the rest stay as
     they are.

@@ -27,7 +27,7 @@ SupplyV = Annotated[float, Meta(ge=5.0, le=16.0, description="volts")]
 
 
 class DynamixelSettings(RegisterServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `dynamixel` may set."""
+    """Settings of a row of kind `dynamixel`."""
 
     baud: Annotated[int, Meta(ge=7843, le=1_000_000)] = 1_000_000
     reply_margin_s: Annotated[

@@ -14,7 +14,8 @@ from lbr.messages.units import Name
 Beam = Literal["left", "right", "power"]
 BEAMS: tuple[Beam, ...] = ("left", "right", "power")
 SONY_BITS = {6: 0x1F007F, 7: 0xFF007F, 8: 0x1FFF7F}
-"""Which bits of a scancode Sony-12, -15 and -20 have, by protocol number, as the kernel's decoder puts them together."""
+"""Which bits of a scancode Sony-12, -15 and -20 have, by protocol number, as the kernel's decoder puts them together.
+"""
 Code = (
     Annotated[int, Meta(ge=1, lt=2**32)]
     | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x400021")]
@@ -24,8 +25,8 @@ Code = (
 class Codes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The scancode of each beam, as a number or in hexadecimal; null: the dock has no such beam.
 
-    The defaults are examples in the form of Sony-15, where the kernel puts the device into bits 16 to 23 and the command
-    into bits 0 to 6. No dock's real codes are known: `ir-keytable -t` shows yours.
+    The defaults are examples in the form of Sony-15, where the kernel puts the device into bits 16 to 23 and the
+    command into bits 0 to 6. No dock's real codes are known: `ir-keytable -t` shows yours.
     """
 
     left: Code | None = "0x400021"
@@ -34,7 +35,7 @@ class Codes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `infrared` may set.
+    """Settings of a row of kind `infrared`.
 
     `protocols` are the kernel's protocol numbers (`enum rc_proto`) that count; empty: any. `records` is what the device
     sends: `scancodes` as /dev/lirc0 does, `events` as /dev/input/event0 does; `auto` goes by the address.

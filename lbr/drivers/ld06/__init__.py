@@ -10,7 +10,7 @@ from lbr.messages.units import Name
 
 
 class Ld06Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `ld06` may set; where it is and how far it sees is the row `sensor` of `range_sensor`."""
+    """Settings of a row of kind `ld06`; where it is and how far it sees is the row `sensor` of `range_sensor`."""
 
     device: Name
     sensor: Name = "lidar"

@@ -10,7 +10,7 @@ from lbr.messages.units import Name
 
 
 class Mpu9150Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `mpu9150` may set."""
+    """Settings of a row of kind `mpu9150`."""
 
     device: Name
     rate_hz: Annotated[float, Meta(ge=10.0, le=200.0, description="samples per second")] = 100.0

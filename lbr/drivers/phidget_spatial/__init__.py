@@ -12,7 +12,7 @@ from lbr.messages.units import Name
 
 
 class PhidgetSpatialSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `phidget_spatial` may set.
+    """Settings of a row of kind `phidget_spatial`.
 
     `gravity_sign` -1: the unit says -1 g along the axis that points up, as these boards do.
     """

@@ -15,7 +15,7 @@ Sensor = Literal["to92", "ntc"]
 
 
 class PicoSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `pico` may set.
+    """Settings of a row of kind `pico`.
 
     `relay_on` is what the relay's register holds while the motors have power, which depends on the wiring. With
     `still_alive_s` the supply resets the computer, for certain, once this driver has not fed it for that long; 0: it is

@@ -10,7 +10,7 @@ from lbr.messages.units import Name
 
 
 class RioxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `riox` may set.
+    """Settings of a row of kind `riox`.
 
     The scales are those that robots with this unit have used; no manual at hand confirms them, so compare them with a
     turn, a tilt and a field that you know. `echo`: the unit repeats each query, and only what follows its own counts.

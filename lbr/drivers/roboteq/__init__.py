@@ -31,7 +31,7 @@ class Wheel(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class RoboteqSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `roboteq` may set."""
+    """Settings of a row of kind `roboteq`."""
 
     left: Wheel = Wheel(channel=1)
     right: Wheel = Wheel(channel=2)

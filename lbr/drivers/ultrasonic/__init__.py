@@ -14,9 +14,10 @@ SENSORS = RING
 
 
 class UltrasonicSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `ultrasonic_ring` may set.
+    """Settings of a row of kind `ultrasonic_ring`.
 
-    The board tells five sensors, and others by their names in the rows of `range_sensor`. An MB1220 is said to measure from 20 cm; on the robot that this is for, 17 to 19 cm are real: its dock is that near.
+    The board tells five sensors, and others by their names in the rows of `range_sensor`. An MB1220 is said to measure
+    from 20 cm; on the robot that this is for, 17 to 19 cm are real: its dock is that near.
     """
 
     device: Name

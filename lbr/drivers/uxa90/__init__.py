@@ -19,7 +19,7 @@ Slot = Annotated[int, Meta(ge=1, le=42)]
 
 
 class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `uxa90` may set."""
+    """Settings of a row of kind `uxa90`."""
 
     baud: Annotated[int, Meta(ge=4800, le=921_600)] = 115_200
     sweep_hz: Annotated[float, Meta(ge=0.0, le=50.0, description="position sweeps per second; 0 reads none")] = 20.0

@@ -1,4 +1,4 @@
-"""What a row of kind `attitude` may set."""
+"""Settings of a row of kind `attitude`."""
 
 from typing import Annotated
 
@@ -37,7 +37,7 @@ class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `attitude` may set; `device` is the inertial unit whose calibration it keeps.
+    """Settings of a row of kind `attitude`; `device` is the inertial unit whose calibration it keeps.
 
     The gyro's zero is learnt at rest: no axis off by more than `bias_limit_dps`, none noisier than `still_noise_dps`
     (standard deviation), the field not turning. `still` is a body that turns by less than `still_dps`.

@@ -1,4 +1,4 @@
-"""Whether the body is still, and the gyro's zero, which is learnt only then. No I/O, no clock."""
+"""Tells whether the body is still, and the gyro's zero, which is learnt only then. No I/O, no clock."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -112,7 +112,7 @@ class Smooth:
 
 
 class _Charger:
-    """Whether the battery hangs on one. Off it, a battery keeps its voltage for a while but never raises it."""
+    """Tells whether the battery is on a charger. Off it, a battery keeps its voltage for a while but never raises it."""
 
     def __init__(self, settings: BatterySettings) -> None:
         self.charging = False

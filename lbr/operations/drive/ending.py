@@ -1,4 +1,4 @@
-"""How a motion of the base ends: by itself, by a stop, by a fault; and what is said of it."""
+"""The end of a motion of the base: by itself, by a stop, by a fault; and the messages about it."""
 
 from math import isnan
 

@@ -1,4 +1,4 @@
-"""What a row of kind `drive` may set."""
+"""Settings of a row of kind `drive`."""
 
 from typing import Annotated, Literal
 
@@ -37,7 +37,7 @@ DEFAULT_RULES = (
 
 
 class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How a base is moved.
+    """Settings of how a base is moved.
 
     `mixing`: `normalised` keeps the shape of every arc, no wheel faster than the power asked; `clamped` sums and
     clamps in thousandths. `reverse_steering`: `rotation` keeps the sense of rotation when reversing, `travel` lets

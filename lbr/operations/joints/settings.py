@@ -1,4 +1,4 @@
-"""What a row of kind `joints` may set."""
+"""Settings of a row of kind `joints`."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from lbr.messages.units import TtlS
 
 
 class JointsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the joints of a humanoid are moved.
+    """Settings of how a humanoid's joints are moved.
 
     A motion has reached its end when every joint of it was measured within `tolerance_rad`, or `settle_s` later.
     `open_loop`: joints that are not measured may be moved too. They count as being where they were last told to be, and

@@ -1,4 +1,4 @@
-"""What the joints kernel knows, what can happen to it, and what it says in return."""
+"""State, events and outputs of the joints kernel."""
 
 from collections.abc import Mapping
 from math import inf, nan

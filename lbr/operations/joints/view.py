@@ -1,4 +1,4 @@
-"""What the world may know of the joints."""
+"""Make the public state of the joints."""
 
 from math import isfinite
 

@@ -1,4 +1,4 @@
-"""How a lease ends: by itself, by a stop, by a fault; and what is said of it."""
+"""The end of a lease: by itself, by a stop, by a fault; and the messages about it."""
 
 from msgspec.structs import replace
 

@@ -1,4 +1,4 @@
-"""What is known of who has something that moves, what is asked of it, and what is said in return."""
+"""The data of lending motion: leases, requests, stops and replies."""
 
 from collections.abc import Hashable, Mapping
 from math import inf, isnan, nan
@@ -24,7 +24,7 @@ IDLE = Reason("idle", "")
 
 
 class Phrasing(Struct, frozen=True, kw_only=True):
-    """How a kernel speaks of what it moves: the base, send power 0."""
+    """The terms in which a kernel speaks of what it moves: the base, send power 0."""
 
     noun: str
     rest: str
@@ -104,7 +104,7 @@ class PersistentSender(Struct, frozen=True, kw_only=True):
 
 
 class Tally(Struct, frozen=True, kw_only=True):
-    """How many changes of holder may be told now, and how many were not."""
+    """A budget for telling changes of holder: how many may be told now, and how many were not."""
 
     left: float = TELLINGS
     at: float = -inf
@@ -112,7 +112,7 @@ class Tally(Struct, frozen=True, kw_only=True):
 
 
 class LeaseTable(Struct, Generic[M], frozen=True, kw_only=True):
-    """Who has what moves. `offers` are leases that remote senders have yet to quote.
+    """Every lease on what moves. `offers` are leases that remote senders have yet to quote.
 
     Whatever was sent at or before `stopped` or `begun` begins nothing any more, nor what had waited at its sender since
     before one of `halts`; `stopped_by` says who stopped it then, if it was a stop. `reason` says why it has no holder.
@@ -157,13 +157,13 @@ class Happened(Struct, frozen=True, kw_only=True):
 
 
 class Setpoint(Struct, frozen=True, kw_only=True):
-    """What is to be done now by what moves."""
+    """A setpoint for what moves."""
 
     message: Struct
 
 
 class Result(Struct, frozen=True, kw_only=True):
-    """How a motion ended."""
+    """The result of a motion."""
 
     message: GoalResult
 

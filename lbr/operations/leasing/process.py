@@ -24,7 +24,7 @@ MOST_WAITING = 16
 
 
 class LeasedState(Protocol):
-    """What is needed of a kernel's state."""
+    """The part of a kernel's state that is needed here."""
 
     @property
     def leases(self) -> LeaseTable[Any]:

@@ -1,4 +1,4 @@
-"""What a command wants, and the links of the chain it passes that are about leases."""
+"""The intent of a command, and the links of the chain it passes that are about leases."""
 
 from math import inf, isfinite
 from typing import Literal

@@ -21,7 +21,7 @@ from lbr.messages.units import TtlS
 
 
 class MotionsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `motions` may set."""
+    """Settings of a row of kind `motions`."""
 
     ttl_s: TtlS = 0.3
     bus: BusOfJoints = ""

@@ -19,7 +19,7 @@ RENEWAL = JointsCommand()
 
 
 class Context(Transport, Protocol):
-    """What is needed of a context."""
+    """The part of a context that is needed here."""
 
     def latest(self, port: str) -> Received | None:
         """Return the newest message of an input."""

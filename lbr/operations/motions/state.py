@@ -1,4 +1,4 @@
-"""What the kernel of motions knows, what can happen to it, and what it says in return."""
+"""State, events and outputs of the kernel of motions."""
 
 from math import inf
 

@@ -1,4 +1,4 @@
-"""What the world may know of the motions."""
+"""Make the public state of the motions."""
 
 from lbr.messages.joints import MotionsState
 from lbr.operations.motions.state import State

@@ -12,7 +12,7 @@ from lbr.messages.odometry import OdometryState
 
 
 class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `odometry` may set.
+    """Settings of a row of kind `odometry`.
 
     `track_m` is the distance between the wheels as it works out when turning on the spot: more than what a ruler says.
     Where rows of `wheel` describe the base, they count instead of `track_m` and `wheel_diameter_m`. A wheel stalls that

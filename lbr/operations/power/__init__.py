@@ -19,7 +19,7 @@ Deadline = Annotated[float, Meta(gt=0.0, le=600.0, description="seconds")]
 
 
 class PowerSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `power` may set; the defaults are a lithium-polymer battery of three cells.
+    """Settings of a row of kind `power`; the defaults are a lithium-polymer battery of three cells.
 
     `device` is the supply beside whose row is kept whether it is armed, and its thresholds; `armed`, `warn_v` and
     `shutdown_v` hold until they are set. Low is what stays below for `hold_s` and `hold_samples` readings;

@@ -17,7 +17,7 @@ AGAIN_S = 0.2
 
 
 class Wired(Transport, Protocol):
-    """What is needed of a context."""
+    """The part of a context that is needed here."""
 
     def targets(self, request: str) -> tuple[str, ...]:
         """Return who is wired to it."""

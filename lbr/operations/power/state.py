@@ -1,4 +1,4 @@
-"""What the file-safe shutdown knows, what may happen to it, and what it may have done. Data only."""
+"""State, events and outputs of the file-safe shutdown. Data only."""
 
 from dataclasses import dataclass
 from math import inf

@@ -1,4 +1,4 @@
-"""What a `humanoid_world` row may set; the defaults are small servos on three lithium cells."""
+"""Settings of a `humanoid_world` row; the defaults are small servos on three lithium cells."""
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase

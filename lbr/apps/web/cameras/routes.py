@@ -28,7 +28,7 @@ class CameraParams(Struct, frozen=True, kw_only=True):
 
 
 class Source(Protocol):
-    """Where pictures come from. Coroutines run where handlers do; `begin` and `tell` on the server's thread."""
+    """A source of pictures. Coroutines run where handlers do; `begin` and `tell` on the server's thread."""
 
     async def states(self) -> Mapping[str, CameraState]:
         """Return how each camera is, by its short name."""

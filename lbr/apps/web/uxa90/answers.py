@@ -1,4 +1,4 @@
-"""What the API answers with: keys and their order are those that phones and scripts know; others come only when asked for."""
+"""Answers of the API: keys and their order are those that phones and scripts know; others come only when asked for."""
 
 from typing import Any, Literal
 
@@ -8,7 +8,8 @@ Number = int | float
 
 
 class Measured(Struct, frozen=True):
-    """What a servo said of itself: its count, its load as a fraction, how old that is; null is not known or not believed."""
+    """What a servo said of itself: its count, its load as a fraction, how old that is; null is not known or not
+    believed."""
 
     position: int | None
     load: float | None
@@ -17,7 +18,8 @@ class Measured(Struct, frozen=True):
 
 
 class MotorData(Struct, frozen=True):
-    """A motor. `position` is what it was told last; `rawPosition` the same as a whole count, `smartPosition` in the asked unit."""
+    """A motor. `position` is what it was told last; `rawPosition` the same as a whole count, `smartPosition` in the
+    asked unit."""
 
     id: int
     name: str

@@ -1,4 +1,4 @@
-"""What the API takes in queries and bodies, as its document describes it."""
+"""Queries and bodies of the API, as its document describes it."""
 
 from typing import Annotated, Literal
 
