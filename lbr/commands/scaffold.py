@@ -19,6 +19,7 @@ from lbr.capability import registry
 from lbr.capability.kind import KindError
 from lbr.database import builtin
 from lbr.errors import InputError
+from lbr.robots import registry as robots
 from lbr.robots.registry import plain
 
 What = Literal["robot", "driver", "capability"]
@@ -111,10 +112,7 @@ def _taken(what: What, name: str) -> Iterator[str]:
         yield "is a module of Python's own library"
     elif name in _OURS:
         yield "is a name of lbr itself"
-    for group, kind in GROUPS.items():
-        known = {plain(one.name): one for one in plugins.every(group)}
-        if name in known:
-            yield f"is {kind} of package '{known[name].package}' already"
+    yield from _brought(name)
     if (own := registry.user_directory(home.home()) / f"{name}.py").is_file():
         yield f"is a capability of your own already, in {own}"
     if what == "capability" and (whose := _word_of(name)):
@@ -122,6 +120,18 @@ def _taken(what: What, name: str) -> Iterator[str]:
     with suppress(ImportError, ValueError):
         if (spec := importlib.util.find_spec(name)) is not None:
             yield f"is a module that is installed already, at {spec.origin or 'several places'}"
+
+
+def _brought(name: str) -> Iterator[str]:
+    """Yield which packages bring something of that name."""
+    for group, kind in GROUPS.items():
+        known = {plain(one.name): one for one in plugins.every(group)}
+        if name in known:
+            yield f"is {kind} of package '{known[name].package}' already"
+    for found in robots.every():
+        profiles = map(plain, robots.profiles(found.robot)) if found.robot is not None else ()
+        if found.name != name and {name, f"{name}_sim"} & set(profiles):
+            yield f"is a launch profile of the robot '{found.name}' already"
 
 
 def _word_of(name: str) -> str:

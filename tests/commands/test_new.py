@@ -120,6 +120,7 @@ def test_nothing_is_overwritten_and_nothing_half_written_stays(tmp_path, monkeyp
         ("tests", "is a name of lbr itself"),
         ("bioloid", "is a robot of package 'lbr' already"),
         ("ultrasonic-ring", "is a kind of capability of package 'lbr' already"),
+        ("bioloid-two", "is a launch profile of the robot 'bioloid' already"),
         ("msgspec", "is a module that is installed already"),
     ],
 )

@@ -1,0 +1,95 @@
+"""What packages bring by the four groups of entry points is refused in the same words, and all else is there."""
+
+import pytest
+
+from lbr import plugins
+from lbr.apps.web import faces
+from lbr.capability import registry, twins
+from lbr.errors import LbrError
+from lbr.robots import registry as robots
+from tests.support.packages import imported_from, package
+
+
+def kind(name, folder):
+    return registry.find(name, folder)
+
+
+def robot(name, _folder):
+    found = robots.find(name)
+    if found.robot is None:
+        raise LbrError(found.fault)
+    return found.robot
+
+
+def twin(name, _folder):
+    return twins.find(name)
+
+
+def face(name, _folder):
+    return faces._made(plugins.installed(faces.GROUP)[name], None)
+
+
+GROUPS = {
+    registry.GROUP: (kind, "the installed kind", "exec"),
+    robots.GROUP: (robot, "robot", "lbr"),
+    twins.GROUP: (twin, "the twin", "roboteq"),
+    faces.GROUP: (face, "", "cameras"),
+}
+BROKEN = {
+    "does not import": (
+        "import nothing_like_this",
+        (),
+        "it does not load: ModuleNotFoundError: No module named 'nothing_like",
+    ),
+    "ends the process": ("raise SystemExit(3)", (), "it does not load: SystemExit: 3"),
+    "is no Python": ("def (:", (), "it does not load: SyntaxError"),
+    "declares nothing": ("", (), "it does not load: AttributeError"),
+    "is for another version": ("", ("lbr>=99",), "it requires lbr >=99, and this is lbr "),
+    "asks for no version that can be read": ("", ("lbr ~~ 1",), "it requires 'lbr ~~ 1', which cannot be read"),
+    "declares something else": ("def IT(robot=None): return 3", (), " is no "),
+}
+
+
+@pytest.fixture
+def site(tmp_path):
+    with imported_from(tmp_path):
+        yield tmp_path
+
+
+def put(site, group, name, code, *, distribution="theirs", requires=()):
+    package(
+        site,
+        distribution,
+        requires=requires,
+        entry_points={group: f"{name} = {distribution}:IT"},
+        files={f"{distribution}.py": code},
+    )
+    plugins.forget()
+
+
+@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize(("code", "requires", "why"), BROKEN.values(), ids=BROKEN)
+def test_a_broken_package_is_refused_by_its_name_and_what_lbr_brings_is_there(group, code, requires, why, site):
+    find, begins, ours = GROUPS[group]
+    put(site, group, "crab", code, requires=requires)
+    with pytest.raises(LbrError) as caught:
+        find("crab", site)
+    assert f"{begins} 'crab' of package 'theirs 0.1' ({group}): ".strip() in str(caught.value)
+    assert why in str(caught.value)
+    if find is not face:  # which needs a robot to show
+        assert find(ours, site) is not None
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_a_name_of_lbr_stays_its_own_and_of_two_packages_neither_has_it(group, site):
+    find, _, ours = GROUPS[group]
+    put(site, group, ours, "raise RuntimeError('never imported')")
+    refused = [one for one in plugins.every(group) if one.refusal]
+    assert [(one.package, one.refusal) for one in refused] == [
+        ("theirs 0.1", f"lbr has its own '{ours}': choose another name")
+    ]
+    assert plugins.installed(group)[ours].ours
+    put(site, group, "crab", "IT = 1", distribution="one")
+    put(site, group, "crab", "IT = 1", distribution="two")
+    with pytest.raises(LbrError, match=r"packages one 0\.1 and two 0\.1 bring it: uninstall all but one"):
+        find("crab", site)
