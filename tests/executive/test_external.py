@@ -7,8 +7,10 @@ from contextlib import closing
 import pytest
 
 from lbr.database.rows import ExternalCommandRow
+from lbr.executive.processes import external
 from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.reaper import Reaper
+from tests.support.robot import until
 
 
 @pytest.fixture
@@ -55,3 +57,16 @@ def test_a_program_has_no_privileges_and_gains_none(commands):
     _code, text = said(commands, "python", "-c", script)
     status = dict(line.split(":\t", 1) for line in text.splitlines() if ":\t" in line)
     assert (status["CapEff"], status["NoNewPrivs"], status["Umask"]) == ("0" * 16, "1", "0077")
+
+
+def test_a_program_whose_row_is_gone_ends_also_if_it_does_not_want_to(commands, tmp_path, monkeypatch):
+    monkeypatch.setattr(external, "STOP_S", 0.2)
+    script = (
+        "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('up', flush=True); time.sleep(60)"
+    )
+    row = ExternalCommandRow(name="probe", argv=("python", "-c", script), blocking=False)
+    command = commands.start(row, ())
+    until(lambda: "up" in (tmp_path / "probe.log").read_text(), what="it runs")
+    commands.prune({"probe"})
+    assert not command.over
+    until(lambda: commands.prune(set()) or command.over, what="it has ended")

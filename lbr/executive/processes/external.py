@@ -58,6 +58,7 @@ class ExternalCommands:
         self._robot = robot
         self._reaper = reaper
         self._running: dict[str, Command] = {}
+        self._asked_at: dict[int, float] = {}
 
     def start(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> Command:
         """Start it; raise InputError if it runs already, LbrError if it cannot be started."""
@@ -128,13 +129,19 @@ class ExternalCommands:
         return f"'{name}' has ended"
 
     def prune(self, names: set[str]) -> None:
-        """End commands whose rows are gone, and forget those that have ended by themselves."""
+        """End commands whose rows are gone, by force after two seconds, and forget those that have ended by themselves."""
+        now = time.monotonic()
         for name, command in list(self._running.items()):
             if command.over:
                 del self._running[name]
+                self._asked_at.pop(command.pid, None)
                 command.mark.ended(kept=name in names and not command.row.blocking)
             elif name not in names:
-                _ask(command.popen)
+                asked_at = self._asked_at.setdefault(command.pid, now)
+                if now - asked_at < STOP_S:
+                    _ask(command.popen)
+                else:
+                    _signal(command.popen, signal.SIGKILL)
 
     def close(self) -> None:
         """End them all, in the same third of a second."""
