@@ -140,7 +140,7 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
     """Show who did what to the robot: the newest entries of the audit trail. Exit code 2 if it was tampered with."""
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import opened  # noqa: PLC0415
-    from lbr.console.printable import one_line  # noqa: PLC0415
+    from lbr.messages.plain import one_line  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
         entries, fault = rows.audit(count), rows.audit_fault()

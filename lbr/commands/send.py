@@ -29,6 +29,7 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     from lbr.console import lines, operator, printable, target  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console.interrupt import interruptible  # noqa: PLC0415
     from lbr.errors import InputError  # noqa: PLC0415
+    from lbr.messages.plain import one_line  # noqa: PLC0415
     from lbr.messages.system import ConsoleResult  # noqa: PLC0415
 
     line = printable.clean(" ".join(words))
@@ -64,5 +65,5 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
             }
         )
     elif ending:
-        click.echo(printable.one_line(ending.text), err=code != 0)
+        click.echo(one_line(ending.text), err=code != 0)
     return code

@@ -233,7 +233,7 @@ def _value(payload: bytes) -> Any:
 
 
 def _lines(value: Any, indent: str = "") -> Iterator[str]:
-    from lbr.console.printable import one_line  # noqa: PLC0415
+    from lbr.messages.plain import one_line  # noqa: PLC0415
 
     if not isinstance(value, dict):
         yield indent + one_line(_scalar(value))

@@ -12,8 +12,8 @@ from typing import IO
 
 from lbr.console.lease_keeper import Ending, LeaseKeeper
 from lbr.console.operator import Operator, is_stop, stopped_since
-from lbr.console.printable import one_line
 from lbr.errors import BusError, InputError, LbrError
+from lbr.messages.plain import one_line
 from lbr.messages.system import ConsoleResult
 
 FAILED, BAD_INPUT = 1, 2

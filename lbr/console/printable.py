@@ -5,6 +5,7 @@ import textwrap
 import unicodedata
 
 from lbr.errors import InputError
+from lbr.messages.plain import one_line
 
 MAX_LINE = 4096
 SHOWN = 60
@@ -37,11 +38,6 @@ def shown(value: object) -> str:
     """Return a value as one short printable piece of text."""
     text = str(value)
     return "".join(c if c.isprintable() else "?" for c in text[:SHOWN]) + ("…" if len(text) > SHOWN else "")
-
-
-def one_line(text: str) -> str:
-    """Return a text as one printable line of any length."""
-    return "".join(c if c.isprintable() else " " for c in text)
 
 
 def wrapped(text: str, width: int) -> str:

@@ -33,10 +33,11 @@ from lbr.console.ear import BEAT_S, STUCK_S, Contact
 from lbr.console.keyboard import CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
 from lbr.console.lease_keeper import Ending
 from lbr.console.operator import BusOperator, is_stop, stopped_since
-from lbr.console.printable import one_line, wrapped
+from lbr.console.printable import wrapped
 from lbr.console.prompt_output import PromptOutput, Screen
 from lbr.console.toolbar import CONTACT_S, toolbar
 from lbr.errors import LbrError
+from lbr.messages.plain import one_line
 from lbr.messages.system import ConsoleResult, Event
 
 PROMPT = "Robot> "

@@ -6,7 +6,8 @@ from lbr.console import joint_status
 from lbr.console.joint_status import BAD, DOUBTFUL, GOOD, Piece
 from lbr.console.lease_keeper import LeaseKeeper
 from lbr.console.operator import Telemetry
-from lbr.console.printable import one_line, shown
+from lbr.console.printable import shown
+from lbr.messages.plain import one_line
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import Status
 

@@ -6,7 +6,7 @@ import socket
 import time
 from collections.abc import Callable, MutableMapping
 
-from lbr.console.printable import one_line
+from lbr.messages.plain import one_line
 
 SOCKET_VARIABLE, PERIOD_VARIABLE, PID_VARIABLE = "NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"
 BEATS_PER_PERIOD = 4

@@ -3,8 +3,10 @@
 from typing import Annotated
 
 from msgspec import Meta, Struct
+from msgspec.structs import force_setattr
 
 from lbr.messages.codes import Reason, ReasonCode, heard
+from lbr.messages.plain import one_line
 
 LeaseId = Annotated[
     str, Meta(max_length=64, description="the lease this command renews or changes; empty asks for one")
@@ -26,6 +28,10 @@ class StopCommand(Struct, frozen=True, kw_only=True):
     reason: Annotated[str, Meta(max_length=200)] = ""
     lost: bool = False
     whole: bool = False
+
+    def __post_init__(self) -> None:
+        """Have the reason be one line, whoever gave it: it is told to whoever was stopped."""
+        force_setattr(self, "reason", one_line(self.reason))
 
 
 class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):

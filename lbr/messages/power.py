@@ -3,7 +3,9 @@
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
+from msgspec.structs import force_setattr
 
+from lbr.messages.plain import one_line
 from lbr.messages.units import Fraction
 
 Supply = Literal["external", "battery"]
@@ -51,6 +53,10 @@ class CancelCommand(Struct, frozen=True, kw_only=True):
     """Let the countdown that runs come to nothing; it starts over only after the voltage was good again."""
 
     reason: Annotated[str, Meta(max_length=200)] = ""
+
+    def __post_init__(self) -> None:
+        """Have the reason be one line, whoever gave it."""
+        force_setattr(self, "reason", one_line(self.reason))
 
 
 class PowerState(Struct, frozen=True, kw_only=True):

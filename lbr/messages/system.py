@@ -3,8 +3,10 @@
 from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
+from msgspec.structs import force_setattr
 
 from lbr.messages.codes import ReasonCode
+from lbr.messages.plain import one_line
 
 Role = Literal["view", "operate", "admin"]
 RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
@@ -41,6 +43,11 @@ class Stamp(Struct, frozen=True, kw_only=True):
     token: str = ""
     waited_s: Annotated[float, Meta(ge=0.0)] = 0.0
 
+    def __post_init__(self) -> None:
+        """Have what a sender calls itself be one line, wherever it is shown."""
+        if not self.source.isprintable():
+            force_setattr(self, "source", one_line(self.source))
+
 
 class Event(Struct, frozen=True, kw_only=True):
     """Something happened: what (`kind`), to whom (`subject`), in one sentence (`text`), and why (`code`).
@@ -63,6 +70,10 @@ class EstopRequest(Struct, frozen=True, kw_only=True):
 
     engaged: bool
     reason: Annotated[str, Meta(max_length=200)] = ""
+
+    def __post_init__(self) -> None:
+        """Have the reason be one line, whoever gave it: every console shows it."""
+        force_setattr(self, "reason", one_line(self.reason))
 
 
 class EstopResetCommand(Struct, frozen=True, kw_only=True):

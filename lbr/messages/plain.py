@@ -1,0 +1,6 @@
+"""Text that somebody else wrote, before it is shown, told or written down."""
+
+
+def one_line(text: str) -> str:
+    """Return a text as one printable line of any length."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else " " for c in text)
