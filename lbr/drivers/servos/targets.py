@@ -18,9 +18,11 @@ MEASURED_S = 0.25
 """A position older than this is not where the servo is, and a servo that was not heard for this long is told no goals.
 """
 FRESH_S = 0.05
-"""Nor is this old where a servo is that moves: to be held there would take it back."""
+"""Of a moving servo even this age is too old: to be held there would take it back. A few sweeps; chosen, not measured.
+"""
 FOUND_S = 0.5
-"""How long a servo that was found with torque keeps it until who moves them knows of it."""
+"""How long a servo that was found with torque keeps it until its mover knows of it: a few rounds of state and setpoint,
+so that a servo heard late after a restart keeps its torque. Chosen, not measured."""
 REPEAT_S = 0.1
 AGAIN_S = 0.2
 FADE_STEP = 0.0097

@@ -15,11 +15,13 @@ from lbr.drivers.uxa90.target_state import BRAKED, LET_GO, LIMP, TargetState
 from lbr.messages.servos import ServoGoal
 
 PLACE_S = 0.6
-"""A position older than this is not where the servo is."""
+"""A position older than this is not where the servo is: twelve sweeps of the usual 20 a second. Chosen, not measured.
+"""
 WEAK_S = 2.0
-"""How long a servo goes at the weakest level if its place was unknown, or it was far from its goal."""
+"""How long a servo goes at the weakest level if its place was unknown, or it was far from its goal. Chosen, not
+measured."""
 SAG = 8
-"""Counts: so far from its goal a servo may rest under its load."""
+"""How far from its goal a servo may rest under its load, in counts. Chosen, not measured on a real robot."""
 REST_S = 0.3
 AGAIN_S = 1.0
 MOVING_S = 1.0
