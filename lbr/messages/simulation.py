@@ -40,13 +40,24 @@ class WorldDock(Struct, frozen=True, kw_only=True):
     overlap_rad: float
 
 
+class WorldSensor(Struct, frozen=True, kw_only=True):
+    """A sensor of one distance on the robot: its place, where it looks and how wide, seen from above."""
+
+    name: str
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    fov_rad: float
+
+
 class WorldScene(Struct, frozen=True, kw_only=True):
-    """What does not move by itself, and the robot's outline."""
+    """What does not move by itself, the robot's outline, and its sensors of one distance."""
 
     walls: tuple[WorldBox, ...]
     robot_length_m: float
     robot_width_m: float
     dock: WorldDock | None = None
+    sensors: tuple[WorldSensor, ...] = ()
 
 
 class WorldPose(Struct, frozen=True, kw_only=True):

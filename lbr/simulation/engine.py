@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from lbr.messages.kinematics import TWO, Wheel
 from lbr.messages.sensing import RangeSensor, ring
-from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
+from lbr.messages.simulation import WorldBox, WorldPose, WorldScene, WorldSensor
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
 from lbr.simulation.docking import DockSense, world_dock
@@ -57,6 +57,7 @@ class Engine:
         self._beams: frozenset[Beam] = frozenset()
         self._charging = False
         sensors = ring(settings.body.length_m, settings.body.width_m) if sensors is None else sensors
+        self._sensors = tuple(_seen_from_above(one) for one in sensors if one.level and one.rays == 1)
         self._rangers = Rangers(mujoco, self._model, sensors, settings.ultrasonic, settings.seed)
         self._imu = InertialUnit(settings.imu, settings.seed)
         self._dock = DockSense(mujoco, self._model, settings.dock, settings.body) if settings.dock else None
@@ -162,13 +163,14 @@ class Engine:
         )
 
     def scene(self) -> WorldScene:
-        """Return what does not move by itself, what was placed too, and the robot's outline."""
+        """Return what does not move by itself, what was placed too, the robot's outline and its sensors."""
         settings = self.settings
         return WorldScene(
             walls=(*map(_box, settings.walls), *self._placed.things),
             robot_length_m=settings.body.length_m,
             robot_width_m=settings.body.width_m,
             dock=world_dock(settings.dock) if settings.dock else None,
+            sensors=self._sensors,
         )
 
     def touching(self) -> bool:
@@ -244,6 +246,10 @@ class Engine:
         if self._dock is not None:
             self._charging = self._dock.charging(place)
             self._beams = self._dock.beams(self._data, place)
+
+
+def _seen_from_above(sensor: RangeSensor) -> WorldSensor:
+    return WorldSensor(name=sensor.name, x_m=sensor.x_m, y_m=sensor.y_m, yaw_rad=sensor.yaw_rad, fov_rad=sensor.fov_rad)
 
 
 def _box(box: BoxSettings) -> WorldBox:

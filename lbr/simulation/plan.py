@@ -2,17 +2,13 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import cos, pi, sin, tau
+from math import cos, sin, tau
 
-from lbr.messages.sensing import Ranges
+from lbr.messages.sensing import Ranges, RangeSensor, ring
 from lbr.messages.simulation import WorldBox, WorldDock, WorldPose, WorldScene
 
 Point = tuple[float, float]
 
-CONE_RAD = 0.20
-"""Half the angle in which an ultrasonic sensor hears its echo."""
-
-_SIDES = (("forward", 0.0), ("left", pi / 2), ("right", -pi / 2), ("back", pi))
 _MARGIN_M = 0.15
 _OVERHEAD_M = 1.9
 _ROUND = 12
@@ -85,15 +81,19 @@ def robot_arrow(scene: WorldScene, pose: WorldPose) -> list[Point]:
 
 def cones(scene: WorldScene, pose: WorldPose, ranges: Ranges) -> Iterator[tuple[str, list[Point]]]:
     """Yield each measured range as the cone it stands for: the sensor's place, then the arc of the echo."""
-    for side, angle in _SIDES:
-        range_m: float | None = getattr(ranges, f"{side}_m")
+    for sensor in scene.sensors or _ring(scene):
+        range_m = ranges.metres(sensor.name)
         if range_m is None:
             continue
-        offset = (scene.robot_length_m if side in {"forward", "back"} else scene.robot_width_m) / 2
-        origin = (offset * cos(angle), offset * sin(angle))
-        arc = [angle + CONE_RAD * step / 4 for step in range(-4, 5)]
+        origin = (sensor.x_m, sensor.y_m)
+        arc = [sensor.yaw_rad + sensor.fov_rad / 2 * step / 4 for step in range(-4, 5)]
         rim = ((origin[0] + range_m * cos(way), origin[1] + range_m * sin(way)) for way in arc)
-        yield side, _placed(pose, (origin, *rim))
+        yield sensor.name, _placed(pose, (origin, *rim))
+
+
+def _ring(scene: WorldScene) -> Iterator[RangeSensor]:
+    """Return the ring that a world has which does not tell its sensors."""
+    return (sensor for sensor in ring(scene.robot_length_m, scene.robot_width_m) if sensor.level)
 
 
 def _rectangle(length: float, width: float) -> tuple[Point, ...]:

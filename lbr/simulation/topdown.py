@@ -69,7 +69,7 @@ def legend_lines(pose: WorldPose, ranges: Ranges | None = None) -> list[str]:
     wheels = f"left {power_bar(pose.left)} {pose.left:+.2f}  right {power_bar(pose.right)} {pose.right:+.2f}"
     lines = [f"{place}  {pose.battery_v:.1f} V{state}", wheels]
     if ranges:
-        lines.append("ranges  " + "  ".join(_range_words(side, ranges) for side in _SIDES))
+        lines.append("ranges  " + "  ".join(_range_words(side, ranges) for side in (*_SIDES, *ranges.others_m)))
     return lines
 
 
@@ -134,7 +134,7 @@ def _write_legend(
     wheels = f"wheels {pose.left:+.2f} {pose.right:+.2f}   {pose.battery_v:.1f} V{_state_words(pose, '   ')}"
     rows = [f"{place}   {wheels}"]
     if ranges:
-        rows.append("ranges   " + "   ".join(_range_words(side, ranges) for side in _SIDES))
+        rows.append("ranges   " + "   ".join(_range_words(side, ranges) for side in (*_SIDES, *ranges.others_m)))
     for index, row in enumerate(rows):
         draw.text((10, height - _LEGEND_PX + 6 + 18 * index), row, fill=_INK, font=font)
     east = width - 12
@@ -148,5 +148,5 @@ def _state_words(pose: WorldPose, gap: str) -> str:
 
 
 def _range_words(side: str, ranges: Ranges) -> str:
-    range_m: float | None = getattr(ranges, f"{side}_m")
+    range_m = ranges.metres(side)
     return f"{side} {ranges.status.get(side, '-')}" if range_m is None else f"{side} {range_m:.2f} m"

@@ -7,9 +7,9 @@ import msgspec
 import pytest
 
 from lbr.messages.sensing import Ranges
-from lbr.messages.simulation import WorldBox, WorldDock, WorldPose, WorldScene
-from lbr.simulation.plan import below, box_corners, dock_beams, dock_corners, fit
-from lbr.simulation.topdown import arrow, image, power_bar, text
+from lbr.messages.simulation import WorldBox, WorldDock, WorldPose, WorldScene, WorldSensor
+from lbr.simulation.plan import below, box_corners, cones, dock_beams, dock_corners, fit
+from lbr.simulation.topdown import arrow, image, legend_lines, power_bar, text
 
 SCENE = WorldScene(
     walls=(WorldBox(name="north", x_m=2.0, y_m=0.0, length_m=0.1, width_m=4.0),),
@@ -63,6 +63,18 @@ def test_the_legend_tells_pose_power_and_ranges():
     assert "left      │██    +0.50  right     █│      -0.25" in wheels
     assert "forward 1.73 m" in ranges
     assert "back over_range" in ranges
+
+
+def test_a_sensor_of_any_name_is_seen_where_it_sits():
+    bow = WorldSensor(name="bow", x_m=0.2, y_m=0.1, yaw_rad=pi / 2, fov_rad=0.2)
+    scene = msgspec.structs.replace(SCENE, sensors=(bow,))
+    seen = msgspec.structs.replace(RANGES, others_m={"bow": 1.0})
+    ((name, cone),) = cones(scene, msgspec.structs.replace(POSE, x_m=1.0, y_m=0.0, yaw_rad=0.0), seen)
+    assert name == "bow"
+    assert cone[0] == pytest.approx((1.2, 0.1))
+    assert cone[5] == pytest.approx((1.2, 1.1))
+    assert "bow 1.00 m" in legend_lines(POSE, seen)[-1]
+    assert [name for name, _ in cones(SCENE, POSE, RANGES)] == ["forward", "left", "right"]
 
 
 def test_power_bars_go_both_ways():

@@ -145,3 +145,18 @@ def test_it_does_not_start_towards_what_its_lidar_sees_and_may_back_away(rover):
     assert (reply["accepted"], reply["code"]) == (False, "obstacle")
     assert "lidar" in reply["reason"]
     assert rover.ask("drive/twist", {"vx_mps": -0.1})["accepted"]
+
+
+def refused(rover, line):
+    rover.say("s")
+    said = rover.say(line)
+    return said["text"] if said["code"] else ""
+
+
+@pytest.mark.parametrize("fault", ["unplug", "dark"])
+def test_without_its_lidar_it_does_not_move(rover, fault):
+    assert rover.say(f"/fault/lidar_port/{fault}")["code"] == 0
+    until(lambda: "lidar back" in refused(rover, "/r/0.1/180"), "it is refused")
+    assert rover.say(f"/fault/lidar_port/{fault}/off")["code"] == 0
+    until(lambda: not refused(rover, "/r/0.1/180"), "it moves with its lidar", 15.0)
+    rover.say("s")

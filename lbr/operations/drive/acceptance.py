@@ -150,7 +150,7 @@ def _limits(state: State, event: Command, ask: LeaseRequest, now: float) -> Reas
         longest_s = state.settings.max_run_s
         return Reason("limit", f"interval_s {command.interval_s:g} is longer than max_run_s {longest_s:g}")
     why = distance_goal.not_possible(command, state.odometry, now)
-    return why or not_plausible(command, state.views, state.settings, now)
+    return why or not_plausible(command, state.views, state.settings, state.sensors, now)
 
 
 def _rules(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason | None:

@@ -18,7 +18,6 @@ from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Goal, State
 from lbr.operations.leasing.lease import Ending
 
-NEAREST_CM = 17.0
 FARTHEST_CM = 768.0
 LOST_AFTER_S = 0.3
 
@@ -33,13 +32,15 @@ def bounded(command: Motion) -> TypeGuard[DriveCommand | TurnCommand | HeadingCo
 
 
 def not_plausible(
-    command: DriveCommand, views: Mapping[str, View], settings: DriveSettings, now: float
+    command: DriveCommand, views: Mapping[str, View], settings: DriveSettings, sensors: Sensors, now: float
 ) -> Reason | None:
-    """Return why a range cannot be driven to, or nothing."""
+    """Return why a range cannot be driven to, or nothing; its sensor has a row."""
     if not command.range_cm > 0.0:
         return None
-    if not NEAREST_CM <= command.range_cm <= FARTHEST_CM:
-        return Reason("bad_value", f"range_cm {command.range_cm:g} is outside {NEAREST_CM:g} to {FARTHEST_CM:g}")
+    row = sensors.rows[command.sensor]
+    nearest_cm, farthest_cm = round(row.min_m * 100, 6), min(FARTHEST_CM, round(row.max_m * 100, 6))
+    if not nearest_cm <= command.range_cm <= farthest_cm:
+        return Reason("bad_value", f"range_cm {command.range_cm:g} is outside {nearest_cm:g} to {farthest_cm:g}")
     view = views.get(command.sensor)
     if view is None or not now - view.seen <= LOST_AFTER_S or isnan(view.raw_m):
         return Reason("stale_sensor", f"sensor {command.sensor} has no reading to watch")

@@ -322,6 +322,8 @@ def test_a_move_may_be_bound_to_any_single_distance_and_to_no_scan():
     bow = RangeSensor(name="bow", kind="infrared", x_m=0.215, fov_rad=0.1)
     base = Base(*RING, bow, LIDAR, scan=scan())
     base.event(_told(base, bow=3.0))
+    refused = base.drive(0.3, range_cm=410, sensor="bow")
+    assert (refused.code, refused.reason) == ("bad_value", "range_cm 410 is outside 2 to 400")
     assert base.drive(0.3, range_cm=50, sensor="bow").accepted
     base.event(_told(base, bow=3.0))
     refused = base.drive(0.3, range_cm=50, sensor="lidar", take_over=True)
