@@ -1,8 +1,9 @@
 """Drivers of wheels as packages outside lbr would bring them: a controller that takes `P LEFT RIGHT`, and says `ok`.
 
-Another one of the same make has four motors.
+Another one of the same make has four motors, and may tell what their encoders count before it: `C A B C D ok`.
 """
 
+import re
 from math import inf, isfinite
 
 from lbr.drivers.serial_line import open_line
@@ -14,6 +15,7 @@ from lbr.errors import DeviceError
 STOP, STOP_FOUR = b"P 0 0\r", b"P 0 0 0 0\r"
 FOUR = ("front_left", "front_right", "rear_left", "rear_right")
 ANSWER_S = 0.02
+COUNTS = re.compile(rb"C((?: -?[0-9]+){4}) ok\r")
 
 
 class TinySettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -28,6 +30,7 @@ class TinyController:
     def __init__(self, line, clock, beat, stop=STOP):
         self.lost = self.refused = 0
         self._rest = (0.0,) * stop.count(b"0")
+        self._counts = tuple(range(len(self._rest)))
         self.applied = self.asked = self._rest
         self.resting = self.turning = False
         self.guard_stop = GuardStop(stop, b"ok\r")
@@ -36,7 +39,7 @@ class TinyController:
         self._fed = -inf
 
     def open(self):
-        if not self.stop():
+        if not any(self.stop() for _ in range(5)):
             raise DeviceError("the tiny controller does not answer; check its cable")
 
     def close(self):
@@ -74,13 +77,16 @@ class TinyController:
     def measured(self):
         if len(self._rest) == 2:
             return Measured(voltage_v=12.0)
-        return Measured(voltage_v=12.0, motor_counts=tuple(range(len(self._rest))))
+        return Measured(voltage_v=12.0, motor_counts=self._counts)
 
     def _say(self, powers):
         self.asked, self.resting, self._fed = powers, False, self._clock()
         self._beat()
         self._line.write(b"P %s\r" % b" ".join(b"%d" % round(power * 1000) for power in powers))
-        if b"ok\r" not in self._line.read(ANSWER_S):
+        answer = self._line.read(ANSWER_S)
+        if told := COUNTS.search(answer):
+            self._counts = tuple(int(count) for count in told[1].split())
+        if b"ok\r" not in answer:
             self.lost += 1
             return False
         self.applied = powers
