@@ -104,8 +104,8 @@ class Session:
         return self.thread.failure
 
     def beat(self) -> None:
-        """Feed the guard, which is there as soon as a servo has torque."""
-        self.post.beat(needed=self.turning, turning=self.turning)
+        """Feed the guard, which is there as soon as a servo was heard, or may have torque."""
+        self.post.beat(needed=self.turning or self.poller.heard > self.opened, turning=self.turning)
 
     def judge(self) -> None:
         """Tell of a line that babbles, now and then."""
