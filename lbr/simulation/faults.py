@@ -51,6 +51,34 @@ class I2cFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     brown_out: bool = False
 
 
+class ServoBusFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of any servo bus; lists are of servos' ids. `unplug`: the adapter is out, the servos go on.
+
+    `silent`: they obey but say nothing. `other_baud`: they hear nothing. `unpowered`: without supply, and as after
+    switching on when that ends; `brown_out`: all of them. `overload`, `hot`: what they report, and switch off for.
+    `wrong_model`: they are none of that make. `duplicate`: another servo answers to the same id. `babbling`: something on
+    the line talks all the time. `echo`: the adapter hands back what it is given.
+    Of answers, `drop`: none comes; `bit_flip`: a bit is wrong; `garbage`: noise comes before; `half`: it ends early; `late`:
+    12 ms later.
+    """
+
+    silent: ServoIds = ()
+    other_baud: ServoIds = ()
+    unpowered: ServoIds = ()
+    overload: ServoIds = ()
+    hot: ServoIds = ()
+    wrong_model: ServoIds = ()
+    duplicate: ServoIds = ()
+    brown_out: bool = False
+    babbling: bool = False
+    echo: bool = False
+    drop: Probability = 0.0
+    bit_flip: Probability = 0.0
+    garbage: Probability = 0.0
+    half: Probability = 0.0
+    late: Probability = 0.0
+
+
 def changed(faults: F, name: str, value: FaultValue) -> F:
     """Return the faults with one of them set; `replug` undoes `unplug`; raise InputError saying what is allowed.
 

@@ -16,7 +16,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.context import Device
 from lbr.capability.twins import DeviceTwin
-from lbr.simulation.faults import Faults, Probability, ServoIds
+from lbr.simulation.faults import ServoBusFaults, ServoIds
 from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
 from lbr.simulation.port import PtyPort
 from lbr.simulation.turning import moved
@@ -51,35 +51,14 @@ _WRITABLE = frozenset(at + part for at, (count, _, _) in _REGISTERS.items() for 
 Id = Annotated[int, Meta(ge=0, le=253)]
 
 
-class FeetechFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a bus; lists are of servos' ids. `unplug`: the adapter is out, the servos go on.
-
-    `silent`: they obey but say nothing. `other_baud`: they hear nothing. `unpowered`: without supply, and as after
-    switching on when that ends; `brown_out`: all of them. `overload`, `hot`, `low_voltage`: what they report; `blocked`:
-    their joint does not turn. `wrong_model`: they are none. `duplicate`: another servo answers to the same id.
-    `cut_behind`: the cable is broken behind that servo. `babbling`: something talks all the time. `echo`: the adapter hands
-    back what it is given. Of answers, `drop`: none comes; `bit_flip`: a bit is wrong; `garbage`: noise comes before;
-    `half`: it ends early; `late`: 12 ms later.
+class FeetechFaults(ServoBusFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a bus of STS3215. `low_voltage`: what they report; `blocked`: their joint does not turn; `cut_behind`: the
+    cable is broken behind that servo.
     """
 
-    silent: ServoIds = ()
-    other_baud: ServoIds = ()
-    unpowered: ServoIds = ()
-    overload: ServoIds = ()
-    hot: ServoIds = ()
     low_voltage: ServoIds = ()
     blocked: ServoIds = ()
-    wrong_model: ServoIds = ()
-    duplicate: ServoIds = ()
     cut_behind: ServoIds = ()
-    brown_out: bool = False
-    babbling: bool = False
-    echo: bool = False
-    drop: Probability = 0.0
-    bit_flip: Probability = 0.0
-    garbage: Probability = 0.0
-    half: Probability = 0.0
-    late: Probability = 0.0
 
 
 class FeetechRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

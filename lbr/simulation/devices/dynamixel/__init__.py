@@ -6,37 +6,14 @@ from msgspec import Meta, Struct
 
 from lbr.capability.twins import DeviceTwin
 from lbr.simulation.bus_timing import BusTiming
-from lbr.simulation.faults import Faults, Probability, ServoIds
+from lbr.simulation.faults import Probability, ServoBusFaults
 
 
-class DynamixelFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a servo bus; lists are of servos' ids. `unplug`: the adapter is out, the servos go on.
+class DynamixelFaults(ServoBusFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a bus of AX-12A. Of answers, `stray`: a packet that nobody asked for comes before; `pieces`: with a pause in it."""
 
-    `silent`: they obey but say nothing. `other_baud`: they hear nothing. `unpowered`: without supply, and as after
-    switching on when that ends; `brown_out`: all of them. `overload`, `hot`: what they report, and switch off for.
-    `wrong_model`: they are no AX-12A. `duplicate`: another servo answers to the same id. `babbling`: something on the
-    line talks all the time. `echo`: the adapter hands back what it is given.
-    Of answers, `drop`: none comes; `bit_flip`: a bit is wrong; `garbage`, `stray`: noise, or a packet that was not asked for,
-    comes before; `half`: it ends early; `pieces`: with a pause in it; `late`: 12 ms later.
-    """
-
-    silent: ServoIds = ()
-    other_baud: ServoIds = ()
-    unpowered: ServoIds = ()
-    overload: ServoIds = ()
-    hot: ServoIds = ()
-    wrong_model: ServoIds = ()
-    duplicate: ServoIds = ()
-    brown_out: bool = False
-    babbling: bool = False
-    echo: bool = False
-    drop: Probability = 0.0
-    bit_flip: Probability = 0.0
-    garbage: Probability = 0.0
     stray: Probability = 0.0
-    half: Probability = 0.0
     pieces: Probability = 0.0
-    late: Probability = 0.0
 
 
 class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
