@@ -14,6 +14,7 @@ from lbr.messages.system import Status
 Fragments = list[tuple[str, str]]
 CONTACT_S = 3.0
 SEPARATOR = " | "
+WHERE = {"forward": "ahead", "back": "behind", "left": "left", "right": "right"}
 
 
 def toolbar(
@@ -34,8 +35,9 @@ def toolbar(
         pieces.append((3, "", f"L {motors.left:+.2f} R {motors.right:+.2f}"))
         if motors.voltage_v is not None:
             pieces.append((5, "", f"{motors.voltage_v:4.1f} V"))
-    if telemetry.ranges is not None:
-        pieces.append((6, "", _nearest(telemetry.ranges)))
+    sees = drive.sees if drive is not None else {}
+    if telemetry.ranges is not None or sees:
+        pieces.append((6, "", _nearest(telemetry.ranges, sees)))
     if telemetry.joints is not None:
         pieces += joint_status.joints(telemetry.joints)
     if telemetry.power is not None:
@@ -67,14 +69,15 @@ def _state(telemetry: Telemetry) -> tuple[str, str]:
     return state_of(telemetry.status) if telemetry.status is not None else (DOUBTFUL, "listening")
 
 
-def _nearest(ranges: Ranges) -> str:
-    found = {
-        "ahead": ranges.forward_m,
-        "behind": ranges.back_m,
-        "left": ranges.left_m,
-        "right": ranges.right_m,
-    }
-    known = {where: distance for where, distance in found.items() if distance is not None}
+def _nearest(ranges: Ranges | None, sees: Mapping[str, float | None]) -> str:
+    """Return the nearest of what the ring reads, what the drive sees in the way by other sensors, and their readings."""
+    read = {} if ranges is None else {name: ranges.metres(name) for name in WHERE} | ranges.others_m
+    watching = {view.partition(" ")[0] for view in sees}
+    found = {WHERE.get(name, name): metres for name, metres in read.items() if name not in watching}
+    for view, metres in sees.items():
+        sensor, _, side = view.partition(" ")
+        found[f"{WHERE.get(side, side)} ({shown(sensor)})"] = metres
+    known = {where: metres for where, metres in found.items() if metres is not None}
     if not known:
         return "no ranges"
     where = min(known, key=lambda name: known[name])

@@ -32,7 +32,7 @@ from lbr.messages.units import Quaternion, Vector
 
 
 class RangesPart(Struct, frozen=True, kw_only=True):
-    """Distances around the robot; null is not measured."""
+    """Distances around the robot, of sensors with other names in `others_m`; null is not measured."""
 
     age_s: float
     forward_m: float | None
@@ -41,6 +41,7 @@ class RangesPart(Struct, frozen=True, kw_only=True):
     back_m: float | None
     bottom_m: float | None
     cycle_s: float | None
+    others_m: dict[str, float | None] = {}
 
 
 class ImuPart(Struct, frozen=True, kw_only=True):

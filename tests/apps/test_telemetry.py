@@ -18,7 +18,7 @@ from lbr.testing import FakeContext
 
 SIDES = {"forward_m": 0.67, "left_m": 0.18, "right_m": 0.55, "back_m": None, "bottom_m": None}
 SAID: dict[str, Any] = {
-    "ranges": Ranges(**SIDES, status={}, cycle_s=0.15),
+    "ranges": Ranges(**SIDES, status={}, cycle_s=0.15, others_m={"bow": 0.4}),
     "imu": ImuSample(valid=True, time_s=99.0, gyro_rps=(0.0, 0.0, 0.1), accel_mps2=(0.0, 0.0, 9.8), temperature_c=28.4),
     "attitude": AttitudeState(valid=True, epoch="a", measured_s=98.0, heading_deg=315.0, orientation=(1.0, 0.0, 0.0, 0.0)),
     "motors": MotorsState(
@@ -59,7 +59,7 @@ def test_every_source_has_its_part(ctx):
     ctx.hear(*KIND.inputs)
     made = msgspec.to_builtins(package(ctx.latest, ctx.now, 1.7e9))
     assert None not in made.values()
-    assert made["ranges"] == SIDES | {"age_s": 0.0, "cycle_s": 0.15}
+    assert made["ranges"] == SIDES | {"age_s": 0.0, "cycle_s": 0.15, "others_m": {"bow": 0.4}}
     assert (made["imu"]["heading_deg"], made["imu"]["gyro_rps"]) == (315.0, (0.0, 0.0, 0.1))
     assert made["amperages"] == {"age_s": 0.0, "left_a": -5.1, "right_a": 1.2}
     assert made["counts"] == {"age_s": 0.0, "left": 130, "right": -260, "distance_m": 1.5}

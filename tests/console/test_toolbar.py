@@ -1,10 +1,17 @@
+import msgspec
 import pytest
 
 from lbr.console.operator import Telemetry
 from lbr.console.toolbar import toolbar
+from lbr.messages.drive import DriveState
 from lbr.messages.motors import MotorsState
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import CapabilityStatus, EstopState, Status
+
+STANDING = {
+    "moving": False, "power": 0.0, "angle_deg": 0.0, "left": 0.0, "right": 0.0, "holder": None, "goal": None,
+    "limited_by": "", "reason": "", "estop": False, "loop": None,
+}  # fmt: skip
 
 
 def status(*, estop: bool = False, phase: str = "ready", ready: bool = True) -> Status:
@@ -43,6 +50,27 @@ def test_power_volts_and_the_nearest_range_are_shown_and_unknown_ones_left_out()
     ranges = Ranges(forward_m=1.0, back_m=None, left_m=0.45, right_m=2.0, bottom_m=None, status={})
     bar = text(Telemetry(status=status(), motors=motors, ranges=ranges))
     assert bar == " rob | ready | L +0.20 R -0.20 | 12.3 V | 0.45 m left"
+
+
+@pytest.mark.parametrize(
+    ("others", "sees", "said"),
+    [
+        ({"bow": 0.3}, {}, "0.30 m bow"),
+        ({"bow": 0.3}, {"bow forward": 0.2}, "0.20 m ahead (bow)"),
+        ({}, {"lidar left": 0.4, "lidar forward": None}, "0.40 m left (lidar)"),
+        ({}, {"lidar left": 0.6}, "0.45 m left"),
+        ({"bow": None}, {"lidar left": None}, "0.45 m left"),
+    ],
+)
+def test_the_nearest_is_that_of_sensors_of_any_name(others, sees, said):
+    ranges = Ranges(forward_m=1.0, back_m=None, left_m=0.45, right_m=2.0, bottom_m=None, status={}, others_m=others)
+    drive = msgspec.convert(STANDING | {"sees": sees}, DriveState)
+    assert text(Telemetry(status=status(), drive=drive, ranges=ranges)).endswith(f"| {said}")
+
+
+def test_a_robot_without_a_ring_shows_what_its_lidar_sees():
+    drive = msgspec.convert(STANDING | {"sees": {"lidar back": 0.7}}, DriveState)
+    assert text(Telemetry(status=status(), drive=drive)).endswith("| 0.70 m behind (lidar)")
 
 
 def test_a_line_under_way_shows_its_age():

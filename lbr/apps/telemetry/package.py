@@ -66,6 +66,7 @@ def _ranges(ranges: Ranges, age_s: float) -> RangesPart:
         back_m=ranges.back_m,
         bottom_m=ranges.bottom_m,
         cycle_s=ranges.cycle_s,
+        others_m=ranges.others_m,
     )
 
 

@@ -1,0 +1,167 @@
+"""Sensors of distance by rows, on a running robot: they come with an edit, count at once, and stop it when they fail."""
+
+import json
+import os
+import signal
+import sqlite3
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from tests.support.machine import Stopwatch
+from tests.support.robot import Robot, prepare, running, until
+
+pytestmark = pytest.mark.timeout(60)
+
+SIDES = {
+    "north": (2.5, 0.0, 0.1, 5.0),
+    "south": (-2.5, 0.0, 0.1, 5.0),
+    "west": (0.0, 2.5, 5.0, 0.1),
+    "east": (0.0, -2.5, 5.0, 0.1),
+}
+WALLS = [{"name": n, "x_m": x, "y_m": y, "length_m": a, "width_m": b} for n, (x, y, a, b) in SIDES.items()]
+ROOM = f"""
+UPDATE capability SET settings = json_set(settings, '$.walls', json('{json.dumps(WALLS)}'), '$.dock', json('null'))
+WHERE robot = 'lbr' AND name = 'world'
+"""
+LIDAR = """
+INSERT INTO range_sensor (robot, name, kind, z_m, fov_rad, min_m, max_m, rays) VALUES
+    ('lbr', 'lidar', 'lidar', 0.25, 6.2832, 0.02, 12, 360);
+INSERT INTO device (robot, name, type, address) VALUES ('lbr', 'lidar_line', 'ld06', '/dev/ttyUSB7');
+INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'lidar', 'ld06', '{"device": "lidar_line"}');
+INSERT INTO channel (robot, source, target) VALUES ('lbr', 'lidar.scan', 'drive.scans');
+"""
+
+
+def edit(robot: Robot, script: str) -> None:
+    with sqlite3.connect(robot.home / "robot.db", timeout=5.0) as database:
+        database.executescript(f"PRAGMA foreign_keys = ON; BEGIN; {script} COMMIT;")
+    database.close()
+
+
+def phase(robot: Robot, name: str) -> str:
+    return robot.capability(name)["phase"]
+
+
+def state(robot: Robot) -> dict:
+    return robot.ask("drive/state") or {}
+
+
+def drives(robot: Robot, line: str = "/r/0.2/0") -> dict | None:
+    """Return what holds the base if it moves so; what had it before has ended."""
+    said = robot.line(line)
+    return said.get("hold") if said["code"] == 0 else None
+
+
+def refusal(robot: Robot, line: str) -> str:
+    """Return why a standing robot does not begin a motion; empty if it does."""
+    robot.line("s")
+    said = robot.line(line)
+    return said["text"] if said["code"] else ""
+
+
+def renew(robot: Robot, hold: dict) -> dict:
+    return robot.ask(hold["key"].partition("/")[2], hold["payload"]) or {}
+
+
+@pytest.fixture(scope="module")
+def robot(shared_home):
+    with running(shared_home) as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def shared_home(tmp_path_factory):
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+        yield prepare(Path(place) / "h", edits=(ROOM,))
+
+
+@pytest.fixture
+def lidar(robot):
+    """The robot with a lidar, ready, in a room with nothing near."""
+    if phase(robot, "lidar") == "absent":
+        assert drives(robot)
+        robot.line("s")
+        edit(robot, LIDAR)
+    for fault in ("unplug", "dark", "stalled", "frozen"):
+        robot.line(f"/fault/lidar_line/{fault}/off")
+    robot.line("/obstacle/off")
+    until(lambda: phase(robot, "lidar") == "ready" and phase(robot, "drive") == "ready", limit_s=15.0)
+    until(lambda: set(state(robot).get("sees", {})) == {f"lidar {s}" for s in ("forward", "back", "left", "right")})
+    until(lambda: None not in state(robot)["sees"].values(), what="a whole scan")
+    yield robot
+    robot.line("s")
+
+
+def test_rows_make_a_lidar_that_the_drive_goes_by(lidar):
+    sees = state(lidar)["sees"]
+    assert sees["lidar forward"] == pytest.approx(2.45 - 0.215, abs=0.05)
+    assert sees["lidar left"] == pytest.approx(2.45 - 0.15, abs=0.05)
+    said = lidar.line("/report/telemetry")
+    assert said["data"]["lidar/scan"]["sensor"] == "lidar"
+    refused = lidar.line("/r/0.2/0/60/lidar/3")
+    assert "sensor 'lidar' is none of forward, back, left, right, bottom" in refused["text"]
+    hold = until(lambda: drives(lidar))
+    assert renew(lidar, hold)["accepted"]
+
+
+def test_what_the_lidar_alone_sees_stops_the_robot_before_it(lidar):
+    pose = lidar.ask("world/pose")
+    lidar.line(f"/obstacle/{pose['x_m'] + 0.72:.2f}/{pose['y_m'] - 0.31:.2f}")
+    until(lambda: state(lidar)["sees"]["lidar forward"] < 0.5)
+    assert lidar.ask("ranges/readings")["forward_m"] > 0.6, "the sensor ahead hears nothing of it"
+    hold = until(lambda: drives(lidar))
+    until(lambda: (renew(lidar, hold), "lidar forward" in state(lidar)["reason"])[1], limit_s=8.0)
+    pose = lidar.ask("world/pose")
+    assert not pose["touching"]
+    assert state(lidar)["sees"]["lidar forward"] == pytest.approx(0.25, abs=0.06)
+    assert "lidar forward" in until(lambda: refusal(lidar, "/r/0.2/0"))
+    assert until(lambda: drives(lidar, "/r/0.2/180")), "away from it is free"
+
+
+@pytest.mark.parametrize("fault", ["unplug", "dark", "stalled", "silent"])
+def test_a_lidar_that_fails_stops_the_robot_and_lets_it_go_on_afterwards(lidar, fault):
+    hold = until(lambda: drives(lidar, "/r/0.1/180"))
+    until(lambda: (renew(lidar, hold), lidar.ask("motors/state")["left"] < 0.0)[1])
+    lidar.line(f"/fault/lidar_line/{fault}")
+    until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left") == 0.0)[1])
+    assert "lidar back" in until(lambda: refusal(lidar, "/r/0.1/180"))
+    lidar.line(f"/fault/lidar_line/{fault}/off")
+    until(lambda: drives(lidar, "/r/0.1/0"), limit_s=10.0, what="motion with a lidar that works again")
+
+
+def test_a_lidar_that_tells_the_same_for_ever_stops_the_robot(lidar):
+    lidar.line("/fault/lidar_line/frozen")
+    hold = until(lambda: drives(lidar, "/r/0.2/180"))
+    until(lambda: (renew(lidar, hold), "is frozen" in state(lidar)["reason"])[1])
+    until(lambda: lidar.ask("motors/state")["left"] == 0.0)
+
+
+def test_a_killed_lidar_driver_stops_the_robot_in_the_time_of_an_old_sensor(lidar):
+    hold = until(lambda: drives(lidar, "/r/0.1/0"))
+    until(lambda: (renew(lidar, hold), lidar.ask("motors/state")["left"] > 0.0)[1])
+    watch, pid = Stopwatch(), lidar.capability("lidar")["pid"]
+    os.kill(pid, signal.SIGKILL)
+    until(lambda: (renew(lidar, hold), lidar.ask("motors/state")["left"] == 0.0)[1], limit_s=2.0)
+    assert watch.given_s < 1.0, watch
+    assert renew(lidar, hold).get("accepted") is False or state(lidar)["left"] == 0.0
+    until(lambda: phase(lidar, "lidar") == "ready" and lidar.capability("lidar")["pid"] != pid, limit_s=10.0)
+    assert until(lambda: drives(lidar, "/r/0.1/180"), limit_s=5.0)
+
+
+def test_one_more_distance_is_a_row(lidar):
+    edit(
+        lidar,
+        "INSERT INTO range_sensor (robot, name, kind, x_m, y_m, z_m, max_m) VALUES"
+        " ('lbr', 'bow', 'infrared', 0.215, 0.1, 0.2, 4);",
+    )
+    until(lambda: "bow" in (lidar.ask("ranges/readings") or {}).get("others_m", {}), limit_s=10.0)
+    until(lambda: (state(lidar).get("sees") or {}).get("bow forward") is not None, limit_s=10.0)
+    assert until(lambda: drives(lidar, "/r/0.1/0/150/bow/2"), limit_s=5.0)
+    lidar.line("s")
+    lidar.line("/fault/range_board/error/bow")
+    until(lambda: "bow forward" in refusal(lidar, "/r/0.1/0"))
+    edit(lidar, "DELETE FROM range_sensor WHERE robot = 'lbr' AND name = 'bow';")
+    until(lambda: "bow forward" not in (state(lidar).get("sees") or {"bow forward": 0}), limit_s=10.0)
+    assert until(lambda: drives(lidar, "/r/0.1/0"), limit_s=5.0)
