@@ -28,6 +28,7 @@ def command(host: str, connect: str, robot: str | None, token_file: Path | None)
     from lbr.console.outlet import unhurried  # noqa: PLC0415
     from lbr.executive.remote.agent import Agent  # noqa: PLC0415
 
+    surroundings.bound_heaps()
     surroundings.need_room_for_a_robot()
     with unhurried():
         return Agent(host, connect, token_file, robot, click.echo).run()

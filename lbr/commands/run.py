@@ -35,6 +35,7 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
     from lbr.executive.executive import run  # noqa: PLC0415
     from lbr.executive.lastresort import leave_for_certain  # noqa: PLC0415
 
+    surroundings.bound_heaps()
     surroundings.need_room_for_a_robot()
     if not no_console:
         surroundings.need_a_console()

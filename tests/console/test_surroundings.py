@@ -1,6 +1,7 @@
 """What a shell may give a command that is too little: each is one sentence and an exit code, never a traceback."""
 
 import os
+import platform
 import resource
 import subprocess
 import sys
@@ -89,6 +90,39 @@ def test_errors_of_the_surroundings_say_what_to_do(number, said):
 
 def test_other_errors_are_faults_and_stay_loud():
     assert surroundings.explained(OSError(5, "Input/output error")) == ""
+
+
+HEAPS = """
+import ctypes, threading
+from lbr import surroundings
+libc = ctypes.CDLL(None)
+libc.fopen.restype, libc.malloc.restype = ctypes.c_void_p, ctypes.c_void_p
+libc.fflush.argtypes = [ctypes.c_void_p]
+if {bound}:
+    surroundings.bound_heaps()
+together = threading.Barrier(6)
+def allocate():
+    together.wait()
+    libc.malloc(1000)
+    together.wait()
+threads = [threading.Thread(target=allocate) for _ in range(6)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+out = ctypes.c_void_p(libc.fopen(b"{path}", b"w"))
+libc.malloc_info(0, out)
+libc.fflush(out)
+"""
+
+
+def heaps(path, *, bound):
+    """Return how many heaps six threads at once have made."""
+    programs.run([sys.executable, "-c", HEAPS.format(path=path, bound=bound)], check=True, timeout=9)
+    return path.read_text().count("<heap nr=")
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="only glibc has heaps to count")
+def test_threads_of_a_process_that_routes_share_a_few_heaps(tmp_path):
+    assert heaps(tmp_path / "bound", bound=True) <= surroundings.HEAPS < heaps(tmp_path / "free", bound=False)
 
 
 def test_limits_are_not_lowered():
