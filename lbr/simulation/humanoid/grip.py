@@ -19,14 +19,14 @@ class Grip:
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = list(names)
-        self._goal = np.full(len(names), np.nan)
-        self._at = np.full(len(names), np.nan)
+        self._free, self._nothing = np.full(len(names), np.nan), np.zeros(len(names))
+        self._goal = self._at = self._free
 
     def take(self, request: HandRequest) -> str:
         """Move a joint, or leave all, and say so; raise InputError if there is no such joint."""
         goal = self._goal.copy()
         if request.gone:
-            goal[:] = np.nan
+            goal = self._free
         elif request.joint in self._names:
             goal[self._names.index(request.joint)] = radians(request.angle_deg)
         else:
@@ -38,6 +38,9 @@ class Grip:
     def torques(self, position: Floats, speed: Floats, dt_s: float) -> Floats:
         """Return what the hand does to each joint; 0 where it is not."""
         goal = self._goal
+        if goal is self._free:
+            self._at = goal
+            return self._nothing
         at = np.where(np.isnan(self._at), position, self._at)
         most = SPEED_RPS * dt_s
         self._at = np.where(np.isnan(goal), np.nan, at + np.clip(goal - at, -most, most))
