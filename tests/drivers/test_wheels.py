@@ -129,6 +129,13 @@ def test_a_killed_driver_leaves_wheels_at_zero_and_no_guard(peer, count):
     process.wait()
 
 
+def test_a_driver_of_two_motors_does_not_guess_what_motors_of_other_names_are(motors, ctx, peer):
+    ctx.give(powers(0.0, 0.0, 0.0, 0.0))
+    motors.step()
+    assert not ctx.state.armed
+    assert "gives motor 'left' no power: drive and driver know other motors" in ctx.state.reason
+
+
 @pytest.fixture
 def quad(ctx):
     motors = Quad(ctx)

@@ -5,7 +5,7 @@ from math import exp, inf, isfinite
 from statistics import median
 
 from lbr.messages.battery import BatteryLevel, BatteryState
-from lbr.messages.motors import MotorsState
+from lbr.messages.motors import MotorsState, MotorState
 from lbr.operations.battery import BatterySettings, charge_at
 
 MEDIAN_OF = 5
@@ -18,7 +18,7 @@ class Gauge:
     def __init__(self, settings: BatterySettings) -> None:
         self._settings = settings
         self._moved = False
-        self._counts: tuple[int | None, int | None] = (None, None)
+        self._counts: tuple[int | None, ...] = (None,)
         self._recent: deque[float] = deque(maxlen=MEDIAN_OF)
         self._seen = -inf
         self._current_a: float | None = None
@@ -31,7 +31,7 @@ class Gauge:
         """Take a measurement."""
         settings, voltage_v = self._settings, motors.voltage_v
         self._moved = self._moved or _moves(motors, self._counts)
-        self._counts = (motors.counts_left, motors.counts_right)
+        self._counts = tuple(motor.counts for motor in _each(motors))
         if voltage_v is None or not LEAST_V < voltage_v < MOST_V:  # this way round, NaN is none
             return
         if not now - self._seen <= settings.max_age_s:
@@ -144,16 +144,27 @@ class _Charger:
                 self._lowest_v = inf
 
 
-def _moves(motors: MotorsState, before: tuple[int | None, int | None]) -> bool:
+def _each(motors: MotorsState) -> tuple[MotorState, ...]:
+    """Return what is known of every motor, whether they are told as left and right or by name."""
+    if motors.motors:
+        return tuple(motors.motors.values())
+    return (
+        MotorState(power=motors.left, amps_a=motors.amps_left_a, counts=motors.counts_left),
+        MotorState(power=motors.right, amps_a=motors.amps_right_a, counts=motors.counts_right),
+    )
+
+
+def _moves(motors: MotorsState, before: tuple[int | None, ...]) -> bool:
     """Say whether the motors move the base: pushing against something is none."""
-    if motors.left == 0.0 and motors.right == 0.0:
+    each = _each(motors)
+    if not any(motor.power for motor in each):
         return False
-    now = (motors.counts_left, motors.counts_right)
+    now = tuple(motor.counts for motor in each)
     return None in now or None in before or now != before
 
 
 def _drawn_a(motors: MotorsState) -> float | None:
     """Return what the motors take of the battery: the current of each, for as long as its bridge is open."""
-    pairs = ((motors.amps_left_a, motors.left), (motors.amps_right_a, motors.right))
+    pairs = ((motor.amps_a, motor.power) for motor in _each(motors))
     parts = [amps * duty for amps, duty in pairs if amps is not None and isfinite(amps)]
     return sum(parts) if parts else None

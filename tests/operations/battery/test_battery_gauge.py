@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.messages.motors import MotorsState
+from lbr.messages.motors import MotorsState, MotorState
 from lbr.operations.battery import AGM_12V, KIND, charge_at
 from lbr.operations.battery.gauge import Gauge
 
@@ -107,6 +107,16 @@ def test_one_who_drives_is_not_being_charged_and_a_battery_just_charged_does_not
     assert measured.see(13.2, for_s=10.0).charging is False
     assert measured.see(13.0, for_s=10.0).charging is False
     assert measured.see(13.3, for_s=5.0).charging is True
+
+
+def test_a_base_that_slides_sideways_is_not_being_charged():
+    """Of four mecanum wheels two go forward and two back, so that neither side has power."""
+    measured = Measured()
+    assert measured.see(13.6, for_s=5.0).charging
+    for count in range(5):
+        each = {name: MotorState(power=power, counts=count) for name, power in (("fl", -0.5), ("fr", 0.5))}
+        state = measured.see(13.5, for_s=PERIOD_S, motors=each)
+    assert state.charging is False
 
 
 def test_pushing_against_the_contacts_is_not_driving():
