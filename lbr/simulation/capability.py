@@ -10,7 +10,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.kinematics import HOLONOMIC, Kinematics, Wheel
-from lbr.messages.sensing import Ranges, RangeSensor, RangeStatus, ranges
+from lbr.messages.sensing import Ranges, RangeSensor, RangeStatus, ranges, ring
 from lbr.messages.simulation import WorldBox, WorldScene
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine
@@ -57,7 +57,8 @@ class World(Capability[WorldSettings]):
         sys.setswitchinterval(SWITCH_S)
         now = self.ctx.clock()
         self._painter = Painter()
-        sensors = self.ctx.rows(RangeSensor)
+        size = self.ctx.settings.body
+        sensors = self.ctx.rows(RangeSensor) or ring(size.length_m, size.width_m)
         base = next(iter(self.ctx.rows(Kinematics)), None)
         wheels, rollers = (self.ctx.rows(Wheel), base.kind in HOLONOMIC) if base else ((), False)
         engine = self._engine = Engine(self.ctx.settings, sensors, wheels, rollers=rollers)

@@ -65,7 +65,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
 
     def first(self) -> State:
         """Return a base that was not moved yet."""
-        return first_state(self.ctx.settings, self.ctx.clock(), self.ctx.rows(RangeSensor), self._base)
+        return first_state(self.ctx.settings, self.ctx.clock(), self.ctx.rows(RangeSensor) or None, self._base)
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
         """Return what the kernel makes of an event."""
