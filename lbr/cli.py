@@ -28,7 +28,7 @@ COMMANDS = {
     "view": ("view", "Watch a simulated robot: its room from above, or its joints."),
     "motion": ("motion", "Take motions from files, and write them to files."),
     "db": ("db", "Create, check and compare the robot's rows."),
-    "new": ("new", "Write a robot, a driver or a capability of your own, to begin with."),
+    "new": ("new", "Write a robot, a driver, servos or a capability of your own, to begin with."),
 }
 NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2 it prints the help by itself
 HELP = """Run a robot that is rows in a database, and talk to it.

@@ -23,7 +23,7 @@ def _place(function: click.decorators.FC) -> click.decorators.FC:
 
 @click.group("new")
 def command() -> None:
-    """Write a package of your own that runs at once, in simulation: a robot, a driver or a capability.
+    """Write a package of your own that runs at once, in simulation: a robot, a driver, servos or a capability.
 
     It is a folder NAME with a project file, a module, rows, a launch profile, tests and a page, and yours to change.
     Nothing that is there is overwritten. Needs no network and no running robot.
@@ -48,6 +48,16 @@ def driver(name: str, into: Path) -> int:
     With it come the emulated device, and a test by the checks that every driver has to pass.
     """
     return _write("driver", name, into)
+
+
+@command.command("servos")
+@_place
+def servos(name: str, into: Path) -> int:
+    """Write a driver of servos on a bus.
+
+    With it come the emulated bus, a robot of two joints, and a test by the checks that every driver of servos has to pass.
+    """
+    return _write("servos", name, into)
 
 
 @command.command("capability")

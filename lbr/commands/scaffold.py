@@ -22,7 +22,7 @@ from lbr.errors import InputError
 from lbr.robots import registry as robots
 from lbr.robots.registry import plain
 
-What = Literal["robot", "driver", "capability"]
+What = Literal["robot", "driver", "servos", "capability"]
 GROUPS = {
     "lbr.robots": "a robot",
     "lbr.capabilities": "a kind of capability",
@@ -83,7 +83,7 @@ def next_steps(what: What, name: str, folder: Path) -> tuple[str, ...]:
     """Return what to type next, as it works in this shell, and which page to read."""
     tools, extra = _tools(), "" if importlib.util.find_spec("pytest") is not None else "[test]"
     shown = f"./{folder}" if not folder.is_absolute() and folder.parts[0] != ".." else str(folder)
-    page = {"robot": "robot_packages", "driver": "drivers", "capability": "capabilities"}[what]
+    page = {"robot": "robot_packages", "driver": "drivers", "servos": "drivers", "capability": "capabilities"}[what]
     return (
         f"{tools}pip install -e {_quoted(f'{shown}{extra}')}",
         f"{tools}lbr run {name.replace('_', '-')}-sim",

@@ -23,6 +23,8 @@ READY_S = 30.0
 """A start takes two seconds; on a machine that has much else to do it may take ten times as long."""
 ENDS_S = 8.0
 ANSWER_S = 5.0
+RENEWED_S = 0.1
+"""Ten times a second, as a console: a lease lives for 0.3 s."""
 
 
 class Robot:
@@ -61,6 +63,21 @@ class Robot:
         assert answer is not None, f"no answer to '{text}'"
         found: dict[str, Any] = json.loads(answer.payload.to_bytes())
         return found
+
+    def move(self, text: str, within_s: float = 20.0) -> dict[str, Any]:
+        """Say a line that moves the robot, and renew its lease as a console does until the motion is over; return how it ended.
+
+        That is what a renewal is refused with at last: its `cause` is the code of the end, `done` if the goal was reached.
+        """
+        hold = self.say(text)["hold"]
+        assert hold is not None, f"'{text}' moves nothing"
+        key, end = hold["key"].removeprefix(f"{self.name}/"), time.monotonic() + within_s
+        while True:
+            renewed: dict[str, Any] | None = self.ask(key, hold["payload"])
+            if renewed is None or not renewed["accepted"]:
+                return renewed or {"accepted": False, "code": "timeout", "cause": "", "reason": "no answer"}
+            assert time.monotonic() < end, f"'{text}' goes on for longer than {within_s:g} s"
+            time.sleep(RENEWED_S)
 
     def close(self) -> int:
         """Shut it down in order, and return its exit code; one that does not end is killed."""

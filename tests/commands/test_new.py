@@ -16,7 +16,7 @@ from tests.support import programs
 from tests.support.packages import imported_from, of_project, package
 from tests.support.robot import lbr
 
-KINDS = ("robot", "driver", "capability")
+KINDS = ("robot", "driver", "servos", "capability")
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def written(tmp_path_factory) -> dict[str, Path]:
 
 @pytest.fixture
 def environment(written, tmp_path) -> dict[str, str]:
-    """Install all three, beside one another."""
+    """Install all of them, beside one another."""
     paths = [of_project(folder, tmp_path / "site") for folder in written.values()]
     return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "LBR_HOME": str(tmp_path / "home")}
 
