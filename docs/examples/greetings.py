@@ -1,4 +1,4 @@
-"""Greets whoever is named by a row of a table of its own, and counts how often: rows that a kind brings, and learns."""
+"""Greets those named by a row of a table of its own, and counts how often: rows that a kind brings, and learns."""
 
 from typing import Annotated
 

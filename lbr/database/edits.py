@@ -16,11 +16,12 @@ from lbr.messages.rows import Row, shown
 
 Key = tuple[str, ...]
 MAKE_PROCESSES = {ROBOT, "capability", "channel", "device", "verb", "external_command"}
-"""What every robot has: such rows say which programs run, and what may reach what. No edit on another's behalf writes them."""
+"""What every robot has: such rows say which programs run, and what may reach what. No edit on another's behalf writes
+them."""
 
 
 class Edit(Struct, frozen=True, kw_only=True):
-    """Rows to write, as `EditCommand` has them; read, and allowed to whoever asks."""
+    """Rows to write, as `EditCommand` has them; read, and allowed to the asker."""
 
     rows: tuple[Row, ...]
     create: bool = False

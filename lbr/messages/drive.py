@@ -75,8 +75,8 @@ class TwistCommand(Struct, frozen=True, kw_only=True):
 class GoalResult(Struct, frozen=True, kw_only=True):
     """How a bounded move or a turn ended. `reached` and `interval` are the planned ends; all others carry a reason.
 
-    `code` is why it ended, `cause` what else a program should know of that end; `note` says the latter for people, by itself.
-    `error_deg` is how far a turn went past its target, clockwise positive; `error_m` the same of a distance.
+    `code` is why it ended, `cause` what else a program should know of that end; `note` says the latter for people, by
+    itself. `error_deg` is how far a turn went past its target, clockwise positive; `error_m` the same of a distance.
     """
 
     goal: str
@@ -106,8 +106,8 @@ class DriveState(Struct, frozen=True, kw_only=True):
     """What the base is doing, who holds it, and why it is slower than asked or stands still.
 
     What was sent before `stopped_s`, monotonic, begins nothing any more: then all was stopped, also if nothing moved;
-    `stopped_by` says who did, if it was a stop. What was typed or written before `halted_s` begins nothing either, but for
-    whoever said that stop, `halted_by`. `code` is that of `reason`. `sees` has what stands in the way by sensors
+    `stopped_by` says who did, if it was a stop. What was typed or written before `halted_s` begins nothing either, but
+    for the sender of that stop, `halted_by`. `code` is that of `reason`. `sees` has what stands in the way by sensors
     that watch by themselves, in metres from the outline of the base, by sensor and side; null is not known. `aside` is
     the part of the motion that goes to the left, as a fraction of full speed.
     """

@@ -223,12 +223,12 @@ class Motion(Struct, frozen=True, kw_only=True):
 class JointsCommand(Struct, frozen=True, kw_only=True):
     """Move joints, for as long as the lease is renewed: to `positions`, or through `frames`.
 
-    The way to `positions` takes `duration_s`, or as long as `speed_rps` needs for the longest way, or what the rows allow.
-    A joint never goes faster than its row says: then all take longer. `smooth` passes through key frames without
+    The way to `positions` takes `duration_s`, or as long as `speed_rps` needs for the longest way, or what the rows
+    allow. A joint never goes faster than its row says: then all take longer. `smooth` passes through key frames without
     stopping; `linear` goes straight from one to the next. `append` has `frames` follow those under way, which go on, so
     that a motion longer than a message may be flows; the goal stays the same. A lease with nothing to move is renewed.
-    `asked_s` is when the sender whose request was passed on asked for this, on the robot's own monotonic clock: what was asked
-    for before a stop does not begin after it.
+    `asked_s` is when the sender whose request was passed on asked for this, on the robot's own monotonic clock: what
+    was asked for before a stop does not begin after it.
 
     `join` has `positions` begin beside what moves: joints that it does not name go on as they were, and each that it
     names goes as fast as it may from the first moment, and slows down to its end; the goal is reached when all have
@@ -289,10 +289,10 @@ class RecoverCommand(Struct, frozen=True, kw_only=True):
 class JointState(Struct, frozen=True, kw_only=True):
     """One joint as it was measured last; null is not measured. `load` is a fraction of its most, the way it counts.
 
-    `goal_rad` is what its servo is to hold or reach, read from what was sent, `target_rad` where its way leads while that
-    goes on. `torque` is what is applied, 0 for none.
-    `faults` are there now; `latched` keep it without torque until it is recovered. `raw` is the servo's own number.
-    `trusted` says whether what was measured can be believed, where that is a question; else nothing is measured.
+    `goal_rad` is what its servo is to hold or reach, read from what was sent, `target_rad` where its way leads while
+    that goes on. `torque` is what is applied, 0 for none. `faults` are there now; `latched` keep it without torque
+    until it is recovered. `raw` is the servo's own number. `trusted` says whether what was measured can be believed,
+    where that is a question; else nothing is measured.
     """
 
     id: int
@@ -315,10 +315,10 @@ class JointState(Struct, frozen=True, kw_only=True):
 class JointsState(Struct, frozen=True, kw_only=True):
     """All joints out of one sweep of the bus, who moves them, and why they stand still.
 
-    `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before `stopped_s`,
-    monotonic, begins nothing any more: then `stopped_by` stopped all, if it was a stop. What was typed or written before `halted_s`
-    begins nothing either, but for whoever said that stop, `halted_by`. `code` is that of `reason`. `stored` is the slot that the controller plays, for
-    `left_s` more.
+    `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before
+    `stopped_s`, monotonic, begins nothing any more: then `stopped_by` stopped all, if it was a stop. What was typed or
+    written before `halted_s` begins nothing either, but for the sender of that stop, `halted_by`. `code` is that of
+    `reason`. `stored` is the slot that the controller plays, for `left_s` more.
     """
 
     sequence: int
@@ -362,7 +362,8 @@ class CaptureCommand(Struct, frozen=True, kw_only=True):
 
 
 class MotionsState(Struct, frozen=True, kw_only=True):
-    """What is played, on the way to which key frame, in which round, both from 1; `reason` and `code` are how the last one ended.
+    """What is played, on the way to which key frame, in which round, both from 1; `reason` and `code` are how the last
+    one ended.
 
     `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less.
     """

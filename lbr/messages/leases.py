@@ -30,7 +30,7 @@ class StopCommand(Struct, frozen=True, kw_only=True):
     whole: bool = False
 
     def __post_init__(self) -> None:
-        """Have the reason be one line, whoever gave it: it is told to whoever was stopped."""
+        """Have the reason be one line, also from a foreign client: it is told to the stopped sender."""
         force_setattr(self, "reason", one_line(self.reason))
 
 

@@ -1,4 +1,4 @@
-"""Text that somebody else wrote, before it is shown, told or written down."""
+"""Text from foreign sources, before it is shown, told or written down."""
 
 
 def one_line(text: str) -> str:

@@ -55,7 +55,7 @@ class CancelCommand(Struct, frozen=True, kw_only=True):
     reason: Annotated[str, Meta(max_length=200)] = ""
 
     def __post_init__(self) -> None:
-        """Have the reason be one line, whoever gave it."""
+        """Have the reason be one line, also from a foreign client."""
         force_setattr(self, "reason", one_line(self.reason))
 
 

@@ -19,7 +19,8 @@ def higher(one: Role, other: Role) -> Role:
 
 """A role may do what those below it may."""
 TokenRole = Literal["view", "operate", "admin", "host"]
-"""What a token lets its holder do; `host` is for another machine that runs a share of the robot, and looks and stops besides."""
+"""What a token lets its holder do; `host` is for another machine that runs a share of the robot, and looks and stops
+besides."""
 Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping", "stopped", "failed"]
 
@@ -72,7 +73,7 @@ class EstopRequest(Struct, frozen=True, kw_only=True):
     reason: Annotated[str, Meta(max_length=200)] = ""
 
     def __post_init__(self) -> None:
-        """Have the reason be one line, whoever gave it: every console shows it."""
+        """Have the reason be one line, also from a foreign client: every console shows it."""
         force_setattr(self, "reason", one_line(self.reason))
 
 
@@ -131,8 +132,9 @@ class ConsoleResult(Struct, frozen=True, kw_only=True):
 class CapabilityStatus(Struct, frozen=True, kw_only=True):
     """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count.
 
-    `reason` is about its state now, `last_end` says how its process last ended unasked. `host` is the other machine that
-    it is placed on; empty: it runs where the robot does. `code` is why by the list of codes, `end_code` that of `last_end`.
+    `reason` is about its state now, `last_end` says how its process last ended unasked. `host` is the other machine
+    that it is placed on; empty: it runs where the robot does. `code` is why by the list of codes, `end_code` that of
+    `last_end`.
     """
 
     name: str

@@ -147,7 +147,7 @@ class ServoBus(Protocol):
     def write_limits(self, limits: Mapping[int, int]) -> None:
         """Give each servo its torque limit at the same time.
 
-        Servos without one cannot fade: then nothing is written, and they are let go at once when the time is over.
+        Servos without one cannot fade: then nothing is written, and they are released at once when the time is over.
         """
 
     def torque_off(self, servos: Collection[int]) -> None:

@@ -3,12 +3,12 @@
 `python -I -S reap.py LBR_RUN=TOKEN. LBR_LAST_WORD_S= PID HANGS_S`, with a pipe from the executive, which is PID, on
 standard input. It hears there `+NUMBER PID` when a process was started, `*NUMBER PID` when a driver was, `-NUMBER` when
 one has ended, `~NUMBER` when one has ended that may leave something behind until the end of the run, and `=PID` of a
-driver that had ended before. `!` says that the executive's main loop goes round, and `_` that nobody is to wait for
-that. A dot, or the end of the pipe, is the end of the executive: who can, ends in order by itself; then all the rest is
-killed. An executive that hangs is killed first. To a process belongs what is in its session, and what has its mark in
-the environment. A guard is not killed but continued until it has said its last word; only in a driver's session is one,
-which no other process can enter. The reaper has the executive's rights, so that it sees and ends whatever that has
-started, and imports nothing of the project.
+driver that had ended before. `!` says that the executive's main loop goes round, and `_` that this is not to be waited
+for that. A dot, or the end of the pipe, is the end of the executive: who can, ends in order by itself; then all the
+rest is killed. An executive that hangs is killed first. To a process belongs what is in its session, and what has its
+mark in the environment. A guard is not killed but continued until it has said its last word; only in a driver's session
+is one, which no other process can enter. The reaper has the executive's rights, so that it sees and ends whatever that
+has started, and imports nothing of the project.
 """
 
 import os

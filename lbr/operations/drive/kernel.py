@@ -57,7 +57,7 @@ def first_state(
     sensors: Iterable[RangeSensor] | None = None,
     base: Base | None = None,
 ) -> State:
-    """Return the state of a base that nobody has moved since it `began`.
+    """Return the state of a base that was not moved since it `began`.
 
     Without rows of sensors it has a ring of them, without those of wheels two driven ones.
     """

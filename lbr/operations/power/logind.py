@@ -1,6 +1,6 @@
 """Asks logind over D-Bus to power the computer off; in a thread of its own, because answers may take their time.
 
-The calls: `CanPowerOff() -> s` (yes, no, challenge, na) and `PowerOff(b interactive)`, never interactive: nobody is
+The calls: `CanPowerOff() -> s` (yes, no, challenge, na) and `PowerOff(b interactive)`, never interactive: no user is
 there to be asked. What polkit does not let happen comes back as `no`, `challenge` or an error.
 """
 
