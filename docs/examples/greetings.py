@@ -21,7 +21,7 @@ class Greeting(Row, frozen=True, kw_only=True):
 
 
 class GreetCommand(Struct, frozen=True, kw_only=True):
-    """Greet somebody that a row names."""
+    """Greet a person that a row names."""
 
     name: Name
 

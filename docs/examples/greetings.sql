@@ -24,5 +24,5 @@ END;
 INSERT INTO greeting (robot, name, text) VALUES ('lbr', 'ann', 'Good day, Ann.'), ('lbr', 'bob', 'Hello Bob!');
 INSERT INTO capability (robot, name, kind, help) VALUES ('lbr', 'greetings', 'greetings', 'Greets people by name');
 INSERT INTO verb (robot, word, pattern, target, help)
-VALUES ('lbr', 'greet', '/greet/{name}', 'greetings.greet', 'Greet somebody by name');
+VALUES ('lbr', 'greet', '/greet/{name}', 'greetings.greet', 'Greet a person by name');
 COMMIT;

@@ -37,7 +37,7 @@ class Wander(Capability[WanderSettings]):
     def command(self, call: Call) -> None:
         """Begin, with a lease of the drive."""
         self._lease = self._lease or LeaseClient(self.ctx, DRIVE, self._wanted())
-        call.reply(CommandReply(accepted=True, reason="wandering until somebody stops the robot"))
+        call.reply(CommandReply(accepted=True, reason="wandering until the robot is stopped"))
 
     def step(self) -> None:
         """Go on while the lease lives."""
