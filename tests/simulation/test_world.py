@@ -178,7 +178,7 @@ def test_what_ends_the_worlds_thread_ends_the_capability(bench, monkeypatch):
     def fall(*_):
         raise ZeroDivisionError("physics")
 
-    monkeypatch.setattr("lbr.simulation.engine.Engine.step", fall)
+    monkeypatch.setattr("lbr.simulation.engine.Engine.drive", fall)
     with pytest.raises(ZeroDivisionError, match="physics"):
         bench.until(lambda: False)
 
