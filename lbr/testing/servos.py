@@ -39,6 +39,8 @@ AT_RAD = 0.05
 STOOD_RAD = 0.15
 """So far a servo may go on after a stop was seen: for a quarter of a second, since the machine may be busy."""
 WATCHED_S = 0.6
+WEAKENED = 0.8
+"""A servo with less of its torque than this has begun to fade."""
 GUARD_S = 8.0
 """Held, faded and off by then, after the driver was killed."""
 ABSENT = 200
@@ -57,6 +59,8 @@ class Shafts:
         self._lock = Lock()
         self._at = {servo: begin_rad + 0.05 * place for place, servo in enumerate(ids)}
         self._torque = dict.fromkeys(ids, 0.0)
+        self._most = dict.fromkeys(ids, 0.0)
+        self._weakened: set[int] = set()
         self._now = time.monotonic()
 
     def __call__(self, twin: Twin, now: float) -> None:
@@ -68,7 +72,10 @@ class Shafts:
             speeds = dict.fromkeys(self._at, 0.0)
             for servo, at in self._at.items():
                 drive = drives.get(servo)
-                self._torque[servo] = drive.torque if drive is not None else 0.0
+                torque = self._torque[servo] = drive.torque if drive is not None else 0.0
+                self._most[servo] = max(self._most[servo], torque)
+                if 0.0 < torque < WEAKENED * self._most[servo]:
+                    self._weakened.add(servo)
                 if drive is None or not drive.torque > 0.0:
                     continue
                 way = drive.goal_rad - at
@@ -88,6 +95,11 @@ class Shafts:
         with self._lock:
             return dict(self._at)
 
+    def weakened(self) -> bool:
+        """Return whether each servo ever had some torque, but clearly less than before."""
+        with self._lock:
+            return len(self._weakened) == len(self._at)
+
     def torque(self) -> dict[int, float]:
         """Return which share of its torque each servo's motor has."""
         with self._lock:
@@ -97,8 +109,11 @@ class Shafts:
 class ServosBench(DriverBench):
     """A driver of servos beside its twin, and who sends it setpoints: `goals` goes to it at each step, None is silence."""
 
-    def __init__(self, kind: Kind, settings: Mapping[str, Any], device: Plugged, shafts: Shafts) -> None:
+    def __init__(
+        self, kind: Kind, settings: Mapping[str, Any], device: Plugged, shafts: Shafts, *, fades: bool = True
+    ) -> None:
         self.ids = tuple(shafts.at())
+        self.fades = fades
         self.shafts = shafts
         self.row = {"device": device.device.name, "guard": False, "hold_s": HOLD_S, "release_s": RELEASE_S, **settings}
         super().__init__(kind, json.dumps(self.row), device, wired={"setpoint": (SOURCE,)}, given=joints(self.ids))
@@ -172,14 +187,16 @@ def bench(
     ids: Sequence[int] = (1, 2),
     settings: Mapping[str, Any] | None = None,
     device: Mapping[str, Any] | None = None,
+    fades: bool = True,
 ) -> Iterator[ServosBench]:
     """Plug in the twin of a kind's device, with servos that turn, and put the driver beside it.
 
-    `settings` are the capability's beside the usual, `device` those of the twin's row.
+    `settings` are the capability's beside the usual, `device` those of the twin's row. `fades` false: these servos have no
+    torque limit, so that they are let go at once.
     """
     shafts = Shafts(ids)
     with plugged(kind.device, folder, settings=dict(device or {}), live=shafts) as found:
-        made = ServosBench(kind, settings or {}, found, shafts)
+        made = ServosBench(kind, settings or {}, found, shafts, fades=fades)
         try:
             yield made
         finally:
@@ -357,6 +374,10 @@ def _let_go_in_time(servos: ServosBench, since: float, stood: Mapping[int, float
     passed_s, gone = time.monotonic() - since, servos.moved_rad(stood)
     assert passed_s > 0.8 * HOLD_S, f"servos were let go after {passed_s:.2f} s, and hold_s is {HOLD_S:g}"
     assert gone < STOOD_RAD, f"a servo went on by {gone:.3f} rad that nobody moved any more"
+    assert servos.shafts.weakened() or not servos.fades, (
+        "torque went at once, and an arm falls then: `write_limits` is to make it less before; or have the bench know that "
+        "these servos cannot (fades=False)"
+    )
 
 
 class _Elsewhere:

@@ -63,9 +63,10 @@ def never(self, snapshot, *, released):
         (wire.Bus, "write_goals", deaf, servos.goes_where_it_is_told, "all have turned by 0.5 rad"),
         (ServoTargets, "_freeze", goes_on, servos.stays_where_it_is_stopped, "went on by"),
         (wire.Bus, "torque_off", keeps, servos.lets_go_of_what_nobody_moves, "all are without torque"),
+        (wire.Bus, "write_limits", deaf, servos.lets_go_of_what_nobody_moves, "torque went at once"),
         (ServoTargets, "unconfirmed", never, servos.holds_in_an_emergency_stop, "went on by"),
     ],
-    ids=["jerks", "deaf", "goes_on", "keeps", "acknowledges_unseen"],
+    ids=["jerks", "deaf", "goes_on", "keeps", "drops", "acknowledges_unseen"],
 )
 def test_a_driver_that_does_one_thing_wrong_is_found_out(where, name, wrong, check, said, bioloid, monkeypatch):
     monkeypatch.setattr(where, name, wrong)
