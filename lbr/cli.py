@@ -1,6 +1,5 @@
 """The `lbr` command. Every subcommand is imported only when it runs, so that all of them start fast."""
 
-import contextlib
 import importlib
 import sys
 from importlib import metadata
@@ -135,9 +134,13 @@ def code_of(err: LbrError) -> int:
 
 
 def _complain(text: str, code: int) -> int:
-    with contextlib.suppress(OSError):
+    """Print lines as people may read them: what was typed may hold characters that move a terminal's cursor."""
+    try:
         for line in text.splitlines() or ["failed"]:
-            print(f"lbr: {line}", file=sys.stderr, flush=True)
+            shown = "".join(c if c.isprintable() else "?" for c in line.expandtabs())
+            print(f"lbr: {shown}", file=sys.stderr, flush=True)
+    except OSError:
+        surroundings.drop_output([sys.stderr.fileno()])  # the interpreter would try again, and end with another code
     return code
 
 

@@ -7,6 +7,7 @@ import resource
 import select
 import stat
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 from lbr.errors import InputError
@@ -108,6 +109,8 @@ def explained(err: OSError) -> str:
         return f"{what}{whose}: 'ulimit -n {OPEN_FILES}' allows more"
     if err.errno == errno.EFBIG:
         return f"{what}a file or standard output would grow beyond the limit of this process: 'ulimit -f unlimited' lifts it"
+    if err.errno == errno.ENAMETOOLONG:
+        return f"{what[:60]}…: {err.strerror}; give it a shorter one"
     if err.errno in {errno.ENOSPC, errno.EDQUOT}:
         return f"{what or 'standard output or a file of its own: '}there is no room left on the disk: make some, or set LBR_HOME to another one"
     if err.errno in {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR} and what:
@@ -135,11 +138,11 @@ def output_failure(*, probe: bool = False) -> str:
     return ""
 
 
-def drop_output() -> None:
+def drop_output(fds: Iterable[int] = (1, 2)) -> None:
     """Lead standard output and error nowhere, so that the interpreter's end waits for no reader."""
     with contextlib.suppress(OSError):
         nowhere = os.open(os.devnull, os.O_WRONLY | os.O_CLOEXEC)
-        for fd in (1, 2):
+        for fd in fds:
             os.dup2(nowhere, fd)
         os.close(nowhere)
 

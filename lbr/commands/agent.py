@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from lbr.commands.options import FileName
+
 
 @click.command("agent")
 @click.argument("host")
@@ -13,7 +15,7 @@ import click
 @click.option("--robot", metavar="NAME", help="Which robot it must be; whichever is there if left out.")
 @click.option(
     "--token-file",
-    type=click.Path(path_type=Path),
+    type=FileName(),
     metavar="FILE",
     help="Holds the host's token. Else it is LBR_TOKEN, a saved one, or asked for.",
 )

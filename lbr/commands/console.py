@@ -2,7 +2,7 @@
 
 import click
 
-from lbr.commands.options import Whom, robot_options
+from lbr.commands.options import Number, Whom, robot_options
 
 
 @click.command("console")
@@ -10,7 +10,7 @@ from lbr.commands.options import Whom, robot_options
 @click.option(
     "--hold",
     "hold_s",
-    type=click.FloatRange(0.0, 30.0),
+    type=Number(0.0, 30.0),
     metavar="SECONDS",
     help="For lines from a pipe: hold each unbounded motion this long. Without it a motion is held until a later line "
     "moves or stops the robot, or the input ends.",

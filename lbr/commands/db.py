@@ -5,13 +5,13 @@ from pathlib import Path
 
 import click
 
-from lbr.commands.options import complete_robot, json_option, print_json
+from lbr.commands.options import FileName, complete_robot, json_option, print_json
 
 
 def _file(function: click.decorators.FC) -> click.decorators.FC:
-    return click.option(
-        "--db", "database", type=click.Path(path_type=Path), metavar="FILE", help="$LBR_HOME/robot.db if left out."
-    )(function)
+    return click.option("--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out.")(
+        function
+    )
 
 
 @click.group("db")
@@ -21,9 +21,7 @@ def command() -> None:
 
 @command.command("init")
 @_file
-@click.option(
-    "--sql", type=click.Path(path_type=Path, exists=True, dir_okay=False), help="Instead of the rows of all robots."
-)
+@click.option("--sql", type=FileName(exists=True, dir_okay=False), help="Instead of the rows of all robots.")
 def init(database: Path | None, sql: Path | None) -> int:
     """Create the database with the rows of all robots that there are (lbr robots); a file that is there is left alone."""
     from lbr import home  # noqa: PLC0415 - the database is for those who read rows
@@ -154,9 +152,7 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
 
 
 @command.command("restore")
-@click.argument(
-    "source", required=False, metavar="[FROM]", type=click.Path(path_type=Path, exists=True, dir_okay=False)
-)
+@click.argument("source", required=False, metavar="[FROM]", type=FileName(exists=True, dir_okay=False))
 @_file
 @click.option("--list", "only_list", is_flag=True, help="Only show the copies that are kept.")
 @json_option

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lbr.commands.options import Whom, json_option, print_json, robot_options
+from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
 
 if TYPE_CHECKING:
     from lbr.console.wiring import Graph
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @click.command("graph")
 @robot_options
-@click.option("--db", "database", type=click.Path(path_type=Path), metavar="FILE", help="The rows; those of the robot.")
+@click.option("--db", "database", type=FileName(), metavar="FILE", help="The rows; those of the robot.")
 @click.option(
     "--dot", "as_dot", is_flag=True, help="Print the graph for Graphviz: lbr graph --dot | dot -Tsvg > robot.svg"
 )

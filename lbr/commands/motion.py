@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lbr.commands.options import json_option, print_json
+from lbr.commands.options import FileName, json_option, print_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from lbr.messages.joints import Motion
 
 database_option = click.option(
-    "--db", "database", type=click.Path(path_type=Path), metavar="FILE", help="$LBR_HOME/robot.db if left out."
+    "--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out."
 )
 robot_option = click.option("--robot", metavar="NAME", help="Whose motions; found out if left out.")
 
@@ -51,7 +51,7 @@ def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
 @command.command("export")
 @click.argument("name")
 @robot_option
-@click.option("--to", "path", type=click.Path(path_type=Path), metavar="FILE", help="Else it is printed.")
+@click.option("--to", "path", type=FileName(), metavar="FILE", help="Else it is printed.")
 @database_option
 def export(name: str, robot: str | None, path: Path | None, database: Path | None) -> int:
     """Write the motion NAME as JSON, for others; 'lbr motion import' takes it."""
@@ -82,7 +82,7 @@ def export(name: str, robot: str | None, path: Path | None, database: Path | Non
 
 
 @command.command("import")
-@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.argument("file", type=FileName(dir_okay=False))
 @robot_option
 @click.option("--name", metavar="NAME", help="What it is to be called; as in the file if left out.")
 @click.option("--clip", is_flag=True, help="Bring angles beyond a joint's limits within them, instead of refusing.")

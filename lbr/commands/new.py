@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from lbr.commands.options import FileName
+
 if TYPE_CHECKING:
     from lbr.commands.scaffold import What
 
@@ -13,7 +15,7 @@ def _place(function: click.decorators.FC) -> click.decorators.FC:
     named = click.argument("name")
     into = click.option(
         "--into",
-        type=click.Path(path_type=Path, file_okay=False),
+        type=FileName(file_okay=False),
         default=".",
         metavar="FOLDER",
         help="Where the folder NAME is made; here if left out.",

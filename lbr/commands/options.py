@@ -1,7 +1,10 @@
 """Options that several commands share."""
 
+import errno
+import os
 from collections.abc import Callable
 from functools import wraps
+from math import isnan
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -9,6 +12,36 @@ import click
 from click.shell_completion import CompletionItem
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Number(click.FloatRange):
+    """A number within bounds; NaN is none, though it is beyond no bound."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        found = super().convert(value, param, ctx)
+        if found is not None and isnan(found):
+            self.fail(f"{value!r} is no number from {self.min:g} to {self.max:g}.", param, ctx)
+        return found
+
+
+class FileName(click.Path):
+    """A file's or folder's name that the system can have, whether it is there or not; given as a `Path`."""
+
+    def __init__(self, **conditions: Any) -> None:
+        super().__init__(path_type=Path, **conditions)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path."""
+        if not os.fspath(value):
+            self.fail("the name of a file is missing.", param, ctx)
+        try:
+            os.lstat(value)
+        except OSError as err:
+            if err.errno in {errno.ENAMETOOLONG, errno.ELOOP}:
+                self.fail(f"'{os.fsdecode(value)[:40]}…' is no file: {err.strerror}.", param, ctx)
+        return super().convert(value, param, ctx)
+
 
 DEFAULT_PROFILE = "lbr-sim"
 """What `lbr run` starts when nothing is said."""
@@ -29,7 +62,7 @@ def robot_options(function: F) -> F:
     @click.option("--connect", metavar="ENDPOINT", help="Reach a robot elsewhere, such as tls/192.168.1.7:7447.")
     @click.option(
         "--token-file",
-        type=click.Path(path_type=Path),
+        type=FileName(),
         metavar="FILE",
         help="Holds the token for --connect. Else it is LBR_TOKEN, a saved one, or asked for.",
     )

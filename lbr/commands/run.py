@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from lbr.commands.options import DEFAULT_PROFILE, complete_profile
+from lbr.commands.options import DEFAULT_PROFILE, FileName, complete_profile
 
 
 @click.command("run")
@@ -12,7 +12,7 @@ from lbr.commands.options import DEFAULT_PROFILE, complete_profile
 @click.option(
     "--db",
     "database",
-    type=click.Path(path_type=Path),
+    type=FileName(),
     metavar="FILE",
     help="The rows; $LBR_HOME/robot.db if left out.",
 )

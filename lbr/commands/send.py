@@ -4,7 +4,7 @@ import sys
 
 import click
 
-from lbr.commands.options import Whom, json_option, print_json, robot_options
+from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
 
 
 @click.command("send", context_settings={"ignore_unknown_options": True})
@@ -13,7 +13,7 @@ from lbr.commands.options import Whom, json_option, print_json, robot_options
 @click.option(
     "--hold",
     "hold_s",
-    type=click.FloatRange(0.0, 30.0),
+    type=Number(0.0, 30.0),
     default=5.0,
     show_default=True,
     metavar="SECONDS",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lbr.commands.options import complete_profile
+from lbr.commands.options import FileName, complete_profile
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -27,7 +27,7 @@ user_option = click.option(
     "--user", metavar="NAME", help="Run as this user, who exists; 'lbr', made again, if left out."
 )
 root_option = click.option(
-    "--root", type=click.Path(path_type=Path, file_okay=False), default=MACHINE, metavar="DIR",
+    "--root", type=FileName(file_okay=False), default=MACHINE, metavar="DIR",
     help="Not this machine, but the system in this directory, such as an image.",
 )  # fmt: skip
 power_off_option = click.option(

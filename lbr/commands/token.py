@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lbr.commands.options import json_option, print_json
+from lbr.commands.options import FileName, json_option, print_json
 
 if TYPE_CHECKING:
     from lbr.bus.tokens import Token
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 EVERYWHERE = ("0.0.0.0", "[::]")  # noqa: S104 - read, not bound
 UNITS_S = {"m": 60, "h": 3600, "d": 86400, "w": 604800}
 database_option = click.option(
-    "--db", "database", type=click.Path(path_type=Path), metavar="FILE", help="The rows; those of the robot."
+    "--db", "database", type=FileName(), metavar="FILE", help="The rows; those of the robot."
 )
 
 
@@ -37,7 +37,13 @@ def command() -> None:
 
 @command.command("add")
 @click.argument("name")
-@click.option("--role", type=click.Choice(["view", "operate", "admin", "host"]), default="operate", show_default=True)
+@click.option(
+    "--role",
+    type=click.Choice(["view", "operate", "admin", "host"]),
+    default="operate",
+    show_default=True,
+    help="What they may do: look and stop, move, or everything; host is for a share of the robot elsewhere.",
+)
 @click.option(
     "--for",
     "good_for",
@@ -47,9 +53,7 @@ def command() -> None:
     help="Where it lets in: bus for consoles and programs, web for browsers and apps.",
 )
 @click.option("--expires", metavar="TIME", help="When its rights end: after 12h, 30d or 8w. Never if left out.")
-@click.option(
-    "--file", "path", type=click.Path(path_type=Path), metavar="FILE", help="Also write a Zenoh configuration with it."
-)
+@click.option("--file", "path", type=FileName(), metavar="FILE", help="Also write a Zenoh configuration with it.")
 @database_option
 def add(name: str, role: str, good_for: str, expires: str | None, path: Path | None, database: Path | None) -> int:
     """Make a token and print it, once: it is kept nowhere.

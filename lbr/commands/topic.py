@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lbr.commands.options import Whom, json_option, print_json, robot_options
+from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
 
 if TYPE_CHECKING:
     from lbr.bus.session import Session
@@ -109,7 +109,7 @@ def echo(topic: str, whom: Whom, once: bool, raw: bool, as_json: bool) -> int:
 @command.command("hz")
 @click.argument("topic")
 @robot_options
-@click.option("--seconds", type=click.FloatRange(0.1, 3600), default=5.0, show_default=True, help="How long to listen.")
+@click.option("--seconds", type=Number(0.1, 3600), default=5.0, show_default=True, help="How long to listen.")
 @json_option
 def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
     """Measure a stream: how often it is published, how often it arrives here, what is lost and how late it is.
@@ -144,7 +144,7 @@ def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
 @click.argument("topic")
 @click.argument("message", metavar="JSON")
 @robot_options
-@click.option("--rate", type=click.FloatRange(0.01, 1000), default=10.0, show_default=True, help="Messages a second.")
+@click.option("--rate", type=Number(0.01, 1000), default=10.0, show_default=True, help="Messages a second.")
 @click.option("--count", type=click.IntRange(1), default=1, show_default=True, help="How many messages.")
 def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
     """Publish a message of JSON. What the robot refuses is printed, and the exit code is then 1."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import click
 
-from lbr.commands.options import Whom, robot_options
+from lbr.commands.options import FileName, Whom, robot_options
 
 if TYPE_CHECKING:
     from msgspec import Struct
@@ -25,7 +25,7 @@ WAIT_S = 5.0
 
 @click.command("view")
 @robot_options
-@click.option("--png", type=click.Path(path_type=Path), metavar="FILE", help="Save one picture instead.")
+@click.option("--png", type=FileName(), metavar="FILE", help="Save one picture instead.")
 @click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is no terminal.")
 def command(whom: Whom, png: Path | None, once: bool) -> int:
     """Watch a simulated robot from above, or a humanoid joint by joint, until Ctrl-C; it says when no news comes."""

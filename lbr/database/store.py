@@ -49,6 +49,13 @@ LOOK_EVERY = 10_000
 EDIT_TRIES = 5
 
 
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as err:
+        raise InputError(f"{path} is no SQL, but bytes that are no text: {err.reason} at byte {err.start}") from err
+
+
 def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ()) -> tuple[str, ...]:
     """Build a new database from `sql` alone, or from robot.db.sql and the robots that packages bring.
 
@@ -57,7 +64,7 @@ def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ())
     """
     if path.exists():
         raise InputError(f"database {path} exists already: name another, or move it away first")
-    source = (sql or robot_db_sql()).read_text(encoding="utf-8")
+    source = _text(sql or robot_db_sql())
     brought = packaged.every(judge) if sql is None else Brought((), ())
     building = path.with_name(f"{path.name}.new-{os.getpid()}")
     try:

@@ -77,5 +77,5 @@ def _read(path: Path) -> Profile:
         return msgspec.toml.decode(path.read_bytes(), type=Profile)
     except OSError as err:
         raise InputError(f"launch profile {path}: {err.strerror}") from err
-    except msgspec.DecodeError as err:
+    except (msgspec.DecodeError, UnicodeDecodeError) as err:
         raise InputError(f"launch profile {path}: {err}") from err
