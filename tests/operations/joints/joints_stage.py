@@ -15,7 +15,7 @@ import msgspec
 from lbr.bus import session, wire
 from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
 from lbr.capability.context import Device
-from lbr.executive.planning.process_specs import Unit
+from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.child import Child
 from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper
@@ -141,7 +141,7 @@ class Stage:
             release_key=KEY,
         )
         family = "driver" if name == "servos" else "operation"
-        unit = Unit(name=name, kind=kind, family=family, moves=True, restart="never", needs=(), config=config)
+        unit = ProcessSpec(name=name, kind=kind, family=family, moves=True, restart="never", needs=(), config=config)
         with open_log(self.home / f"{name}.txt") as log:
             self.children[name] = Child(unit, config, log, self.reaper.mark(guarded=unit.guarded))
 
@@ -187,7 +187,7 @@ class Stage:
     def kill(self, name, number=signal.SIGKILL):
         os.killpg(self.children[name].pid, number)
 
-    def bury(self, name):
+    def reap(self, name):
         child = self.children.pop(name)
         until(lambda: child.returncode() is not None)
         child.close()
@@ -197,7 +197,7 @@ class Stage:
         for name in list(self.children):
             self.kill(name, signal.SIGCONT)
             self.kill(name)
-            self.bury(name)
+            self.reap(name)
         self.reaper.close()
         self.bus.close()
         self.router.close()

@@ -58,7 +58,7 @@ def test_a_killed_client_leaves_the_servos_holding_and_then_they_let_go(moving):
 
 def test_killed_joints_leave_the_servos_holding_and_a_new_process_moves_nothing(moving):
     moving.kill("joints")
-    moving.revoke("joints")
+    moving.reap("joints")
     moving.heard("servos/state", phase="holding")
     goal = held(moving)
     moving.start("joints")
@@ -82,7 +82,7 @@ def test_joints_that_hang_leave_the_servos_holding_and_going_on_resumes_nothing(
 
 def test_a_killed_driver_ends_the_motion_and_its_successor_moves_nothing_and_lets_nothing_fall(moving):
     moving.kill("servos")
-    moving.revoke("servos")
+    moving.reap("servos")
     state = moving.heard("joints/state", moving=False)
     assert state["reason"] == "the servo driver (servos) is gone"
     goal = held(moving)
