@@ -12,6 +12,7 @@ from lbr.errors import InputError
 from lbr.messages.sensing import RangeSensor, ring
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
+from lbr.simulation.measured import Sensed
 from lbr.simulation.twins.base import Surroundings, make
 
 FACED = {"forward": 1.234, "left": 0.5, "right": 2.0, "back": None}
@@ -51,6 +52,14 @@ def test_a_board_with_more_sensors_tells_them_after_the_others():
     assert reports(run(made, 2))[0] == {
         "Forward": 123, "Left": 50, "Right": 200, "Back": 765, "Bottom": -1, "Deltat": 0, "Bow": 40
     }  # fmt: skip
+
+
+def test_a_sensor_of_the_board_that_has_no_row_is_no_free_way(tmp_path):
+    around = Surroundings(seed=1, now=0.0, sensors=ring(0.43, 0.3)[:1])
+    twin = make(Device("ranges", "ultrasonic_ring", str(tmp_path / "ranges"), {"board": "parallax"}), around)
+    twin.sense(Sensed(battery_v=12.0, ranges_m={"forward": None}))
+    told = reports(run(twin._board, 2))[0]
+    assert (told["Forward"], told["Back"], told["Left"], told["Right"]) == (765, 0, 0, 0)
 
 
 def test_a_fault_of_a_sensor_that_is_not_there_is_refused(tmp_path):

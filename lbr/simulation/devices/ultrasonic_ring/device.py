@@ -25,7 +25,8 @@ _ERROR_CM = 0
 
 
 class UltrasonicBoard:
-    """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach).
+    """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach), `not_there` are those
+    that it has no sensor for.
 
     `more` are sensors beyond the four that every board has. Each sensor takes its turn for as long as its echo takes,
     so that when they are told the first reading is the oldest.
@@ -44,6 +45,7 @@ class UltrasonicBoard:
         self.board = board
         self.faults = faults or UltrasonicFaults()
         self.distances_m: Mapping[str, float | None] = {}
+        self.not_there: frozenset[str] = frozenset()
         self._random = Random(seed)
         self._outbox = Outbox()
         self.power_cycle(powered_at)
@@ -105,7 +107,7 @@ class UltrasonicBoard:
 
     def _sense(self, side: str) -> int:
         faults = self.faults
-        if side in faults.missing or side in faults.error:
+        if side in faults.missing or side in faults.error or side in self.not_there:
             return _ERROR_CM
         if side in faults.over_range:
             return _OVER_RANGE_CM

@@ -53,3 +53,4 @@ class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
     def sense(self, sensed: Sensed) -> None:
         """Face what the world puts before the sensors."""
         self._board.distances_m = sensed.ranges_m
+        self._board.not_there = frozenset(self._board.sensors) - sensed.ranges_m.keys()
