@@ -22,7 +22,7 @@ def installed(tmp_path):
 
 
 @pytest.mark.slow_start
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(400)
 @pytest.mark.parametrize("part", sorted(path.name for path in (PACKAGE / "tests").glob("test_*.py")))
 def test_its_own_tests_pass(part, installed, tmp_path):
     argv = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"tests/{part}"]

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 from lbr.testing.robot import running
 
-SLOWLY_S = 25.0
+SLOWLY_S = 45.0
 """Bounds waiting on a machine that has much else to do; each takes a moment on one that has not."""
 
 
@@ -35,9 +35,19 @@ class Arms:
         except StopIteration:
             return {"code": 1, "text": "", "hold": None}
 
-    def follow(self):
-        """Begin to teleoperate, once the leader is measured."""
-        until(lambda: self.hear("teleop")["code"] == 0 or self.state("teleop").get("phase") != "idle", "teleop")
+    def follow(self, condition, what):
+        """Teleoperate until something is so; a busy machine may end it, and let the follower go: then it is begun again."""
+
+        def look():
+            if self.state("teleop")["phase"] == "idle":
+                self.hear("/torque/on")
+                self.hear("teleop")
+            return condition()
+
+        until(look, what)
+
+    def phase(self):
+        return self.state("teleop")["phase"]
 
     def state(self, name):
         """What it published last; on a busy machine that may have to be asked for again."""

@@ -8,7 +8,7 @@ from statistics import median
 import pytest
 from robots import arms, setting, until
 
-pytestmark = pytest.mark.timeout(140)
+pytestmark = pytest.mark.timeout(220)
 HOLD_S, RELEASE_S = 1.0, 1.0
 PATIENT = (
     setting("arm", hold_s=HOLD_S, release_s=RELEASE_S, setpoint_valid_s=0.25),
@@ -34,11 +34,10 @@ def let_go(robot, lost):
 
 def begun(robot, degrees):
     robot.torque_on()
-    robot.follow()
-    robot.teleop("following")
+    robot.follow(lambda: robot.phase() == "following", "the follower follows")
     robot.say(f"/hand/leader_shoulder_pan/{degrees}")
     start = robot.at("shoulder_pan")
-    until(lambda: abs(robot.at("shoulder_pan") - start) > 0.1, "the follower moves")
+    robot.follow(lambda: abs(robot.at("shoulder_pan") - start) > 0.1, "the follower moves")
 
 
 def test_the_follower_goes_with_the_leader_and_ends_with_it(capsys):
@@ -48,10 +47,9 @@ def test_the_follower_goes_with_the_leader_and_ends_with_it(capsys):
         robot.say("/hand/leader_shoulder_pan/-60")
         until(lambda: robot.at("leader_shoulder_pan", "leader_joints") < -1.0, "the hand")
         robot.torque_on()
-        robot.follow()
-        robot.teleop("approaching")
-        until(lambda: near(robot), "the follower is with the leader")
-        robot.teleop("following")
+        robot.follow(lambda: robot.phase() == "approaching", "it approaches")
+        robot.follow(lambda: near(robot), "the follower is with the leader")
+        robot.follow(lambda: robot.phase() == "following", "it follows")
 
         windows, gaps, end = {}, [], time.monotonic() + 4.0
         robot.say("/hand/leader_shoulder_pan/60")
@@ -61,7 +59,7 @@ def test_the_follower_goes_with_the_leader_and_ends_with_it(capsys):
             if state.get("loop"):
                 windows[tuple(state["loop"].values())] = state["loop"]
             time.sleep(0.05)
-        until(lambda: near(robot), "the follower came along")
+        robot.follow(lambda: near(robot), "the follower came along")
         rates = sorted(one["rate_hz"] for one in windows.values())
         worst = sorted(one["period_max_ms"] for one in windows.values())
         with capsys.disabled():
