@@ -48,7 +48,7 @@ def home() -> Path:
 
 
 def _spoken(path: Path) -> Path:
-    """Return a folder that the bus and devices can be told of: in an endpoint, what follows `#` or `?` is no path."""
+    """Return a folder that the bus and devices can be told of: in an endpoint, what follows `#` or `?` is not a path."""
     wrong = next((one for one in str(path) if one in "#?\x7f" or one < " " or "\ud800" <= one <= "\udfff"), "")
     if wrong:
         raise InputError(

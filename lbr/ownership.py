@@ -87,7 +87,7 @@ def side_file_faults(path: Path) -> tuple[Fault, ...]:
             continue
         mode, text, sudo = f"mode {stat.S_IMODE(seen.st_mode):04o}", "", ""
         if not stat.S_ISREG(seen.st_mode):
-            text = f"is no plain file ({mode})"
+            text = f"is not a plain file ({mode})"
         elif seen.st_uid not in {0, os.geteuid()}:
             text, sudo = f"belongs to {_user(seen.st_uid)} ({mode})", "sudo "
         elif seen.st_mode & OTHERS:

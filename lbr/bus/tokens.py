@@ -35,7 +35,9 @@ def parse(text: str) -> Token:
     """Return the token that a text is; raise InputError without repeating the text."""
     found = _SHAPE.fullmatch(text.strip())
     if found is None:
-        raise InputError("this is no token: tokens look like NAME.SECRET.FINGERPRINT, and 'lbr token add' prints them")
+        raise InputError(
+            "this is not a token: tokens look like NAME.SECRET.FINGERPRINT, and 'lbr token add' prints them"
+        )
     return Token(name=found[1], secret=found[2], fingerprint=found[3])
 
 

@@ -58,14 +58,14 @@ def _rows(kind: Kind) -> Iterator[str]:
             return
     for read in kind.reads:
         if not _is_struct(read.row, Row):
-            yield f"'rows' names {_shown(read.row)}, which is no Row: class NAME(Row, frozen=True, kw_only=True)"
+            yield f"'rows' names {_shown(read.row)}, which is not a Row: class NAME(Row, frozen=True, kw_only=True)"
         elif fault := _unfit(read.row) or _row_fault(read.row):
-            yield f"'rows' names {read.row.__name__}, which is no table: {fault}"
+            yield f"'rows' names {read.row.__name__}, which is not a table: {fault}"
         else:
             yield from _where(kind, read)
     for row in kind.learns:
         if row not in [read.row for read in kind.reads]:
-            yield f"'learns' names {_shown(row)}, which is none of its rows"
+            yield f"'learns' names {_shown(row)}, which is not one of its rows"
 
 
 def _where(kind: Kind, read: Rows) -> Iterator[str]:
@@ -73,11 +73,11 @@ def _where(kind: Kind, read: Rows) -> Iterator[str]:
         if column not in read.row.__struct_fields__:
             yield f"'rows' looks for {_shown(column)} in {read.row.__name__}, which has no such column"
         if setting not in getattr(kind.settings, "__struct_fields__", ()):
-            yield f"'rows' names the setting {_shown(setting)}, which is no field of {_shown(kind.settings)}"
+            yield f"'rows' names the setting {_shown(setting)}, which is not a field of {_shown(kind.settings)}"
 
 
 def _row_fault(row: type[Row]) -> str:
-    """Return why a struct is no table, or nothing."""
+    """Return why a struct is not a table, or nothing."""
     if not (isinstance(row.TABLE, str) and _NAME.fullmatch(row.TABLE)):
         return f"its TABLE is {_shown(row.TABLE)}, and must be the name of one"
     if not row.KEY or any(column not in row.__struct_fields__ for column in row.KEY):
@@ -109,7 +109,7 @@ def _ports(group: str, ports: Any) -> Iterator[str]:
         elif not message.__struct_config__.frozen:
             yield f"port '{name}' carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
         elif fault := _unfit(message):
-            yield f"port '{name}' carries {message.__name__}, which is no JSON: {fault}"
+            yield f"port '{name}' carries {message.__name__}, which is not JSON: {fault}"
 
 
 def _settings(kind: Kind) -> Iterator[str]:
@@ -121,7 +121,7 @@ def _settings(kind: Kind) -> Iterator[str]:
         need = "frozen=True, forbid_unknown_fields=True"
         yield f"'settings' is {kind.settings.__name__}, which must be declared with {need}"
     if fault := _unfit(kind.settings):
-        yield f"'settings' is {kind.settings.__name__}, which is no JSON: {fault}"
+        yield f"'settings' is {kind.settings.__name__}, which is not JSON: {fault}"
     if kind.device and "device" not in kind.settings.__struct_fields__:
         yield f"'device' needs a field 'device' in {kind.settings.__name__}, which names the device row"
 
@@ -137,7 +137,7 @@ def _answers(kind: Kind) -> Iterator[str]:
         return
     for name, role in roles.items():
         if name not in asked:
-            yield f"'roles' names '{name}', which is none of its commands"
+            yield f"'roles' names '{name}', which is not one of its commands"
         if role not in get_args(Role):
             yield f"'roles' gives '{name}' {_shown(role)}, and must give one of {', '.join(get_args(Role))}"
 
@@ -151,7 +151,7 @@ def _devices(kind: Kind) -> Iterator[str]:
         if not _is_struct(settings, Struct):
             yield f"'device_settings' gives '{name}' {_shown(settings)}, and must give a msgspec Struct"
         elif fault := _unfit(settings):
-            yield f"'device_settings' gives '{name}' {settings.__name__}, which is no JSON: {fault}"
+            yield f"'device_settings' gives '{name}' {settings.__name__}, which is not JSON: {fault}"
 
 
 def _said(kind: Kind) -> Iterator[str]:

@@ -78,23 +78,20 @@ def names(row: type[Row], column: str = "name") -> Choices:
 class Kind:
     """One kind of driver, operation or app: its settings, its ports and where its code is.
 
-    `entry` names the class that runs (`module:Class`), imported only in its own process, or is that class.
-    `inputs` are streams it reads and `setpoints` streams sent to its own key, which only the wired source may write.
-    `outputs` are streams it publishes, `commands` what it answers, `requests` what it asks of others' commands; who
-    says no type of `replies` is answered by a CommandReply.
-    `optional` are the inputs that it can do without: it is not reported that nothing feeds them.
-    `roles` are the commands that need another role than `operate`; anybody may stop.
-    `words` are what the console of every robot with a capability of this kind understands, besides the robot's rows.
-    `moves` marks a path to a motor: it gets the emergency stop on a session of its own and is stopped first.
-    `serves` marks a way by which people move and stop the robot: it ranks with what moves.
-    `device` is the type of the device row that the setting `device` must name; empty if it owns none.
-    `device_settings` is what rows of a type of device may set for it; a world that `emulates` every device that has a
-    twin (see `lbr.capability.twins`) gets theirs.
-    `line` says that its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is
-    asked many times a second, so that what an adapter holds back matters.
-    `emulated` is what stands in for its device in a simulation: a tty, a socket (`unix:PATH`) or a folder.
-    `rows` are the tables whose rows it gets, and `learns` those of them that it may write back; `edits` are those that it
-    may have written by `executive.edit`, where it is wired to that.
+    `entry` names the class that runs (`module:Class`), imported only in its own process, or is that class. `inputs` are
+    streams it reads and `setpoints` streams sent to its own key, which only the wired source may write. `outputs` are
+    streams it publishes, `commands` what it answers, `requests` what it asks of others' commands; who says no type of
+    `replies` is answered by a CommandReply. `optional` are the inputs that it can do without: it is not reported that
+    nothing feeds them. `roles` are the commands that need another role than `operate`; anybody may stop. `words` are
+    what the console of every robot with a capability of this kind understands, besides the robot's rows. `moves` marks
+    a path to a motor: it gets the emergency stop on a session of its own and is stopped first. `serves` marks a way by
+    which people move and stop the robot: it ranks with what moves. `device` is the type of the device row that the
+    setting `device` must name; empty if it owns none. `device_settings` is what rows of a type of device may set for
+    it; a world that `emulates` every device that has a twin (see `lbr.capability.twins`) gets theirs. `line` says that
+    its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked many times
+    a second, so that what an adapter holds back matters. `emulated` is what stands in for its device in a simulation: a
+    tty, a socket (`unix:PATH`) or a folder. `rows` are the tables whose rows it gets, and `learns` those of them that
+    it may write back; `edits` are those that it may have written by `executive.edit`, where it is wired to that.
     `extra` is the extra of the package without which it cannot run at all, and `package` what that brings to import.
     """
 
@@ -162,5 +159,5 @@ class Kind:
         module, _, name = self.entry.partition(":")
         found = getattr(importlib.import_module(module), name)
         if not isinstance(found, type):
-            raise TypeError(f"kind '{self.name}': {self.entry} is no class")
+            raise TypeError(f"kind '{self.name}': {self.entry} is not a class")
         return found

@@ -33,7 +33,7 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
     in it happens here. One that was good is not looked at again until it changes.
     """
     if not _NAME.fullmatch(name):
-        raise KindError(f"'{name}' is no kind's name: kinds are words like 'drive', not paths or code")
+        raise KindError(f"'{name}' is not a kind's name: kinds are words like 'drive', not paths or code")
     point = plugins.installed(GROUP).get(name)
     if point is not None:
         return _from_package(point)

@@ -27,8 +27,9 @@ class TwinError(KindError):
 class DeviceTwin:
     """How a type of device is emulated: what its device rows may set, and the class that does it.
 
-    `device` is the type that device rows name. `row` has a field `faults`: what can be made to go wrong. `entry` is a class, or `module:Class`, which is imported
-    only where the world runs; it is made with a device and its surroundings, see `lbr.simulation.twins.base.Twin`.
+    `device` is the type that device rows name. `row` has a field `faults`: what can be made to go wrong. `entry` is a
+    class, or `module:Class`, which is imported only where the world runs; it is made with a device and its
+    surroundings, see `lbr.simulation.twins.base.Twin`.
     """
 
     device: str
@@ -45,7 +46,7 @@ class DeviceTwin:
         except (Exception, SystemExit) as err:
             raise TwinError(f"the twin of '{self.device}' ({self.entry}) does not load: {plugins.told(err)}") from err
         if not isinstance(found, type):
-            raise TwinError(f"the twin of '{self.device}' ({self.entry}) is no class; name one as module:Class")
+            raise TwinError(f"the twin of '{self.device}' ({self.entry}) is not a class; name one as module:Class")
         return found
 
 

@@ -102,8 +102,8 @@ def import_(
 ) -> int:
     """Take the motion in FILE: one that 'lbr motion export' wrote, or one of a robot's maker, which its package reads.
 
-    A robot that runs takes it over at once; a motion that is being played is stopped for it. What the file asks of a joint
-    beyond its limits is refused, and named.
+    A robot that runs takes it over at once; a motion that is being played is stopped for it. What the file asks of a
+    joint beyond its limits is refused, and named.
     """
     from lbr.commands.rows import problems_of  # noqa: PLC0415
     from lbr.database import motion_files  # noqa: PLC0415
@@ -113,7 +113,7 @@ def import_(
     from lbr.messages.units import NAME_PATTERN  # noqa: PLC0415
 
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
-        raise InputError(f"'{name}' is no name: those are of lower-case letters, digits and _, a letter first")
+        raise InputError(f"'{name}' is not a name: those are of lower-case letters, digits and _, a letter first")
     with _opened(database) as opened:
         whose, motion, rows, notes = _understood(opened, file, robot, name)
         if not replacing and any(one.name == motion.name for one in rows.of(MotionRow)):

@@ -21,7 +21,7 @@ class Number(click.FloatRange):
         """Return the number."""
         found = super().convert(value, param, ctx)
         if found is not None and isnan(found):
-            self.fail(f"{value!r} is no number from {self.min:g} to {self.max:g}.", param, ctx)
+            self.fail(f"{value!r} is not a number from {self.min:g} to {self.max:g}.", param, ctx)
         return found
 
 
@@ -39,7 +39,7 @@ class FileName(click.Path):
             os.lstat(value)
         except OSError as err:
             if err.errno in {errno.ENAMETOOLONG, errno.ELOOP}:
-                self.fail(f"'{os.fsdecode(value)[:40]}…' is no file: {err.strerror}.", param, ctx)
+                self.fail(f"'{os.fsdecode(value)[:40]}…' is not a file: {err.strerror}.", param, ctx)
         return super().convert(value, param, ctx)
 
 

@@ -74,7 +74,7 @@ def check_name(what: What, name: str) -> None:
     """Refuse a name that cannot be one, or that is taken; say what would do."""
     if not _NAME.fullmatch(name) or len(name) > LONGEST:
         rule = f"small letters, digits and single dashes or underscores, beginning with a letter, {LONGEST} at most"
-        raise InputError(f"'{name}' is no name of a package: {rule}{_hint(what, _near(name))}")
+        raise InputError(f"'{name}' is not a name of a package: {rule}{_hint(what, _near(name))}")
     for why in _taken(what, plain(name)):
         raise InputError(f"'{name}' {why}: choose another name{_hint(what, f'my-{name}')}", "exists")
 
@@ -162,7 +162,8 @@ def _required(version: str) -> str:
 
 
 def _tools() -> str:
-    """Return what to write before `pip`, so that it is that of the Python that runs this; nothing where it is on the path."""
+    """Return what to write before `pip`, so that it is that of the Python that runs this; nothing where it is on the
+    path."""
     here = Path(sys.executable).parent
     if (found := shutil.which("pip")) is not None and Path(found).parent == here:
         return ""

@@ -29,9 +29,9 @@ database_option = click.option(
 def command() -> None:
     """Let people and programs on other machines in, and lock them out again.
 
-    A token is a name with a role: view looks and stops, operate moves the robot too, admin does all there is. With host,
-    the machine of that name runs its share of the robot, looks and stops. A token is good for the bus, which consoles
-    and programs use, or for the web server, or for both.
+    A token is a name with a role: view looks and stops, operate moves the robot too, admin does all there is. With
+    host, the machine of that name runs its share of the robot, looks and stops. A token is good for the bus, which
+    consoles and programs use, or for the web server, or for both.
     """
 
 
@@ -144,7 +144,7 @@ def _end(text: str) -> str:
 
     found = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
     if found is None:
-        raise InputError(f"'{text[:40]}' is no time from now: write 90m, 12h, 30d or 8w")
+        raise InputError(f"'{text[:40]}' is not a time from now: write 90m, 12h, 30d or 8w")
     return _text(dt.datetime.now(dt.UTC) + dt.timedelta(seconds=int(found[1]) * UNITS_S[found[2]]))
 
 

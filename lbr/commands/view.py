@@ -26,7 +26,7 @@ WAIT_S = 5.0
 @click.command("view")
 @robot_options
 @click.option("--png", type=FileName(), metavar="FILE", help="Save one picture instead.")
-@click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is no terminal.")
+@click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is not a terminal.")
 def command(whom: Whom, png: Path | None, once: bool) -> int:
     """Watch a simulated robot from above, or a humanoid joint by joint, until Ctrl-C; it says when no news comes."""
     import sys  # noqa: PLC0415

@@ -32,7 +32,7 @@ _UNITS = {
     "hz": "Hz",
     "percent": "percent",
 }
-_PATTERNS = {NAME_PATTERN: "is no name: those are of lower-case letters, digits and _, a letter first"}
+_PATTERNS = {NAME_PATTERN: "is not a name: those are of lower-case letters, digits and _, a letter first"}
 _NAMES = (NAME_PATTERN, f"^$|{NAME_PATTERN}")
 """Names have no capitals: who types one, as in Forward, means the small letter."""
 _FLAGS = {"true": True, "yes": True, "1": True, "on": True, "false": False, "no": False, "0": False, "off": False}

@@ -127,5 +127,5 @@ def _entry(token: Token, der: bytes) -> Entry:
 def _place(endpoint: str) -> tuple[str, int]:
     host, _, port = endpoint.removeprefix(PROTOCOL).rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise InputError(f"'{shown(endpoint)}' is no endpoint; one looks like tls/192.168.1.7:7447")
+        raise InputError(f"'{shown(endpoint)}' is not an endpoint; one looks like tls/192.168.1.7:7447")
     return host.strip("[]"), int(port)

@@ -116,7 +116,7 @@ def key_of(robot: str, name: str) -> str:
     name = name.strip("/")
     good = name and all(part and not part.isspace() for part in name.split("/")) and name.isprintable()
     if not good or any(char in name for char in "#?$ "):
-        raise InputError(f"'{shown(name)}' is no topic; topics look like drive/state, and * stands for any one part")
+        raise InputError(f"'{shown(name)}' is not a topic; topics look like drive/state, and * stands for any one part")
     return name if name.startswith(f"{robot}/") else f"{robot}/{name}"
 
 

@@ -104,7 +104,7 @@ def from_plain(data: Any) -> Graph:
     try:
         return msgspec.convert(data, Graph)
     except msgspec.ValidationError as err:
-        raise MalformedError(f"this is no graph: {err}") from err
+        raise MalformedError(f"this is not a graph: {err}") from err
 
 
 def _state(node: Node) -> str:

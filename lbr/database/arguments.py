@@ -81,7 +81,7 @@ def _fault(number: int, one: object) -> str:
     try:
         re.compile(one, re.ASCII)
     except (re.error, OverflowError, RecursionError) as err:
-        return f"entry {number} is no regular expression: {err}"
+        return f"entry {number} is not a regular expression: {err}"
     return ""
 
 

@@ -53,7 +53,7 @@ def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
     try:
         with sentences(path), closing(connect(path, changing=False)) as connection:
             if pragma(connection, "application_id") != APPLICATION_ID:
-                raise RowError((f"{path} is no robot's database",))
+                raise RowError((f"{path} is not a robot's database",))
             if fault := damage(connection):
                 raise RowError((f"{path} is damaged ({fault[:100]})",))
             revision = adopted.revision(connection)

@@ -56,7 +56,7 @@ def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
         return msgspec.json.decode(content, type=MotionFile)
     except (msgspec.DecodeError, RecursionError) as err:
         others = "".join(f", {suffix} ({one.summary})" for suffix, one in sorted(registry.motion_formats().items()))
-        raise InputError(f"it is no motion: {err}. Motions are in JSON{others}") from err
+        raise InputError(f"it is not a motion: {err}. Motions are in JSON{others}") from err
 
 
 def within_limits(motion: Motion, joints: Iterable[Joint], *, clip: bool) -> tuple[Motion, int]:

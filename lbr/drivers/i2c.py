@@ -73,7 +73,7 @@ def locate(device: Device, default_address: int) -> Place:
     elif found := _SOCKET.fullmatch(device.address):
         place = Place(-1, found[1], int(found[2], 0) if found[2] else default_address)
     else:
-        said = f"device '{device.name}': address '{device.address}' is none of i2c:BUS:ADDRESS (i2c:1:0x68)"
+        said = f"device '{device.name}': address '{device.address}' is not one of i2c:BUS:ADDRESS (i2c:1:0x68)"
         raise DeviceError(f"{said}, unix:PATH, unix:PATH:ADDRESS; correct the device row")
     if not _FIRST <= place.address <= _LAST:
         said = f"device '{device.name}': i2c addresses are {_FIRST:#04x} to {_LAST:#04x}, not {place.address:#04x}"

@@ -1,4 +1,5 @@
-"""What every driver has to do, tried on its device's twin: `pytest.mark.parametrize("check", CHECKS)`, then `check(bench)`."""
+"""What every driver has to do, tried on its device's twin: `pytest.mark.parametrize("check", CHECKS)`, then
+`check(bench)`."""
 
 import time
 from collections.abc import Callable
@@ -41,8 +42,8 @@ class RealTimeContext(FakeContext[Any]):
 class DriverBench:
     """A driver beside its emulated device, run as the runtime runs it: opened, stepped, closed and opened again.
 
-    `settings` is its row as JSON; `rest` is what else its context has, as the rows that are `given`. `lose` is the fault by
-    which the device is taken away; it is back when that is set to false.
+    `settings` is its row as JSON; `rest` is what else its context has, as the rows that are `given`. `lose` is the
+    fault by which the device is taken away; it is back when that is set to false.
     """
 
     def __init__(
@@ -232,7 +233,7 @@ def says_that_its_device_is_silent(bench: DriverBench) -> None:
 
 
 def publishes_no_rubbish(bench: DriverBench) -> None:
-    """On a bad line it neither breaks nor publishes what is no number; on a good one it works again."""
+    """On a bad line it neither breaks nor publishes what is not a number; on a good one it works again."""
     usual = bench.faults()
     found = [name for name in RUBBISH if isinstance(usual.get(name), float)]
     bench.works()
@@ -242,12 +243,12 @@ def publishes_no_rubbish(bench: DriverBench) -> None:
         bench.device.fault(name, usual[name])
     bench.works()
     wrong = [(output, message) for output, message in bench.ctx.published if not _finite(msgspec.to_builtins(message))]
-    assert not wrong, f"{bench.kind.name}: it publishes what is no number: {wrong[0]}"
+    assert not wrong, f"{bench.kind.name}: it publishes what is not a number: {wrong[0]}"
     bench.close()
 
 
 def takes_no_number_for_a_stop(bench: DriverBench) -> None:
-    """Wheels that turn stop when a setpoint is no number."""
+    """Wheels that turn stop when a setpoint is not a number."""
     twin = bench.device.twin
     if not isinstance(twin, WheelDrive):
         return

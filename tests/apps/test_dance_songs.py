@@ -32,8 +32,8 @@ def test_a_song_is_its_sound_and_its_beats(music):
         ('{"beats": [1, 2]}', r'must be \{"BEATS"'),
         ("[1, 2]", r'must be \{"BEATS"'),
         ('{"BEATS": [1]}', "has 1 beats; 2 to 10000"),
-        ('{"BEATS": [1, "2"]}', r"BEATS\[1\] is no number"),
-        ('{"BEATS": [1, true]}', r"BEATS\[1\] is no number"),
+        ('{"BEATS": [1, "2"]}', r"BEATS\[1\] is not a number"),
+        ('{"BEATS": [1, true]}', r"BEATS\[1\] is not a number"),
         ('{"BEATS": [-1, 2]}', r"BEATS\[0\] is outside 0 to 14400 s"),
         ('{"BEATS": [1, NaN]}', r"BEATS\[1\] is outside"),
         ('{"BEATS": [1, 1e999]}', r"BEATS\[1\] is outside"),
@@ -61,7 +61,7 @@ def test_what_is_missing_is_named(music):
         songs.load(music, "tune")
     (music / "tune.wav").write_text("la")
     (music / "tune.json").write_text("{}")
-    with pytest.raises(InputError, match=r"tune\.wav is no PCM WAV"):
+    with pytest.raises(InputError, match=r"tune\.wav is not a PCM WAV"):
         songs.load(music, "tune")
     with pytest.raises(InputError, match="letters, digits"):
         songs.load(music, "../tune")

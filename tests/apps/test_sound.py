@@ -35,7 +35,7 @@ def test_what_is_no_wav_file_is_refused_by_name(tmp_path):
             (tmp_path / name).write_bytes(make)
         with pytest.raises(InputError, match=name):
             wav.read(tmp_path / name)
-    with pytest.raises(InputError, match="is no file"):
+    with pytest.raises(InputError, match="is not a file"):
         wav.read(Path("/dev/zero"))
     with pytest.raises(InputError, match="holds no sound"):
         wav.read(wav_file(tmp_path / "short.wav", 0.0))

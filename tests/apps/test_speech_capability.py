@@ -190,7 +190,7 @@ def test_a_song_that_is_not_there_or_no_song_is_refused(bench):
     wav_file(found.home / "music" / "tune.wav", 1.0)
     (found.home / "music" / "text.wav").write_text("la la la")
     assert "did you mean tune?" in found.ask(SongCommand(song="tunes")).reason
-    assert "is no PCM WAV file" in found.ask(SongCommand(song="text")).reason
+    assert "is not a PCM WAV file" in found.ask(SongCommand(song="text")).reason
     assert "letters, digits" in found.ask(SongCommand(song="../music/tune")).reason
 
 

@@ -39,7 +39,7 @@ def test_a_file_of_ones_own_is_a_kind_and_an_edit_of_it_is_seen(folder, tmp_path
 )
 def test_a_name_that_is_code_or_a_path_is_refused_and_imports_nothing(folder, tmp_path, name):
     (folder.parent / "own.py").write_text("raise AssertionError('imported')")
-    with pytest.raises(KindError, match="is no kind's name"):
+    with pytest.raises(KindError, match="is not a kind's name"):
         registry.find(name, tmp_path)
 
 

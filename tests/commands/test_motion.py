@@ -70,7 +70,7 @@ def test_joints_beyond_their_limits_are_refused_or_clipped(place, capsys):
     ("arguments", "why"),
     [
         (("import", "nowhere.rbm"), "nowhere.rbm cannot be read: No such file"),
-        (("import", "{place}/robot.db"), "robot.db: it is no motion"),
+        (("import", "{place}/robot.db"), "robot.db: it is not a motion"),
         (("import", "{place}/nod.rbm", "--robot", "bioloid"), "has no joints with a motor in layer 'factory'"),
         (("import", "{place}/nod.rbm", "--robot", "nobody"), "there is no robot 'nobody'"),
         (("import", "{place}/nod.rbm", "--name", "sit_down", "--replace"), "is built in, and stays as it is"),

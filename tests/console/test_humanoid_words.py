@@ -77,8 +77,8 @@ def test_a_line_becomes_its_message(line, target, payload):
         ("/j/left_elbow/400", "angle is -360 to 360 degrees, not 400"),
         ("/j/left_elbow/-45/fast", "speed is above 0, up to 1000 degrees a second, not 'fast'"),
         ("/play/sit/0", "times is 1 to 1000, not 0"),
-        ("/torque/on/Left Elbow", "joints 'Left Elbow' is no name"),
-        ("/torque/on/left_elbow,", "joints '' is no name"),
+        ("/torque/on/Left Elbow", "joints 'Left Elbow' is not a name"),
+        ("/torque/on/left_elbow,", "joints '' is not a name"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(line, why):

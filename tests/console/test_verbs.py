@@ -90,7 +90,7 @@ def test_a_line_becomes_its_message(line, target, payload):
         ("/go/0/0.2", "distance is 1 to 10000 cm, not 0"),
         ("/go/-0/0.2", "distance is 1 to 10000 cm, not -0"),
         ("/r/0.2/0/900/forward/0", "range is 0 to 769 cm, not 900"),
-        ("/r/0.2/0/40/up!/0", "sensor 'up!' is no name"),
+        ("/r/0.2/0/40/up!/0", "sensor 'up!' is not a name"),
         ("/d/" + "a" * 30, "song has 30 characters; 20 are allowed"),
         ("/d/waltz/0", "times is at least 1, not 0"),
         ("/d/waltz/1.5", "times is at least 1, not 1.5"),

@@ -79,7 +79,7 @@ def test_no_pattern_takes_an_option(text, pattern):
         ([["left"], ["a", 1]], "entry 2 is neither a list of words"),
         ([None], "entry 1 is neither"),
         ([""], "entry 1 is neither"),
-        (["("], "entry 1 is no regular expression"),
+        (["("], "entry 1 is not a regular expression"),
         (["x" * 201], "entry 1 is neither"),
         ([["a\n"]], "entry 1 is neither"),
         ([["a"]] * 17, "allows more than 16 arguments"),

@@ -165,13 +165,13 @@ def test_what_was_exported_is_read_back():
 @pytest.mark.parametrize(
     ("content", "why"),
     [
-        (b"{}", "it is no motion"),
+        (b"{}", "it is not a motion"),
         (
             b'{"format": "lbr-motion", "robot": "uxa90", "motion": {"name": "a", "frames": [{"positions": {}}]}}',
             "duration_s",
         ),
         (b'{"format": "lbr-motion", "robot": "uxa90", "more": 1}', "more"),
-        (b"{" * 5000, "it is no motion"),
+        (b"{" * 5000, "it is not a motion"),
         (b"{" + b" " * LARGEST_BYTES, "bytes"),
     ],
 )

@@ -55,7 +55,7 @@ def test_an_address_says_which_bus_and_which_device(address, place):
 @pytest.mark.parametrize("address", ["", "i2c:", "i2c:1", "i2c:1:", "i2c:one:0x68", "i2c:1:68h", "/dev/i2c-1", "unix:"])
 def test_any_other_address_is_refused_with_what_is_allowed(address):
     with pytest.raises(
-        DeviceError, match=r"device 'imu': address '.*' is none of i2c:BUS:ADDRESS .*correct the device"
+        DeviceError, match=r"device 'imu': address '.*' is not one of i2c:BUS:ADDRESS .*correct the device"
     ):
         locate(row(address), 0x68)
 

@@ -108,7 +108,11 @@ def test_unplugged_it_is_degraded_still_hears_others_and_comes_back(infrared, ct
 
 @pytest.mark.parametrize(
     ("address", "complaint"),
-    [("rc0", "is no path"), ("/nowhere/lirc0", "is missing; plug it in"), ("/", "cannot be opened|went away|set up")],
+    [
+        ("rc0", "is not a path"),
+        ("/nowhere/lirc0", "is missing; plug it in"),
+        ("/", "cannot be opened|went away|set up"),
+    ],
 )
 def test_an_address_that_is_no_receiver_says_what_to_do(address, complaint):
     with pytest.raises(DeviceError, match=f"'dock_receiver' at {address} .*({complaint})"):

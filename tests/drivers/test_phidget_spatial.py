@@ -213,7 +213,7 @@ def test_without_the_library_the_extra_is_named(monkeypatch):
 
 
 def test_an_address_that_means_nothing_is_refused():
-    with pytest.raises(DeviceError, match="is none of usb:, usb:SERIAL, unix:PATH"):
+    with pytest.raises(DeviceError, match="is not one of usb:, usb:SERIAL, unix:PATH"):
         find(Device("imu", "phidget_spatial", "/dev/ttyUSB0", {}))
 
 

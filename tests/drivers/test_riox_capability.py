@@ -113,7 +113,7 @@ def test_an_orientation_of_another_length_is_null_and_told():
     sample = bench.run(0.1)[-1]
     assert sample.valid
     assert sample.orientation is None
-    assert "8192:0:0:0 is no orientation; is the setting quaternion_divisor right?" in bench.told[0][1]
+    assert "8192:0:0:0 is not an orientation; is the setting quaternion_divisor right?" in bench.told[0][1]
 
 
 def test_a_unit_that_refuses_orientation_is_not_asked_for_it_for_ever():
@@ -159,7 +159,7 @@ def test_silence_is_a_device_error_after_the_time_set():
 def test_noise_counts_as_silence_and_is_told():
     bench = Bench()
     bench.wire.said = b"ML=1:2\xff:4\r"
-    with pytest.raises(DeviceError, match=r"but \d+ lines that are no answers"):
+    with pytest.raises(DeviceError, match=r"but \d+ lines that are not answers"):
         bench.run(2.0)
     assert "bad_lines" in {kind for kind, _ in bench.told}
 

@@ -38,8 +38,8 @@ def test_an_address_finds_its_path(address, path):
     [
         ("usb:2341:0043", r"'motors'.*matches /dev/ttyACM1, /dev/ttyACM2"),
         ("usb:dead:beef", r"nothing matches usb:dead:beef"),
-        ("usb:2341", r"'usb:2341' is none of a path"),
-        ("", r"'' is none of a path"),
+        ("usb:2341", r"'usb:2341' is not one of a path"),
+        ("", r"'' is not one of a path"),
         ("by-id:*nowhere*", r"nothing matches by-id"),
     ],
 )

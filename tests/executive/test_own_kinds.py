@@ -65,7 +65,7 @@ def test_a_file_that_hangs_holds_up_neither_the_robot_nor_its_stops_nor_other_ed
             GOOD.replace(
                 "class Greeter", "class T: pass\nclass Odd(Struct, frozen=True):\n    t: T\nclass Greeter"
             ).replace("entry=Greeter", 'entry=Greeter, outputs={"odd": Odd}'),
-            "greeter.py, line 9: port 'odd' carries Odd, which is no JSON",
+            "greeter.py, line 9: port 'odd' carries Odd, which is not JSON",
         ),
     ],
     ids=["exits", "interrupts", "odd message"],

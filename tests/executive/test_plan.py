@@ -131,7 +131,7 @@ def test_every_problem_is_named_at_once(rows):
     )
     found = "\n".join(problems(bad))
     for words in (
-        "capability 'lbr/shell', kind: 'os.system' is no kind's name",
+        "capability 'lbr/shell', kind: 'os.system' is not a kind's name",
         "capability 'lbr/second', settings: Expected `int` <= 250 - at `$.watchdog_ms`",
         "capability 'lbr/third', settings: device: device 'motor_controller' is of type 'roboteq'",
         "channel 'lbr/drive.nonsense/motors.setpoint', source: 'drive' has no output 'nonsense'",

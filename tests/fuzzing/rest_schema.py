@@ -73,7 +73,7 @@ def misfit(document: Schema, case: Case, status: int, media: str, body: bytes) -
         return "there is content where none is said" if body or media else ""
     kind = media.partition(";")[0]
     if kind not in kinds:
-        return f"{kind} is none of {sorted(kinds)}"
+        return f"{kind} is not one of {sorted(kinds)}"
     if kind != "application/json":
         return ""
     try:
@@ -91,7 +91,7 @@ def wrong(document: Schema, schema: Schema, value: Any, at: str) -> str:
         return "" if "" in whys else "; ".join(whys)
     if "const" in schema or "enum" in schema:
         allowed = schema.get("enum", [schema.get("const")])
-        return "" if value in allowed else f"{at}: {value!r} is none of {allowed}"
+        return "" if value in allowed else f"{at}: {value!r} is not one of {allowed}"
     kind = schema.get("type")
     if kind is not None and not _is(kind, value):
         return f"{at}: {value!r} is no {kind}"

@@ -84,7 +84,7 @@ def test_a_profile_that_places_what_is_not_there_or_twice_is_refused(rows):
     said = refused(rows, hosts={"operator": ("danse", "dance"), "Bench 2": ("dance",)}, plugged_in_elsewhere=("imu",))
     for words in (
         "there is no capability 'danse'",
-        "'Bench 2' is no host's name",
+        "'Bench 2' is not a host's name",
         "'dance' is placed on 'operator' already",
         "'imu' is placed on no host",
     ):

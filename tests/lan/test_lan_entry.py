@@ -72,9 +72,9 @@ def test_a_token_can_be_in_a_file(door: Door):
     ("change", "code", "words"),
     [
         (lambda token: "", 1, "wants a token: set LBR_TOKEN, or use --token-file"),
-        (lambda token: "secret", 2, "this is no token: tokens look like NAME.SECRET.FINGERPRINT"),
+        (lambda token: "secret", 2, "this is not a token: tokens look like NAME.SECRET.FINGERPRINT"),
         (lambda token: "x" + token, 1, "refuses the token, the one in LBR_TOKEN: it is unknown, revoked or expired"),
-        (lambda token: token.replace(".", ".A", 1)[:-1] + "A", 2, "this is no token"),
+        (lambda token: token.replace(".", ".A", 1)[:-1] + "A", 2, "this is not a token"),
         (lambda token: token[:-4] + "AAAA", 1, "shows another certificate"),
     ],
     ids=["none", "malformed", "unknown", "too long", "another robot's"],
@@ -108,8 +108,8 @@ def listening(greeting: bytes) -> Iterator[str]:
     [
         ("tls/127.0.0.1:1", 1, "nothing listens at tls/127.0.0.1:1"),
         ("tls/robot.invalid:7447", 1, "there is no machine 'robot.invalid'"),
-        ("tls/robot", 2, "is no endpoint; one looks like tls/192.168.1.7:7447"),
-        ("tls/[::1]:99999", 2, "is no endpoint"),
+        ("tls/robot", 2, "is not an endpoint; one looks like tls/192.168.1.7:7447"),
+        ("tls/[::1]:99999", 2, "is not an endpoint"),
     ],
 )
 def test_where_no_robot_is_one_sentence_says_so(door: Door, endpoint, code, words):

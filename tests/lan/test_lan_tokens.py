@@ -29,7 +29,7 @@ A8_S = 1.0
 def test_what_is_no_token_is_refused_without_repeating_it(text):
     with pytest.raises(InputError) as refused:
         tokens.parse(text)
-    assert str(refused.value).startswith("this is no token: ")
+    assert str(refused.value).startswith("this is not a token: ")
 
 
 @given(st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,39}", fullmatch=True), st.binary(min_size=32, max_size=32))
@@ -75,7 +75,7 @@ def test_tokens_are_made_listed_and_revoked_where_no_robot_runs(home: Path, monk
     assert said(0, "revoke", "phone") == ""
     assert "revoked" in said(0, "list")
     assert "there is no token 'phone'" in said(2, "revoke", "phone")
-    assert "'soon' is no time from now" in said(2, "add", "x", "--expires", "soon")
+    assert "'soon' is not a time from now" in said(2, "add", "x", "--expires", "soon")
     assert "--for both" in said(2, "add", "kitchen", "--role", "host", "--for", "web")
     assert "console --connect" not in said(0, "add", "page", "--for", "web")
     assert "page   operate web  valid" in said(0, "list")

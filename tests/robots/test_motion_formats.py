@@ -35,7 +35,7 @@ def test_a_package_has_its_makers_files_read(tmp_path):
         assert not isinstance(found, motion_files.MotionFile)
         motion, notes = found.motion(None)
         assert (motion.name, notes) == ("dance", ["one, two"])
-        with pytest.raises(InputError, match=r"it is no motion: .*\.moves \(a dance\), \.rbm"):
+        with pytest.raises(InputError, match=r"it is not a motion: .*\.moves \(a dance\), \.rbm"):
             motion_files.read(b"one, two", ".txt")
     assert ".moves" not in registry.motion_formats()
 

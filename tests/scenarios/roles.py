@@ -36,10 +36,10 @@ def plain_keys(under_test: Bench) -> None:
     ways: dict[str, Callable[[], Any]] = {
         "a query on drive/stop": lambda: robot.ask("drive/stop", {}),
         "a put on drive/stop": lambda: robot.bus.put(f"{robot.name}/drive/stop", b"{}"),
-        "a put on drive/stop that is no JSON": lambda: robot.bus.put(f"{robot.name}/drive/stop", b"\xff"),
+        "a put on drive/stop that is not JSON": lambda: robot.bus.put(f"{robot.name}/drive/stop", b"\xff"),
         "power 0": lambda: robot.put("drive/command", {"power": 0.0}, source="anybody"),
         "a put on @estop": lambda: robot.bus.put(keys.estop(robot.name), json.dumps({"engaged": True})),
-        "a put on @estop that is no JSON": lambda: robot.bus.put(keys.estop(robot.name), b"\x00"),
+        "a put on @estop that is not JSON": lambda: robot.bus.put(keys.estop(robot.name), b"\x00"),
     }
     for what, how in ways.items():
         _stops(under_test, what, how)

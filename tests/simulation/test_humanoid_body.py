@@ -53,7 +53,7 @@ def test_missing_and_unknown_joints_are_named(tmp_path):
 
 def test_a_joint_that_is_no_hinge_is_named(tmp_path):
     path = made(tmp_path, ONE.format(inside=JOINT.format(name="left_knee", more='type="slide"'), beside=""))
-    assert "the joint 'left_knee' is no hinge" in refusal(path, {"left_knee"})
+    assert "the joint 'left_knee' is not a hinge" in refusal(path, {"left_knee"})
 
 
 def test_a_joint_whose_range_was_written_in_the_other_unit_is_named_with_what_to_write(tmp_path):

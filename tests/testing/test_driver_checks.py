@@ -82,7 +82,7 @@ class Blind(Capability[Row]):
 
 
 class Wild(Capability[Row]):
-    """Says what is no number."""
+    """Says what is not a number."""
 
     def step(self):
         self.ctx.publish("value", Value(nan))
@@ -117,7 +117,7 @@ class Once(Blind):
         (Blind, misses_its_device_and_comes_back, "the loss by 'unplug' is told"),
         (Blind, acknowledges_the_emergency_stop, "acknowledged"),
         (Blind, says_that_its_device_is_silent, "it is told that the device is silent"),
-        (Wild, publishes_no_rubbish, "it publishes what is no number"),
+        (Wild, publishes_no_rubbish, "it publishes what is not a number"),
         (Blind, may_be_killed, "is its package installed"),
         (Vague, names_a_device_that_is_not_there, "which device"),
         (Once, ends_as_often_as_it_is_told, "opened"),

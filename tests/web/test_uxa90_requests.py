@@ -137,8 +137,8 @@ def test_a_refused_move_leaves_the_others_alone(bench):
         ("id=23&pos=1&delay=600001", 400, "delay is milliseconds"),
         ("id=23&pos=1&delay=soon", 400, "delay is milliseconds"),
         ("id=4&pos=204", 409, "204 is beyond what left_knee may do"),
-        ("id=6&pos=255", 409, "255 is no position of a servo"),
-        ("id=6&pos=0", 409, "0 is no position of a servo"),
+        ("id=6&pos=255", 409, "255 is not a position of a servo"),
+        ("id=6&pos=0", 409, "0 is not a position of a servo"),
     ],
 )
 def test_what_is_refused_moves_nothing(bench, query, status, message):

@@ -85,7 +85,7 @@ def test_two_faces_may_have_the_same_port_of_the_same_message(tmp_path):
         ('FacePorts(replies={"grip": Gripper})', "replies: there is no request 'grip'"),
         ('FacePorts(states=("grip",))', "states: there is no input 'grip'"),
         ('FacePorts(inputs={"robot": Gripper}, states=("robot",))', "choose another name"),
-        ('FacePorts(inputs={"no name": Gripper})', "input 'no name' is no name"),
+        ('FacePorts(inputs={"no name": Gripper})', "input 'no name' is not a name"),
         ("FacePorts(rows=(Mine,))", "table 'motor' is read as Motor already"),
         ("1 / 0", "it does not load: ZeroDivisionError"),
     ],

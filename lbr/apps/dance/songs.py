@@ -52,7 +52,7 @@ def parse(text: str, where: str) -> tuple[float, ...]:
     except json.JSONDecodeError as err:
         raise InputError(f"{where}, line {err.lineno}, column {err.colno}: {err.msg}") from err
     except (ValueError, RecursionError) as err:
-        raise InputError(f"{where} is no JSON that can be read ({str(err)[:80]})") from err
+        raise InputError(f"{where} is not JSON that can be read ({str(err)[:80]})") from err
     beats = document.get(KEY) if isinstance(document, dict) else None
     if not isinstance(beats, list):
         raise InputError(f'{where}: it must be {{"{KEY}": [seconds, …]}}')
@@ -63,7 +63,7 @@ def parse(text: str, where: str) -> tuple[float, ...]:
 
 def _beat(value: Any, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where} is no number of seconds")
+        raise InputError(f"{where} is not a number of seconds")
     if not (0 <= value <= LATEST_S and math.isfinite(value)):
         raise InputError(f"{where} is outside 0 to {LATEST_S:g} s")
     return float(value)

@@ -15,7 +15,7 @@ def heard(words: list[str]) -> DockHeard:
     beams = [word.removesuffix("_signal") for word in words]
     wrong = next((word for word, beam in zip(words, beams, strict=True) if beam not in BEAMS), None)
     if wrong is not None:
-        raise InputError(f"'{wrong[:40]}' is no beam of a dock; say left, right or power, or several of them")
+        raise InputError(f"'{wrong[:40]}' is not a beam of a dock; say left, right or power, or several of them")
     if not beams:
         raise InputError("which beam? say left, right or power, or several of them")
     return DockHeard(**dict.fromkeys(beams, True))

@@ -19,8 +19,9 @@ TRIES = 20
 def listen(host: str, port: int) -> list[socket.socket]:
     """Return listening sockets whose connections hold little; InputError says what is wrong with the address.
 
-    One is at the address. Where that leads to this machine by IPv4 or IPv6 alone, another is at the loopback of the other:
-    browsers take `localhost` for both, and what another user of this machine served there would be of our own origin.
+    One is at the address. Where that leads to this machine by IPv4 or IPv6 alone, another is at the loopback of the
+    other: browsers take `localhost` for both, and what another user of this machine served there would be of our own
+    origin.
     """
     for _ in range(TRIES):
         found = [_listen(host, port)]
@@ -51,7 +52,7 @@ def _listen(host: str, port: int) -> socket.socket:
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except OSError as err:
-        raise InputError(f"'{host}' is no address of this machine: {err.strerror or err}") from err
+        raise InputError(f"'{host}' is not an address of this machine: {err.strerror or err}") from err
     listening = socket.socket(family, kind, protocol)  # asyncio sends at once only what it knows to be TCP
     try:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -69,7 +69,7 @@ def who(address: str) -> str:
 
 
 def plain(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    """Return an address without zone, and as IPv4 where it is that; None for what is no address."""
+    """Return an address without zone, and as IPv4 where it is that; None for what is not an address."""
     try:
         found = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:

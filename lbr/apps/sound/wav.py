@@ -58,7 +58,7 @@ def write(path: Path, samples: bytes, rate_hz: int) -> None:
 def _opened(path: Path) -> Iterator[wave.Wave_read]:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
-            raise InputError(f"{path} is no file")
+            raise InputError(f"{path} is not a file")
         with path.open("rb") as file, wave.open(file) as sound:
             yield sound
     except OSError as err:
@@ -68,7 +68,7 @@ def _opened(path: Path) -> Iterator[wave.Wave_read]:
             raise
         why = str(err) or "it ends too soon"
         raise InputError(
-            f"{path} is no PCM WAV file ({why}); `ffmpeg -i FILE -c:a pcm_s16le OUT.wav` makes one"
+            f"{path} is not a PCM WAV file ({why}); `ffmpeg -i FILE -c:a pcm_s16le OUT.wav` makes one"
         ) from err
 
 

@@ -33,7 +33,7 @@ class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     )
     gain: Annotated[float, Meta(gt=0.0, le=1.0, description="1: the whole angle to it, at once")] = 0.5
     field_deg: Annotated[float, Meta(gt=1.0, le=170.0, description="how wide the camera sees")] = 60.0
-    max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture is no picture")] = 0.5
+    max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture does not count")] = 0.5
     lost_s: Annotated[float, Meta(gt=0.0, le=60.0, description="this long the head stays where it saw it last")] = 2.0
     ahead_rps: Annotated[float, Meta(ge=0.0, le=10.0, description="then it turns ahead so fast; 0: it stays")] = 0.4
     give_up_s: Annotated[

@@ -181,7 +181,7 @@ def _face_detector(model: str) -> Detector:
     try:
         made: Detector = cv2.FaceDetectorYN.create(model, "", (REDUCED_TO_PX, REDUCED_TO_PX), FACE_SCORE)
     except cv2.error as err:
-        raise InputError(f"{model} is no model of a YuNet face detector; {MODEL_HINT}") from err
+        raise InputError(f"{model} is not a model of a YuNet face detector; {MODEL_HINT}") from err
     return made
 
 

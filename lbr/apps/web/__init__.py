@@ -73,10 +73,10 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
             try:
                 ip_network(network, strict=False)
             except ValueError:
-                raise ValueError(f"trusted: '{network}' is no address or network, such as 192.168.1.0/24") from None
+                raise ValueError(f"trusted: '{network}' is not an address or network, such as 192.168.1.0/24") from None
         for origin in self.cors:
             if origin not in {"*", "null"} and _ORIGIN.fullmatch(origin) is None:
-                raise ValueError(f"cors: '{origin}' is no origin; origins look like http://localhost:8081")
+                raise ValueError(f"cors: '{origin}' is not an origin; origins look like http://localhost:8081")
         if self.tls and self.clear_text:
             raise ValueError("tls and clear_text: only one of them can be true")
 

@@ -78,7 +78,7 @@ class BuiltinRoutes:
             ),
             Route(
                 method="POST", path="/estop", handle=self._estop, summary="Latch the emergency stop",
-                description="Whatever the body is: one that is no JSON only gives no reason.",
+                description="Whatever the body is: one that is not JSON only gives no reason.",
                 replies={200: EstopAnswer}, body=EstopBody, body_required=False, regardless=True,
             ),
             Route(

@@ -20,7 +20,7 @@ ALWAYS: Mapping[int, str] = {
     503: "The robot does not answer now.",
 }
 WITH_ROLE: Mapping[int, str] = {
-    401: "A token is needed, or this one is none.",
+    401: "A token is needed, or this one is not valid.",
     403: "The token's role does not allow it.",
 }
 WITH_BODY: Mapping[int, str] = {408: "The body did not come.", 415: "The body is not JSON."}

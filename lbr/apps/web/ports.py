@@ -24,7 +24,8 @@ class FacePorts:
     """Ports of the kind `web`, which has them wherever the package is installed that brings them.
 
     `states` are the inputs whose newest value is in `/state`, under its name. Who says no type of `replies` is answered
-    by a CommandReply. Each input is optional. `edits` are the tables whose rows it may have written, by the request `edit`.
+    by a CommandReply. Each input is optional. `edits` are the tables whose rows it may have written, by the request
+    `edit`.
     """
 
     inputs: Mapping[str, type[Struct]] = field(default_factory=dict)
@@ -72,7 +73,7 @@ def _contradictions(ports: FacePorts, more: FacePorts) -> Iterator[str]:
     ):
         for name, message in new.items():
             if not name.isidentifier():
-                yield f"{of} '{name}' is no name: those are of letters, digits and _"
+                yield f"{of} '{name}' is not a name: those are of letters, digits and _"
             if there.get(name, message) is not message:
                 yield f"{of} '{name}' is {message.__name__}, and there is one already, of {there[name].__name__}"
     yield from _missing(ports, more)

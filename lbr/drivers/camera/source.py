@@ -26,5 +26,5 @@ def open_source(device: Device, settings: CameraSettings) -> Source:
 
         return V4l2Source(device, settings)
     raise DeviceError(
-        f"device '{device.name}': address '{address}' is none of /dev/videoN, /dev/v4l/by-id/NAME, csi:N, unix:PATH"
+        f"device '{device.name}': address '{address}' is not one of /dev/videoN, /dev/v4l/by-id/NAME, csi:N, unix:PATH"
     )

@@ -102,9 +102,9 @@ def position_rad(raw: int) -> float:
 
 
 def position_raw(angle_rad: float) -> int:
-    """Return the position nearest to an angle, within what the servo can reach; a ValueError for what is no number."""
+    """Return the position nearest to an angle, within what the servo can reach; a ValueError for what is not a number."""
     if not isfinite(angle_rad):
-        raise ValueError(f"an angle of {angle_rad} rad is no position")
+        raise ValueError(f"an angle of {angle_rad} rad is not a position")
     return max(0, min(POSITION_STEPS, CENTRE + round(_bounded(angle_rad) / RAD_PER_STEP)))
 
 
@@ -118,7 +118,7 @@ def speed_raw(speed_rps: float | None) -> int:
 
 
 def torque_raw(fraction: float) -> int:
-    """Return the torque limit of a fraction; what is not off is 1 at least, what is no number is off."""
+    """Return the torque limit of a fraction; what is not off is 1 at least, what is not a number is off."""
     if not 0.0 < fraction <= 1.0:
         return FULL_TORQUE if fraction > 1.0 else 0
     return max(1, round(fraction * FULL_TORQUE))

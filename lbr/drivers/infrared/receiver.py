@@ -61,7 +61,7 @@ class Receiver:
     def _open(self) -> int:
         path = self._device.address
         if not path.startswith("/"):
-            raise self._error("is no path; write /dev/lirc0 or /dev/input/by-path/… into the device row")
+            raise self._error("is not a path; write /dev/lirc0 or /dev/input/by-path/… into the device row")
         try:
             return os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
         except FileNotFoundError as err:

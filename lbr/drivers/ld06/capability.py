@@ -95,5 +95,5 @@ class Ld06(Capability[Ld06Settings]):
 
     def _silence(self, now: float) -> str:
         said = f"device '{self.ctx.settings.device}' is silent: no scan for {now - self._heard:.1f} s"
-        heard = f", but {self._parser.bad_bytes} bytes that are no packets" if self._parser.bad_bytes else ""
+        heard = f", but {self._parser.bad_bytes} bytes that are not packets" if self._parser.bad_bytes else ""
         return f"{said}{heard}; check its cable and power, and that its mirror turns"

@@ -30,7 +30,7 @@ class Compass:
         if found != registers.COMPASS_OWN_ID:
             own = registers.COMPASS_OWN_ID
             said = f"device '{name}': what answers for its compass says {found:#04x}, not {own:#04x}"
-            raise DeviceError(f"{said}; it is no MPU-9150, or set mag_hz to 0 to go without")
+            raise DeviceError(f"{said}; it is not an MPU-9150, or set mag_hz to 0 to go without")
         fuses = self._fuses()
         unit = registers.sensitivity(fuses)
         if unit is None or fuses != self._fuses():

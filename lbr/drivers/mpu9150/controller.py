@@ -113,10 +113,12 @@ class InertialUnit:
         self._bus.close()
 
     def _identify(self) -> None:
-        """Nothing is written to what is no MPU-9150."""
+        """Nothing is written to what is not an MPU-9150."""
         found = self._bus.read_byte_data(self._address, registers.WHO_AM_I)
         if found != registers.OWN_ID:
-            said = f"device '{self._device.name}' at {self._device.address} is no MPU-9150: WHO_AM_I is {found:#04x}"
+            said = (
+                f"device '{self._device.name}' at {self._device.address} is not an MPU-9150: WHO_AM_I is {found:#04x}"
+            )
             own = f"({registers.name_of(found)}), not {registers.OWN_ID:#04x}"
             raise DeviceError(f"{said} {own}; check the address in the device row and the wiring")
 

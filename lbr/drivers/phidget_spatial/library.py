@@ -52,7 +52,7 @@ def find(device: Device) -> Opened:
         return Opened(EmulatedSpatial(device.address.removeprefix("unix:")), (OSError,))
     found = _USB.fullmatch(device.address)
     if found is None:
-        said = f"device '{device.name}': address '{device.address}' is none of usb:, usb:SERIAL, unix:PATH"
+        said = f"device '{device.name}': address '{device.address}' is not one of usb:, usb:SERIAL, unix:PATH"
         raise DeviceError(f"{said}; correct the device row")
     try:
         from Phidget22.Devices.Spatial import Spatial as OnUsb  # noqa: PLC0415 - only with the extra

@@ -167,7 +167,7 @@ class AhrsUnit:
         self._orientation = to_orientation(answer, self._settings.quaternion_divisor)
         if self._orientation is None:
             numbers = ":".join(map(str, answer.counts))
-            self._tell("orientation", f"{numbers} is no orientation; is the setting quaternion_divisor right?")
+            self._tell("orientation", f"{numbers} is not an orientation; is the setting quaternion_divisor right?")
 
     def _refused(self) -> ImuSample | None:
         asked, self._asked = self._asked, ""
@@ -200,5 +200,5 @@ class AhrsUnit:
 
     def _silence(self, now: float) -> str:
         said = f"device '{self._settings.device}': nothing usable for {now - self._heard:.1f} s"
-        heard = f", but {self.bad_lines} lines that are no answers" if self.bad_lines else ""
+        heard = f", but {self.bad_lines} lines that are not answers" if self.bad_lines else ""
         return f"{said}{heard}; check its cable, power and the setting `baud`"

@@ -54,7 +54,7 @@ class RoboteqSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_
             try:
                 re.compile(pattern)
             except re.error as err:
-                raise ValueError(f"{field} is no regular expression: {err}") from err
+                raise ValueError(f"{field} is not a regular expression: {err}") from err
 
     def doubts(self) -> tuple[str, ...]:
         """Return what is allowed and mostly wrong: motors that face each other turn the wheels opposite ways."""

@@ -80,7 +80,7 @@ def receive(state: ServoGate, setpoint: ServoSetpoint, born: float, now: float, 
         return state
     state = _halted(state, setpoint)
     if verdict == "not_finite":
-        return _lose(state, "the setpoint holds what is no number", now)
+        return _lose(state, "the setpoint holds a value that is not a number", now)
     wanted = frozenset(goal.id for goal in setpoint.goals if goal.torque > 0.0)
     state = replace(state, wanted=wanted, born=born)
     if setpoint.lost:

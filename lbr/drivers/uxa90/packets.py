@@ -138,7 +138,7 @@ def configure(register: Register, servo: int, values: tuple[int, ...]) -> bytes:
         if not lowest <= value <= highest:
             raise ValueError(f"{register.name} {value} is outside {lowest}..{highest}")
     if register.name == "baud" and values[0] not in BAUDS.values():
-        raise ValueError(f"baud code {values[0]} is none of {', '.join(map(str, sorted(BAUDS.values())))}")
+        raise ValueError(f"baud code {values[0]} is not one of {', '.join(map(str, sorted(BAUDS.values())))}")
     if register.name == "boundary" and values[0] >= values[1]:
         raise ValueError(f"boundary {values[0]}..{values[1]} leaves no range")
     both = values * 2 if register.twice else values
@@ -151,9 +151,9 @@ def position_rad(count: int) -> float:
 
 
 def position_count(angle_rad: float) -> int:
-    """Return the legal count nearest to an angle; what is no number is a ValueError."""
+    """Return the legal count nearest to an angle; what is not a number is a ValueError."""
     if not isfinite(angle_rad):
-        raise ValueError(f"an angle of {angle_rad} rad is no position")
+        raise ValueError(f"an angle of {angle_rad} rad is not a position")
     return legal(MIDDLE + round(max(-10.0, min(10.0, angle_rad)) / COUNT_RAD))
 
 
@@ -163,7 +163,7 @@ def legal(count: int) -> int:
 
 
 def torque_level(fraction: float) -> int:
-    """Return the level of a torque above 0; what is no number is the weakest."""
+    """Return the level of a torque above 0; what is not a number is the weakest."""
     if not fraction > 0.0:
         return WEAKEST
     return max(0, min(WEAKEST, round((1.0 - min(1.0, fraction)) * 5.0)))

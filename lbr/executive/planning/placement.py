@@ -26,7 +26,7 @@ def _found(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> Iter
     placed: dict[str, str] = {}
     for host, names in profile.hosts.items():
         if _NAME.fullmatch(host) is None:
-            yield host, f"'{host[:40]}' is no host's name: small letters, digits and _, a letter first"
+            yield host, f"'{host[:40]}' is not a host's name: small letters, digits and _, a letter first"
         for name in names:
             if name not in known:
                 yield host, f"there is no capability '{name}'"

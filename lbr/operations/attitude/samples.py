@@ -83,9 +83,9 @@ def load(home: str, name: str, up: Vector) -> Samples:
     path = _place(home, name)
     try:
         if path.exists() and not path.is_file():
-            raise InputError(f"{path} is no file")
+            raise InputError(f"{path} is not a file")
         if path.stat().st_size > MOST_FILE_BYTES:
-            raise InputError(f"{name} has more than {MOST_FILE_BYTES // 1024} KiB; it is no file of samples")
+            raise InputError(f"{name} has more than {MOST_FILE_BYTES // 1024} KiB; it is not a file of samples")
         with path.open(newline="", encoding="utf-8") as file:
             return _read(name, list(islice(csv.reader(file), MOST + 1)), up)
     except FileNotFoundError as err:
@@ -105,7 +105,7 @@ def _place(home: str, name: str) -> Path:
     folder = _folder(home).resolve()
     allowed = f"a source is '-' (turn), '-c' (turn, and only draw) or the name of a file in {folder}"
     if name.startswith("-") or "\x00" in name or Path(name).name != name or name in {"", ".", ".."}:
-        raise InputError(f"'{name}' is no source; {allowed}")
+        raise InputError(f"'{name}' is not a source; {allowed}")
     path = (folder / name).resolve()
     if path.parent != folder:
         raise InputError(f"'{name}' leads out of {folder}; {allowed}")
@@ -148,5 +148,7 @@ def _numbers(name: str, line: int, row: Sequence[str], columns: Sequence[int]) -
     except (ValueError, IndexError) as err:
         raise InputError(f"{name}, line {line}: numbers are expected, not {','.join(row)[:80]!r}") from err
     if not all(abs(number) <= MOST_NUMBER for number in numbers):
-        raise InputError(f"{name}, line {line}: {','.join(row)[:80]!r} holds a number that is none, or far too large")
+        raise InputError(
+            f"{name}, line {line}: {','.join(row)[:80]!r} holds a number that is not finite, or far too large"
+        )
     return numbers

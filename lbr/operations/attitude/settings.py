@@ -58,7 +58,7 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         float, Meta(gt=0.0, le=1.0, description="a longer gap between samples ends the count of the turn")
     ] = 0.1
     recover_s: Annotated[float, Meta(ge=0.0, le=2.0, description="good samples before it is valid again")] = 0.1
-    gyro_limit_dps: Annotated[float, Meta(gt=0.0, le=4000.0, description="a faster turn is no turn")] = 500.0
+    gyro_limit_dps: Annotated[float, Meta(gt=0.0, le=4000.0, description="a faster turn is not believed")] = 500.0
     gyro_jump_dps: Annotated[
         float, Meta(gt=0.0, le=4000.0, description="a greater change from one sample to the next is an error")
     ] = 100.0

@@ -36,7 +36,7 @@ class Suspicion:
         fastest_dps = degrees(max(abs(gyro[0]), abs(gyro[1]), abs(gyro[2])))
         strength = norm(accel)
         if not (isfinite(fastest_dps) and isfinite(gyro[0] + gyro[1] + gyro[2]) and isfinite(strength)):
-            return "the inertial unit measures what is no number"
+            return "the inertial unit measures a value that is not a number"
         if fastest_dps > s.gyro_limit_dps:
             return f"the gyro says {fastest_dps:.0f} degrees per second, more than {s.gyro_limit_dps:g}"
         if last is None or gyro != last.gyro_rps or accel != last.accel_mps2:
@@ -59,5 +59,5 @@ class Suspicion:
 
 
 def _within(a: Vector, b: Vector, limit: float) -> bool:
-    """Say whether no part differs by more; what is no number is left to others."""
+    """Say whether no part differs by more; what is not a number is left to others."""
     return not (abs(a[0] - b[0]) > limit or abs(a[1] - b[1]) > limit or abs(a[2] - b[2]) > limit)

@@ -44,7 +44,7 @@ class BatterySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     internal_ohm: Annotated[float, Meta(ge=0.0, le=2.0)] = 0.05
     idle_a: Annotated[float, Meta(ge=0.0, le=50.0)] = 1.5
     filter_s: Annotated[float, Meta(ge=0.0, le=60.0, description="time constant of what is shown")] = 2.0
-    max_age_s: Annotated[float, Meta(gt=0.0, le=60.0, description="an older voltage is none")] = 2.0
+    max_age_s: Annotated[float, Meta(gt=0.0, le=60.0, description="an older voltage does not count")] = 2.0
     charging_v: Volts = 12.9
     charging_after_s: Seconds = 2.0
     charging_rise_v: Annotated[float, Meta(ge=0.0, le=5.0)] = 0.15

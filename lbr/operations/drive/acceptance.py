@@ -89,7 +89,7 @@ def _form(state: State, event: Command, ask: LeaseRequest, now: float) -> Reason
             return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")
     if isinstance(command, DriveCommand) and command.sensor not in state.sensors.singles and _means(command):
         there = ", ".join(state.sensors.singles) or "none: no row of range_sensor tells one distance"
-        return Reason("unknown_name", f"sensor '{command.sensor}' is none of {there}")
+        return Reason("unknown_name", f"sensor '{command.sensor}' is not one of {there}")
     return rules.form(state.leases, ask, now)
 
 

@@ -165,7 +165,7 @@ def _numbers(command: JointsCommand) -> Reason | None:
             return Reason("bad_value", why)
     speed_rps = command.speed_rps
     if speed_rps is not None and not (isfinite(speed_rps) and speed_rps > 0.0):
-        return Reason("bad_value", f"speed_rps {speed_rps:g} is no speed; leave it out or give radians a second")
+        return Reason("bad_value", f"speed_rps {speed_rps:g} is not a speed; leave it out or give radians a second")
     return None
 
 

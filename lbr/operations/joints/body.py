@@ -43,7 +43,7 @@ class Body(Struct, frozen=True):
         if why := self.unknown(name):
             return why
         if not isfinite(joint_rad):
-            return Reason("bad_value", f"{name} is to go to {joint_rad}, which is no angle")
+            return Reason("bad_value", f"{name} is to go to {joint_rad}, which is not an angle")
         joint = self.joints[name]
         if joint.lower_rad <= joint_rad <= joint.upper_rad:
             return None

@@ -118,7 +118,7 @@ def _checked(path: Path, spec: Any, rows: tuple[Joint, ...]) -> Any:
     problems = [f"no joint '{name}', which the joint rows name" for name in sorted(wanted - set(hinges))]
     problems += [f"a joint '{name}' that no joint row names" for name in sorted(set(hinges) - wanted)]
     problems += [
-        f"the joint '{name}' is no hinge"
+        f"the joint '{name}' is not a hinge"
         for name, joint in sorted(hinges.items())
         if name in wanted and joint.type != mujoco.mjtJoint.mjJNT_HINGE
     ]

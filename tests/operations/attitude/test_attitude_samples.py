@@ -40,7 +40,7 @@ def test_what_is_no_file_is_not_waited_for(tmp_path):
     folder = tmp_path / "calibration"
     folder.mkdir()
     os.mkfifo(folder / "pipe.csv")
-    with pytest.raises(InputError, match="is no file"):
+    with pytest.raises(InputError, match="is not a file"):
         load(str(tmp_path), "pipe.csv", UP)
 
 

@@ -26,7 +26,7 @@ def test_mirrored_joints_count_alike_though_their_servos_turn_the_other_way():
         ("left_knee", -1.0, ""),
         ("left_knee", 0.1, ""),
         ("left_knee", 0.2, "left_knee 0.2 rad (11 degrees) is outside its limits (-2 to 0.1 rad, -115 to 6 degrees)"),
-        ("left_knee", float("nan"), "left_knee is to go to nan, which is no angle"),
+        ("left_knee", float("nan"), "left_knee is to go to nan, which is not an angle"),
         ("left_kne", 0.0, "there is no joint 'left_kne'; did you mean left_knee or right_knee?"),
         ("x" * 500, 0.0, f"there is no joint '{'x' * 40}'; there are {', '.join(sorted(NAMES))}"),
     ],

@@ -109,7 +109,7 @@ def _query(request: Request) -> parsing.Query:
 
 
 def _body(request: Request) -> Any:
-    """Return what a body says, whatever that is; refuse none, other kinds of it, and what is no JSON."""
+    """Return what a body says, whatever that is; refuse none, other kinds of it, and what is not JSON."""
     media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if not request.body:
         raise web.Refused(400, f"a body is needed: {parsing.EXAMPLE}, as application/json")
@@ -118,4 +118,4 @@ def _body(request: Request) -> Any:
     try:
         return msgspec.json.decode(request.body)
     except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as err:
-        raise web.Refused(400, f"the body is no JSON: {err}") from None
+        raise web.Refused(400, f"the body is not JSON: {err}") from None

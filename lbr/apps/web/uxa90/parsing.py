@@ -65,7 +65,7 @@ def unit_of(query: Query) -> str:
     """Return the unit that positions are in; empty if none was named, which means counts."""
     unit = _once(query, "unit")
     if unit is not None and unit not in UNITS:
-        raise Refused(400, f"unit '{unit[:20]}' is none of {', '.join(UNITS)}")
+        raise Refused(400, f"unit '{unit[:20]}' is not one of {', '.join(UNITS)}")
     return unit or ""
 
 

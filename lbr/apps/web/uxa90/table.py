@@ -92,7 +92,7 @@ class MotorTable:
             return count
         if not LOWEST <= count <= HIGHEST:
             raise Refused(
-                409, f"Motor '{motor.id}': {count} is no position of a servo ({LOWEST} to {HIGHEST})", code="limit"
+                409, f"Motor '{motor.id}': {count} is not a position of a servo ({LOWEST} to {HIGHEST})", code="limit"
             )
         raise Refused(
             409, f"Motor '{motor.id}': {count} is beyond what {joint.name} may do ({lowest} to {highest})", code="limit"

@@ -13,9 +13,9 @@ SupplyV = Annotated[float, Meta(ge=0.0, le=99.99, description="volts")]
 class PicoFaults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of a UPS PIco: those of its bus, what feeds it, and more.
 
-    `hung`: its processor stands still, and with it the running counter. `bad_bcd`: the external voltage is no number.
-    `mode_bit_7`: the highest bit of the mode is set, which means nothing. `external_v`, `battery_v`, `source`: so it is,
-    whatever the world says; null follows the world.
+    `hung`: its processor stands still, and with it the running counter. `bad_bcd`: the external voltage is not a
+    number. `mode_bit_7`: the highest bit of the mode is set, which means nothing. `external_v`, `battery_v`, `source`:
+    so it is, whatever the world says; null follows the world.
     """
 
     hung: bool = False
