@@ -93,8 +93,10 @@ def _not_own(owner: Lease[M] | None, ask: LeaseRequest) -> Reason | None:
 
 
 def _held(lease: Lease[M], ask: LeaseRequest) -> Reason:
-    own = ", as you do: quote the lease to go on" if lease.source == ask.source else ""
-    return Reason("held", f"held by {lease.source}{own}")
+    own = lease.source == ask.source
+    return Reason(
+        "held", f"held by {lease.source}{', as you do: quote the lease to go on' if own else '; stop it first'}"
+    )
 
 
 def _waited(leases: LeaseTable[M], ask: LeaseRequest) -> Reason | None:

@@ -233,7 +233,7 @@ def test_commands_are_decided_in_the_order_they_came(robot):
     robot.ctx.asked[0].given = {}
     robot.drive.step()
     assert first.answer.accepted
-    assert second.answer.reason == "held by a"
+    assert second.answer.reason == "held by a; stop it first"
 
 
 def test_the_state_comes_ten_times_a_second_and_at_once_on_change(robot):

@@ -207,7 +207,7 @@ def test_a_confirmation_with_another_motion_ends_the_move_that_was_offered(bench
 def test_an_offer_holds_nobody_up_and_ends_nobodys_motion(bench):
     mine = bench.drive(0.5)
     bench.now += 0.01
-    assert bench.drive_from_afar(0.5).reason == "held by console"
+    assert bench.drive_from_afar(0.5).reason == "held by console; stop it first"
     offer = bench.drive_from_afar(0.5, take_over=True)
     assert offer.accepted
     bench.now += 0.01
@@ -222,7 +222,7 @@ def test_somebody_nearer_may_begin_while_an_offer_waits(bench):
     bench.now += 0.01
     assert bench.drive(0.5).accepted
     bench.now += 0.01
-    assert bench.drive_from_afar(0.5, lease=offer.lease).reason == "held by console"
+    assert bench.drive_from_afar(0.5, lease=offer.lease).reason == "held by console; stop it first"
 
 
 @pytest.mark.parametrize(

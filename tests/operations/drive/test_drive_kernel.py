@@ -74,7 +74,7 @@ def test_nonsense_is_refused_and_named(bench, fields, complaint):
 
 def test_another_sender_is_told_who_holds_the_robot(bench):
     moving(bench)
-    assert bench.drive(0.2, source="phone").reason == "held by console"
+    assert bench.drive(0.2, source="phone").reason == "held by console; stop it first"
 
 
 def test_taking_over_ends_the_other_lease_and_begins_at_zero(bench):

@@ -191,7 +191,7 @@ def test_turns_pass_the_same_chain_as_other_motion(body):
     body.tell()
     assert body.drive(0.2).accepted
     body.now += 0.01
-    assert body.turn(90.0, source="phone").reason == "held by console"
+    assert body.turn(90.0, source="phone").reason == "held by console; stop it first"
     assert body.turn(90.0, source="phone", take_over=True).accepted
     body.stop()
     body.now += 0.01

@@ -118,7 +118,7 @@ def test_joints_without_torque_are_refused_by_name():
 
 def test_a_second_sender_is_told_who_holds_the_joints_and_may_take_over(bench):
     first = bench.command(SLOW, duration_s=2.0)
-    assert bench.command({"head_yaw": 0.1}, source="pad").reason == "held by console"
+    assert bench.command({"head_yaw": 0.1}, source="pad").reason == "held by console; stop it first"
     bench.run(0.5, first.lease)
     before = bench.goals["left_knee"]
     second = bench.command({"head_yaw": 0.1}, source="pad", take_over=True)
@@ -610,7 +610,7 @@ def test_a_lease_that_stays_outlives_arrival_until_it_lapses_or_somebody_stops(b
     bench.run(3.0, lease)
     assert bench.measured("left_knee") == pytest.approx(-0.3, abs=0.05)
     assert bench.results == []
-    assert bench.command({"right_knee": -0.3}, source="web").reason == "held by console"
+    assert bench.command({"right_knee": -0.3}, source="web").reason == "held by console; stop it first"
     assert bench.command({"left_knee": -0.1}, join=True, stay=True, lease=lease).accepted
     bench.run(3.0, lease)
     assert bench.measured("left_knee") == pytest.approx(-0.1, abs=0.05)

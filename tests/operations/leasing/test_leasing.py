@@ -88,7 +88,7 @@ def hand():
 def test_one_holder_at_a_time_unless_somebody_takes_over(hand):
     assert hand.ask() == ""
     hand.wait(0.01)
-    assert hand.ask("clap", source="phone") == "held by console"
+    assert hand.ask("clap", source="phone") == "held by console; stop it first"
     assert hand.ask("clap", source="phone", take_over=True) == ""
     assert hand.motion == "clap"
     assert hand.ends == [("wave", "superseded", True)]
