@@ -107,10 +107,12 @@ def explained(err: OSError) -> str:
             else "too many files are open on this machine"
         )
         return f"{what}{whose}: 'ulimit -n {OPEN_FILES}' allows more"
-    if err.errno == errno.EFBIG:
-        return f"{what}a file or standard output would grow beyond the limit of this process: 'ulimit -f unlimited' lifts it"
-    if err.errno == errno.ENAMETOOLONG:
-        return f"{what[:60]}…: {err.strerror}; give it a shorter one"
+    size = {
+        errno.EFBIG: f"{what}a file or standard output would grow beyond the limit of this process: 'ulimit -f unlimited' lifts it",
+        errno.ENAMETOOLONG: f"{what[:60]}…: {err.strerror}; give it a shorter one",
+    }
+    if err.errno in size:
+        return size[err.errno]
     if err.errno in {errno.ENOSPC, errno.EDQUOT}:
         return f"{what or 'standard output or a file of its own: '}there is no room left on the disk: make some, or set LBR_HOME to another one"
     if err.errno in {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR} and what:
