@@ -47,6 +47,7 @@ def test_the_words_of_every_robot_have_the_roles_of_what_they_ask_for():
         ("estop", True),
         ("/estop/it burns", True),
         (" " * 99 + "stop", True),
+        ("/" * 99 + "stop", True),
         (b"\xff", False),
         ("/s/Hello", False),
         ("stop navcam", False),

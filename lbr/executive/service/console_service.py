@@ -177,9 +177,8 @@ def _caller(found: Stamp | None) -> str:
 
 
 def _is_stop(line: str | bytes) -> bool:
-    begins = line.strip()[:64]
-    text = begins.decode(errors="replace") if isinstance(begins, bytes) else begins
-    word, _, more = text.strip("/").partition("/")
+    text = line.decode(errors="replace") if isinstance(line, bytes) else line
+    word, _, more = text.strip().strip("/")[:64].partition("/")
     return word.strip().lower() in STOPS and (not more or word == "estop")
 
 
