@@ -86,7 +86,7 @@ def test_rows_that_are_there_stay_and_those_that_are_not_are_added_by_command(si
 
 
 BAD_ROWS = {
-    "a table that is not there": ("INSERT INTO wheel (name) VALUES ('x');", "rows.sql, line 1: no such table: wheel"),
+    "a table that is not there": ("INSERT INTO sail (name) VALUES ('x');", "rows.sql, line 1: no such table: sail"),
     "a column out of bounds": (
         CRAWLER.replace("'{}', '[\"motors\"]'", "'[]', '[]'"),
         "table capability, settings: must be a JSON object",

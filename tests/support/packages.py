@@ -14,6 +14,9 @@ INSERT INTO robot (name, model) VALUES ('crawler', 'two tracks');
 INSERT INTO device (robot, name, type, address) VALUES
     ('crawler', 'controller', 'roboteq', '/dev/ttyACM9'),
     ('crawler', 'board', 'ultrasonic_ring', '/dev/ttyUSB9');
+INSERT INTO range_sensor (robot, name, kind, x_m, yaw_rad, min_m, max_m, stop_m) VALUES
+    ('crawler', 'forward', 'ultrasonic', 0.2, 0.0, 0.17, 8.0, NULL),
+    ('crawler', 'back', 'ultrasonic', -0.2, 3.1416, 0.17, 8.0, NULL);
 INSERT INTO capability (robot, name, kind, settings, needs) VALUES
     ('crawler', 'motors', 'roboteq', '{"device": "controller"}', '[]'),
     ('crawler', 'ranges', 'ultrasonic_ring', '{"device": "board"}', '[]'),
