@@ -35,7 +35,7 @@ docs: ## are the generated pages true? (`python docs/generate.py` writes them)
 test: ## the tests, or those under T=path, N at a time
 	$(BIN)/pytest -n $(N) --dist worksteal $(T)
 
-coverage: ## the tests, and what of the code they run; less than the floor in pyproject.toml fails
+coverage: ## the tests, and what of the code their own processes run; what whole robots run beside them is not counted
 	$(BIN)/pytest -n $(N) --cov --cov-report=term $(T)
 
 gate: ## the safety gate: a small amount of each measurement

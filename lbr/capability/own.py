@@ -97,7 +97,7 @@ def load(name: str, path: Path) -> Kind:
     try:
         try:
             loader.exec_module(module)
-        except BaseException as err:
+        except BaseException as err:  # a file may raise anything, and is told of what it raised
             raise KindError(f"{_place(path, _line(err, path))} does not load: {_told(err)}") from err
         return _whole(name, path, module)
     except KindError:

@@ -6,6 +6,9 @@ from pathlib import Path
 import click
 
 from lbr.commands.options import FileName, complete_robot, json_option, print_json
+from lbr.errors import InputError
+from lbr.messages.plain import one_line
+from lbr.messages.rows import shown
 
 
 def _file(function: click.decorators.FC) -> click.decorators.FC:
@@ -69,7 +72,6 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
     """
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import judged, opened  # noqa: PLC0415
-    from lbr.errors import InputError  # noqa: PLC0415
     from lbr.executive.planning.watch import loaded  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
@@ -97,7 +99,6 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
 
 
 def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
-    from lbr.messages.rows import shown  # noqa: PLC0415
 
     for name, found in problems.items():
         for problem in found:
@@ -138,7 +139,6 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
     """Show who did what to the robot: the newest entries of the audit trail. Exit code 2 if it was tampered with."""
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import opened  # noqa: PLC0415
-    from lbr.messages.plain import one_line  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
         entries, fault = rows.audit(count), rows.audit_fault()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
+from lbr.errors import BusError, InputError
 
 if TYPE_CHECKING:
     from lbr.console.wiring import Graph
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> int:
     """Show who feeds whom, from the rows; with states and rates if the robot runs."""
     from lbr.console import wiring  # noqa: PLC0415 - the bus is for those who use it
-    from lbr.errors import InputError  # noqa: PLC0415
 
     if whom.connect and database is not None:
         raise InputError("--db is for rows here, and --connect for a robot elsewhere; leave out one")
@@ -36,7 +36,6 @@ def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> i
 
 def _elsewhere(whom: Whom) -> "Graph":
     from lbr.console import operator, target, wiring  # noqa: PLC0415
-    from lbr.errors import BusError  # noqa: PLC0415
 
     found = target.find(*whom)
     with target.connected(found) as bus:
@@ -66,7 +65,6 @@ def _running(record: object) -> tuple[dict[str, str], dict[str, float]]:
     from lbr import home  # noqa: PLC0415
     from lbr.commands.status import ask  # noqa: PLC0415
     from lbr.console import target, wiring  # noqa: PLC0415
-    from lbr.errors import BusError  # noqa: PLC0415
 
     if not isinstance(record, home.Running):
         return {}, {}

@@ -5,8 +5,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from msgspec.structs import replace
 
 from lbr.commands.options import FileName, json_option, print_json
+from lbr.errors import InputError
+from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
+from lbr.messages.units import NAME_PATTERN
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -14,7 +18,6 @@ if TYPE_CHECKING:
     from lbr.database.motion_files import Summary
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
-    from lbr.messages.joints import Motion
 
 database_option = click.option(
     "--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out."
@@ -56,7 +59,6 @@ def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
 def export(name: str, robot: str | None, path: Path | None, database: Path | None) -> int:
     """Write the motion NAME as JSON, for others; 'lbr motion import' takes it."""
     from lbr.database import motion_files  # noqa: PLC0415 - the database is for those who read rows
-    from lbr.errors import InputError  # noqa: PLC0415
 
     with _opened(database) as rows:
         found = [
@@ -108,9 +110,6 @@ def import_(
     from lbr.commands.rows import problems_of  # noqa: PLC0415
     from lbr.database import motion_files  # noqa: PLC0415
     from lbr.database.edits import Edit  # noqa: PLC0415
-    from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.messages.joints import Joint, MotionRow  # noqa: PLC0415
-    from lbr.messages.units import NAME_PATTERN  # noqa: PLC0415
 
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
         raise InputError(f"'{name}' is not a name: those are of lower-case letters, digits and _, a letter first")
@@ -135,13 +134,10 @@ def import_(
 
 def _understood(
     opened: "Database", file: Path, robot: str | None, name: str | None
-) -> tuple[str, "Motion", "RobotRows", list[str]]:
+) -> tuple[str, Motion, "RobotRows", list[str]]:
     """Return for whom a file is, its motion, that robot's rows, and what people should know."""
-    from msgspec.structs import replace  # noqa: PLC0415
 
     from lbr.database import motion_files  # noqa: PLC0415
-    from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.messages.joints import Joint  # noqa: PLC0415
 
     try:
         content = file.read_bytes()
@@ -162,7 +158,7 @@ def _understood(
     return whose, replace(motion, name=name or motion.name), rows, notes
 
 
-def _said(robot: str, motion: "Motion", about: "Summary", *, written: bool) -> str:
+def _said(robot: str, motion: Motion, about: "Summary", *, written: bool) -> str:
     took = "took" if written else "would take"
     lines = [
         f"{took} '{motion.name}' for {robot}: {about.frames} key frames, {about.duration_s:g} s, {about.joints} joints",
@@ -175,7 +171,7 @@ def _said(robot: str, motion: "Motion", about: "Summary", *, written: bool) -> s
     return "\n".join(lines)
 
 
-def _figures(motion: "Motion") -> tuple[str, str, int | None, bool, float, int, int]:
+def _figures(motion: Motion) -> tuple[str, str, int | None, bool, float, int, int]:
     seconds = motion.slot_s if motion.slot_s is not None else sum(frame.duration_s for frame in motion.frames)
     joints = {name for frame in motion.frames for name in frame.positions}
     return motion.name, motion.help, motion.slot, motion.builtin, round(seconds, 2), len(motion.frames), len(joints)
@@ -188,14 +184,12 @@ def _opened(database: Path | None) -> "Database":
     return opened(database or home.default_database())
 
 
-def _motions(rows: "RobotRows") -> "tuple[Motion, ...]":
-    from lbr.messages.joints import MotionRow, MotionStep, motions_of  # noqa: PLC0415
+def _motions(rows: "RobotRows") -> tuple[Motion, ...]:
 
     return motions_of(rows.of(MotionRow), rows.of(MotionStep))
 
 
 def _robots(opened: "Database", robot: str | None) -> tuple[str, ...]:
-    from lbr.errors import InputError  # noqa: PLC0415
 
     names = opened.robots()
     if robot is not None and robot not in names:
@@ -205,7 +199,6 @@ def _robots(opened: "Database", robot: str | None) -> tuple[str, ...]:
 
 def _one(opened: "Database", robot: str | None, fits: "Callable[[RobotRows], bool]") -> "tuple[str, RobotRows]":
     """Return the robot that is meant, or the only one that a file is for, with its rows."""
-    from lbr.errors import InputError  # noqa: PLC0415
 
     found = [(name, opened.load(name)) for name in _robots(opened, robot)]
     fitting = found if robot is not None else [(name, rows) for name, rows in found if fits(rows)]

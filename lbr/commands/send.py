@@ -5,6 +5,9 @@ import sys
 import click
 
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.errors import InputError
+from lbr.messages.plain import one_line
+from lbr.messages.system import ConsoleResult
 
 
 @click.command("send", context_settings={"ignore_unknown_options": True})
@@ -28,9 +31,6 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     """
     from lbr.console import lines, operator, printable, target  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console.interrupt import interruptible  # noqa: PLC0415
-    from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.messages.plain import one_line  # noqa: PLC0415
-    from lbr.messages.system import ConsoleResult  # noqa: PLC0415
 
     line = printable.clean(" ".join(words))
     if not line:

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 import click
 
 from lbr.commands.options import Whom, json_option, print_json, robot_options
+from lbr.errors import BusError
+from lbr.messages.system import Status
 
 if TYPE_CHECKING:
     from lbr.console.target import Target
-    from lbr.messages.system import CapabilityStatus, Status
+    from lbr.messages.system import CapabilityStatus
 
 PIPE_WIDTH = 160
 PHASES = {"ready": "green", "degraded": "yellow", "failed": "red", "starting": "yellow", "stopped": "dim"}
@@ -36,8 +38,6 @@ def ask(found: "Target", who: str) -> "Status":
 
     from lbr.bus import keys, wire  # noqa: PLC0415
     from lbr.console import target  # noqa: PLC0415
-    from lbr.errors import BusError  # noqa: PLC0415
-    from lbr.messages.system import Status  # noqa: PLC0415
 
     with target.connected(found) as bus:
         answers = wire.ask(bus, keys.status(found.robot), None, source=target.source(who))

@@ -8,6 +8,7 @@ import time
 import click
 
 from lbr.commands.options import Whom, robot_options
+from lbr.errors import BusError
 
 GONE_S = 15.0
 POLL_S = 0.05
@@ -19,7 +20,6 @@ def command(whom: Whom) -> int:
     """Shut a robot down in order, and wait until it is gone. (To stop driving only, say 'lbr send stop'.)"""
     from lbr import home  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console import operator, target  # noqa: PLC0415
-    from lbr.errors import BusError  # noqa: PLC0415
 
     found = target.find(*whom)
     if found.running is not None:

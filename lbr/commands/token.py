@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING
 import click
 
 from lbr.commands.options import FileName, json_option, print_json
+from lbr.errors import InputError
+from lbr.messages.system import TokenRole
 
 if TYPE_CHECKING:
     from lbr.bus.tokens import Token
     from lbr.database.rows import GoodFor, TokenRow
     from lbr.database.store import Database
-    from lbr.messages.system import TokenRole
 
 EVERYWHERE = ("0.0.0.0", "[::]")  # noqa: S104 - read, not bound
 UNITS_S = {"m": 60, "h": 3600, "d": 86400, "w": 604800}
@@ -64,8 +65,6 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
 
     from lbr.bus import tokens  # noqa: PLC0415
     from lbr.database.rows import GoodFor  # noqa: PLC0415 - the name of a type, and the type
-    from lbr.errors import InputError  # noqa: PLC0415
-    from lbr.messages.system import TokenRole  # noqa: PLC0415 - likewise
 
     tokens.check_name(name)
     if good_for == "web" and (role == "host" or path is not None):
@@ -140,7 +139,6 @@ def _opened(path: Path | None) -> "Database":
 
 
 def _end(text: str) -> str:
-    from lbr.errors import InputError  # noqa: PLC0415
 
     found = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
     if found is None:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.errors import BusError, InputError
+from lbr.messages.plain import one_line
 
 if TYPE_CHECKING:
     from lbr.bus.session import Session
@@ -83,7 +85,6 @@ def echo(topic: str, whom: Whom, once: bool, raw: bool, as_json: bool) -> int:
     """Print what a stream says, until Ctrl-C. If nothing comes for 2 s, standard error says why that may be."""
     from lbr.bus import wire  # noqa: PLC0415
     from lbr.console import topics  # noqa: PLC0415
-    from lbr.errors import BusError  # noqa: PLC0415
 
     with _bus(whom) as (bus, name, source):
         key = topics.key_of(name, topic)
@@ -118,7 +119,6 @@ def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
     """
     from lbr.bus import probe  # noqa: PLC0415
     from lbr.console import rates, topics  # noqa: PLC0415
-    from lbr.errors import BusError  # noqa: PLC0415
 
     with _bus(whom) as (bus, name, _source):
         key = topics.key_of(name, topic)
@@ -152,7 +152,6 @@ def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
 
     from lbr.bus import keys, wire  # noqa: PLC0415
     from lbr.console import target, topics  # noqa: PLC0415
-    from lbr.errors import BusError, InputError  # noqa: PLC0415
 
     try:
         payload = msgspec.json.decode(message)
@@ -233,7 +232,6 @@ def _value(payload: bytes) -> Any:
 
 
 def _lines(value: Any, indent: str = "") -> Iterator[str]:
-    from lbr.messages.plain import one_line  # noqa: PLC0415
 
     if not isinstance(value, dict):
         yield indent + one_line(_scalar(value))

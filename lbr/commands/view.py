@@ -10,6 +10,10 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import click
 
 from lbr.commands.options import FileName, Whom, robot_options
+from lbr.errors import BusError, MalformedError
+from lbr.messages.joints import JointsState
+from lbr.messages.sensing import Ranges
+from lbr.messages.simulation import HumanoidPose, WorldPose, WorldScene
 
 if TYPE_CHECKING:
     from msgspec import Struct
@@ -63,7 +67,6 @@ def _live(frame: Callable[[int, int], list[str]]) -> int:
 
 
 def _wait(frame: Callable[[int, int], list[str]]) -> None:
-    from lbr.errors import BusError  # noqa: PLC0415
 
     until = time.monotonic() + WAIT_S
     while not frame(80, 24):
@@ -75,9 +78,6 @@ def _wait(frame: Callable[[int, int], list[str]]) -> None:
 def _frames(bus: "Session", robot: str, clock: Callable[[], float] = time.monotonic) -> Callable[[int, int], list[str]]:
     """Return what draws the newest view, or nothing until all is known."""
     from lbr.console import joint_table  # noqa: PLC0415
-    from lbr.messages.joints import JointsState  # noqa: PLC0415
-    from lbr.messages.sensing import Ranges  # noqa: PLC0415
-    from lbr.messages.simulation import HumanoidPose, WorldPose, WorldScene  # noqa: PLC0415
     from lbr.simulation import topdown  # noqa: PLC0415
 
     scene = _Latest(bus, f"{robot}/world/scene", WorldScene, clock)
@@ -130,7 +130,6 @@ class _Latest(Generic[S]):
         return self._last
 
     def _hear(self, payload: bytes) -> None:
-        from lbr.errors import MalformedError  # noqa: PLC0415
 
         with contextlib.suppress(MalformedError):  # a humanoid's world says other things than a room
             self._last, self._seen = self._decoder.decode(payload), self._clock()
@@ -141,7 +140,6 @@ def _picture(bus: "Session", robot: str, png: Path) -> int:
 
     from lbr.bus import wire  # noqa: PLC0415
     from lbr.console import target  # noqa: PLC0415
-    from lbr.errors import BusError  # noqa: PLC0415
 
     message = {"path": str(png.absolute())}
     source = target.source("lbr view")

@@ -64,7 +64,7 @@ def connect(path: Path, *, changing: bool = True) -> Connection:
         if changing:
             connection.scalar("SELECT count(*) FROM sqlite_schema")  # opens the log
             check_side_files(path)
-    except BaseException:
+    except BaseException:  # also an interruption leaves nothing open; it goes on upwards
         connection.close()
         raise
     return connection

@@ -33,7 +33,7 @@ def backup(connection: Connection, path: Path, stamp: str) -> Path:
     target = _new_file(path, stamp)
     try:
         connection.execute("VACUUM INTO ?", (str(target),))
-    except BaseException:
+    except BaseException:  # also an interruption leaves nothing open; it goes on upwards
         target.unlink()
         raise
     with target.open("rb") as written:

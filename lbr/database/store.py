@@ -132,7 +132,7 @@ class Database:
             database = cls(path, connect(path), wall_ns=wall_ns)
             try:
                 database._prepare()
-            except BaseException:
+            except BaseException:  # also an interruption leaves nothing open; it goes on upwards
                 database.close()
                 raise
         return database

@@ -219,12 +219,10 @@ def test_arrivals_are_counted_without_being_decoded(client, router):
     noted = probe.Arrivals(client, "r/flow/**", depth=3)
     stream = wire.Publisher(router, "r/flow/x", "x")
     until(lambda: stream.put({"n": 0}) and noted.count, what="the first arrival")
-    until(lambda: noted.count == stream.count)
-    noted.take()
     before = noted.count
     for _ in range(5):
         stream.put({"n": 1})
-    until(lambda: noted.count == before + 5)
+    until(lambda: noted.count >= before + 5)
     taken = noted.take()
     assert len(taken) == 3
     assert {(one.key, one.size) for one in taken} == {("r/flow/x", 7)}

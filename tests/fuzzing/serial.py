@@ -2,21 +2,20 @@
 
 import json
 import random
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from lbr.bus import wire
 from lbr.simulation.devices.roboteq.device import RoboteqDevice
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
-from lbr.simulation.port import PtyPort
 from tests.fuzzing.mutation import flipped
 from tests.support.bench import let_go, temporary_home
 from tests.support.figures import Results
+from tests.support.hosted import OnTty
 from tests.support.mover import Mover
 from tests.support.robot import Robot, start, until
 
@@ -75,29 +74,16 @@ def lines(results: Results, megabytes: float, dice: random.Random) -> None:
         results.of("Z5").checks += sent // 4096
 
 
-class DeviceLine:
+class DeviceLine(OnTty):
     """A device on a tty, served by a thread; what it says may be spoiled on the way."""
 
     def __init__(self, path: Path, answer: Callable[[bytes, float], bytes], dice: random.Random) -> None:
+        super().__init__(path, answer)
         self.sent = 0
         self.whole = 0
         self.spoil: Spoil | None = None
         self.present = True
-        self._answer = answer
         self._dice = dice
-        self._port = PtyPort(path)
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._serve, daemon=True)
-
-    def __enter__(self) -> Self:
-        self._port.plug()
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._over.set()
-        self._thread.join()
-        self._port.unplug()
 
     def _serve(self) -> None:
         while not self._over.wait(0.001):
@@ -182,8 +168,14 @@ def _implausible(payload: bytes, bounds: dict[str, tuple[float, float]]) -> list
     return [
         f"{name} was told to be {said[name]!r}"
         for name, (low, high) in bounds.items()
-        if said.get(name) is not None and not low <= said[name] <= high
+        if not all(low <= number <= high for number in _numbers(said.get(name)))
     ]
+
+
+def _numbers(value: Any) -> list[float]:
+    """Return what was measured: a number, several by their sensors' names, or none."""
+    measured = value.values() if isinstance(value, dict) else (value,)
+    return [number for number in measured if number is not None]
 
 
 def _spoil(

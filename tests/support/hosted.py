@@ -4,6 +4,7 @@ import os
 import select
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from pathlib import Path
 from typing import Self
@@ -16,11 +17,10 @@ from lbr.simulation.port import PtyPort
 GREETING = b"NMEA $GPGGA,,,,,0,,,,,,,,*66\r\n"
 
 
-class Hosted:
-    """A tty at `path`, answered from a thread: `answer(bytes, now)` returns what is said back."""
+class OnTty(ABC):
+    """Something on a tty at `path` that a thread serves: `answer(bytes, now)` returns what is said back."""
 
     def __init__(self, path: Path, answer: Callable[[bytes, float], bytes]) -> None:
-        self.heard = bytearray()
         self._answer = answer
         self._port = PtyPort(path)
         self._over = threading.Event()
@@ -35,6 +35,18 @@ class Hosted:
         self._over.set()
         self._thread.join()
         self._port.unplug()
+
+    @abstractmethod
+    def _serve(self) -> None:
+        """Answer until it is over."""
+
+
+class Hosted(OnTty):
+    """A tty that answers, and keeps what it heard."""
+
+    def __init__(self, path: Path, answer: Callable[[bytes, float], bytes]) -> None:
+        super().__init__(path, answer)
+        self.heard = bytearray()
 
     def _serve(self) -> None:
         while not self._over.is_set():

@@ -38,7 +38,7 @@ class V4l2Source:
             with self._telling("cannot be set up"):
                 self._set_up(settings)
                 self._capture.open()
-        except BaseException:
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
             self.close()
             raise
 

@@ -31,7 +31,7 @@ class Receiver:
         try:
             self._prepare_events() if events else self._prepare_scancodes()
             self._refuse_without_decoder(settings)
-        except BaseException:
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
             self.close()
             raise
 

@@ -71,7 +71,7 @@ class Child:
                 pass_fds=(report_fd,),
                 start_new_session=True,
             )
-        except BaseException:
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
             os.close(self.reports_fd)
             raise
         finally:

@@ -260,7 +260,7 @@ class Doors:
     def _open(self, router: session.Router) -> None:
         try:
             self._stack.enter_context(self._open_router(router))
-        except BaseException:
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
             self._stack.close()
             raise
 

@@ -148,7 +148,7 @@ class Reaper:
                 start_new_session=True,
             )
             lifeline.wake(theirs, self._popen.pid)
-        except BaseException:
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
             os.close(ours)
             raise
         finally:
