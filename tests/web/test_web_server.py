@@ -451,7 +451,7 @@ def test_who_needs_no_token_is_said():
     place = AdvertisedAddress(
         "uxa90", "web", replace(OPEN, trusted=("192.168.1.0/24",)), 1, here=lambda: ("192.168.1.5",)
     )
-    assert "Whoever is in 192.168.1.0/24 needs no token" in place.told()
+    assert "Clients in 192.168.1.0/24 need no token" in place.told()
     assert url("fd00::2", 1, tls=True) == "https://[fd00::2]:1/"
 
 
