@@ -139,7 +139,7 @@ BAD_VALUES = [
     ("capability", 0, "settings", '{"a": "' + "x" * 1_000_000 + '"}', "longer than 100000"),
     ("capability", 0, "settings", '{"a": "\0"}', "NUL"),
     ("capability", 0, "settings", '{"device": "gone"}', "there is no device 'gone'"),
-    ("capability", 0, "restart", "maybe", "'maybe' is none of never, on-failure, always"),
+    ("capability", 0, "restart", "maybe", "'maybe' is not one of never, on-failure, always"),
     ("capability", 0, "needs", '["gone"]', "there is no capability 'gone'"),
     ("capability", 0, "needs", "[1]", "is not a JSON list of strings"),
     ("capability", 0, "needs", '{"a": 1}', "is not a JSON list of strings"),
@@ -174,7 +174,7 @@ BAD_VALUES = [
     ("verb", 0, "target", "drive", "is not of the form capability.port"),
     ("verb", 0, "payload", "[]", "is not a JSON object"),
     ("verb", 0, "payload", '{"power": 1}', "sets 'power', which the pattern binds"),
-    ("verb", 0, "role", "root", "'root' is none of view, operate, admin"),
+    ("verb", 0, "role", "root", "'root' is not one of view, operate, admin"),
     ("external_command", 0, "name", "stop", "'stop' is a word that every robot has, and no row changes: drop this row"),
     ("external_command", 0, "name", "f", "'f' is a verb already"),
     ("external_command", 0, "argv", "[]", "names no program"),
@@ -186,7 +186,7 @@ BAD_VALUES = [
     ("external_command", 0, "arguments", '{"a": 1}', "is not a JSON list"),
     ("external_command", 0, "arguments", '[["left"], "("]', "entry 2 is not a regular expression"),
     ("external_command", 0, "arguments", "[[]]", "entry 1 is neither a list of words"),
-    ("external_command", 0, "role", "god", "is none of view, operate, admin"),
+    ("external_command", 0, "role", "god", "is not one of view, operate, admin"),
     ("phrase", 0, "language", "English", "is not a language tag"),
     ("phrase", 0, "text", "", "is empty"),
     ("choreography", 0, "dance", "Waltz", "is not a name"),
@@ -201,8 +201,8 @@ BAD_VALUES = [
     ("joint", 0, "device_id", 254, "'254' is not a whole number from 0 to 253"),
     ("joint", 1, "device_id", 1, "servo 1 moves joint 'neck' already"),
     ("joint", 0, "bus", "gone", "there is no device 'gone'"),
-    ("joint", 0, "side", "top", "'top' is none of left, right, centre"),
-    ("joint", 0, "sign", 0, "'0' is none of 1, -1"),
+    ("joint", 0, "side", "top", "'top' is not one of left, right, centre"),
+    ("joint", 0, "sign", 0, "'0' is not one of 1, -1"),
     ("joint", 0, "zero_rad", 11.0, "11 is outside -10 to 10"),
     ("joint", 0, "lower_rad", float("nan"), "is not a finite number"),
     ("joint", 0, "upper_rad", -2.0, "-2 is not above lower_rad, -1"),
@@ -228,7 +228,7 @@ BAD_VALUES = [
     ("motor", 0, "name", "n" * 41, "is longer than 40 characters"),
     ("button", 0, "motion", "gone", "there is no motion 'gone'"),
     ("button", 0, "builtin", 2, "is neither 0 nor 1"),
-    ("range_sensor", 0, "kind", "radar", "'radar' is none of ultrasonic, infrared, time_of_flight, lidar"),
+    ("range_sensor", 0, "kind", "radar", "'radar' is not one of ultrasonic, infrared, time_of_flight, lidar"),
     ("range_sensor", 0, "x_m", float("nan"), "is not a finite number"),
     ("range_sensor", 0, "y_m", 6.0, "6 is outside -5 to 5"),
     ("range_sensor", 0, "z_m", -1.0, "-1 is outside 0 to 5"),
@@ -240,7 +240,7 @@ BAD_VALUES = [
     ("range_sensor", 0, "rays", 0, "'0' is not a whole number from 1 to 4096"),
     ("range_sensor", 1, "pitch_rad", 1.0, "is beyond 0.5: a scan is taken to be level"),
     ("range_sensor", 0, "stop_m", float("inf"), "inf"),
-    ("kinematics", 0, "kind", "tracks", "'tracks' is none of differential, skid, mecanum, omni"),
+    ("kinematics", 0, "kind", "tracks", "'tracks' is not one of differential, skid, mecanum, omni"),
     ("kinematics", 0, "kind", "mecanum", "wheel 'front_left' needs roller_rad"),
     ("kinematics", 0, "kind", "omni", "do not give motion ahead, sideways and round"),
     ("kinematics", 0, "track_factor", 9.0, "9 is outside 0.5 to 5"),
@@ -285,7 +285,7 @@ def test_a_bad_row_is_left_out_and_the_others_stay():
     assert len(rows.verbs) == len(SHIPPED["verb"]) - 1
     assert len(rows.capabilities) == len(SHIPPED["capability"])
     assert [str(p) for p in rows.problems] == [
-        "verb 'lbr/r//r/{power}/{angle_deg}', role: 'root' is none of view, operate, admin"
+        "verb 'lbr/r//r/{power}/{angle_deg}', role: 'root' is not one of view, operate, admin"
     ]
 
 

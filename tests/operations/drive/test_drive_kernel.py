@@ -61,7 +61,7 @@ def test_a_command_may_ask_for_a_longer_life(bench):
         ({"interval_s": -1.0}, "interval_s -1"),
         ({"ttl_s": 1.5}, "ttl_s 1.5"),
         ({"ttl_s": 0.0}, "ttl_s 0 lets a lease lapse at once"),
-        ({"sensor": "front"}, "sensor 'front' is none of forward, back"),
+        ({"sensor": "front"}, "sensor 'front' is not one of forward, back"),
     ],
 )
 def test_nonsense_is_refused_and_named(bench, fields, complaint):

@@ -328,7 +328,7 @@ def test_a_move_may_be_bound_to_any_single_distance_and_to_no_scan():
     base.event(_told(base, bow=3.0))
     refused = base.drive(0.3, range_cm=50, sensor="lidar", take_over=True)
     assert refused.code == "unknown_name"
-    assert refused.reason == "sensor 'lidar' is none of forward, back, left, right, bottom, bow"
+    assert refused.reason == "sensor 'lidar' is not one of forward, back, left, right, bottom, bow"
 
 
 def test_a_base_without_a_sensor_called_forward_drives_all_the_same():
