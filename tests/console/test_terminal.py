@@ -414,7 +414,10 @@ def test_a_reader_who_is_back_sees_a_whole_screen_and_how_much_was_left_out(robo
     assert sum(line.startswith(f" {ROBOT} | ") for line in lines) == 1
 
 
-def test_a_terminal_that_ceases_to_answer_stops_what_it_holds(robot, screen):
+def test_a_terminal_that_ceases_to_answer_stops_what_it_holds(robot, screen, monkeypatch):
+    """A busy machine holds up the console or what reads it, and stops it too; here the answers alone count."""
+    monkeypatch.setattr("lbr.console.ear.FRESH_S", 30.0)
+    monkeypatch.setattr("lbr.console.terminal.STUCK_S", 30.0)
     screen.answers = True
     screen.types("\x1b[7;9R")  # to the question at the start
     robot.moves("/r/0.2/0", "L1")

@@ -57,8 +57,12 @@ def test_what_a_cut_held_back_moves_nothing_when_it_heals(far_door: Door, networ
         cut_ns = time.monotonic_ns()
         try:
             zero = far_door.trace.first_zero(cut_ns, 1.0)
-            assert zero is not None
-            assert (zero.at_ns - cut_ns) / 1e9 < 0.5
+            if zero is None:  # who asks each time may have stood in that moment, for want of an answer in time
+                assert manner == "asking"
+                assert far_door.trace.at(time.monotonic_ns()).zero
+                assert far_door.trace.at(cut_ns).zero
+            else:
+                assert (zero.at_ns - cut_ns) / 1e9 < 0.5
             until(lambda: time.monotonic_ns() - cut_ns > cut_s * 1e9, what="the cut lasts")
             tell(client, "cease")
         finally:
