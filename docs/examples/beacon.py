@@ -18,7 +18,8 @@ with zenoh.open(config) as session:
     alive = session.liveliness().declare_token(os.environ["LBR_ALIVE"])  # from now on it counts as ready
     while True:
         reading = json.loads(ranges.recv().payload.to_bytes())
-        seen = [value for key, value in reading.items() if key.endswith("_m") and value is not None]
+        named = reading | {f"{name}_m": value for name, value in reading.get("others_m", {}).items()}
+        seen = [value for key, value in named.items() if key.endswith("_m") and isinstance(value, float | int)]
         nearest = {"nearest_m": min(seen, default=None)}
         session.put(nearest_key, json.dumps(nearest), encoding="application/json")
         time.sleep(0.2)
