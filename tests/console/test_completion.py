@@ -25,7 +25,8 @@ VOCABULARY = Vocabulary(
     ],
     {"drive.command": DriveCommand},
 )
-COMPLETER = LineCompleter(VOCABULARY.entries({"executive.report": ["health", "events"]}))
+KNOWN = {"executive.report": ["health", "events"], "drive.command.sensor": ["back", "bottom", "forward", "left", "right"]}
+COMPLETER = LineCompleter(VOCABULARY.entries(KNOWN))
 
 
 def offered(text: str) -> list[str]:

@@ -448,9 +448,10 @@ def test_each_phase_and_each_event_of_a_process_says_why_by_a_code():
     stage.passes(0.2)
     stage.says("motors")
     assert (slots["motors"].code, slots["motors"].end_code) == ("", "failed")
-    stage.passes(HANG_S + 5, beating=["drive"])
-    stage.dies("motors", -9)
-    assert (slots["motors"].code, stage.codes["hung"]) == ("timeout", "timeout")
+    for _ in range(100):
+        if "hung" not in stage.codes:
+            stage.passes(0.1, beating=["drive"])
+    assert stage.codes["hung"] == slots["motors"].end_code == "timeout"
 
 
 def test_who_waits_for_what_has_failed_says_so_by_a_code():
