@@ -25,7 +25,10 @@ VOCABULARY = Vocabulary(
     ],
     {"drive.command": DriveCommand},
 )
-KNOWN = {"executive.report": ["health", "events"], "drive.command.sensor": ["back", "bottom", "forward", "left", "right"]}
+KNOWN = {
+    "executive.report": ["health", "events"],
+    "drive.command.sensor": ["back", "bottom", "forward", "left", "right"],
+}
 COMPLETER = LineCompleter(VOCABULARY.entries(KNOWN))
 
 
