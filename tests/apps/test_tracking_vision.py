@@ -138,7 +138,7 @@ def test_a_face_needs_a_model_and_is_told_which(tmp_path):
         with pytest.raises(InputError, match="face_detection_yunet"):
             vision.finder(KIND.settings(face_model=model), "face")
     (tmp_path / "wrong.onnx").write_bytes(b"no model")
-    with pytest.raises(InputError, match="no model of a YuNet"):
+    with pytest.raises(InputError, match="not a model of a YuNet"):
         vision.finder(KIND.settings(face_model=str(tmp_path / "wrong.onnx")), "face")
 
 

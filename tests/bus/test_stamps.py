@@ -11,7 +11,9 @@ from lbr.bus import stamp
 
 KEY = bytes(range(16))
 OTHER = bytes(range(1, 17))
-names = st.text(st.characters(codec="utf-8", exclude_categories=("Cs",)), max_size=60)
+names = st.text(
+    st.characters(codec="utf-8", exclude_categories=("Cs", "Cc", "Cf", "Zl", "Zp", "Zs", "Co", "Cn")), max_size=60
+)
 numbers = st.integers(0, 2**63 - 1)
 payloads = st.binary(max_size=200)
 

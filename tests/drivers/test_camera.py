@@ -265,7 +265,7 @@ def test_there_is_no_snapshot_of_a_camera_that_is_off(started):
 @pytest.mark.parametrize(
     ("settings", "address", "words"),
     [
-        (ON, "usb:1234", "none of /dev/videoN"),
+        (ON, "usb:1234", "not one of /dev/videoN"),
         (ON, "csi:front", "the first is csi:0"),
         ('{"device": "front", "on": true, "rotation_deg": 180}', "/dev/video0", "leave out rotation_deg"),
     ],

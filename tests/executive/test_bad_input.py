@@ -139,7 +139,7 @@ def test_an_emergency_stop_that_cannot_be_read_latches_everywhere(robot, payload
         ("/r/nan/0", 2, "power is 0 to 1, not 'nan'"),
         ("/r/0.2/inf", 2, "angle is"),
         ("/r/0.2/400", 2, "angle is"),
-        ("/r/0.2/0/40/upward/0", 2, "sensor is"),
+        ("/r/0.2/0/40/upward/0", 1, "sensor 'upward' is not one of"),
         ("/r/0.2/0/900/forward/0", 2, "range is"),
         ("x" * 1_000_000, 2, "4096 characters"),
         ("/r/0.2/\x1b[31m0", 2, "control character"),

@@ -101,7 +101,7 @@ def test_rows_make_a_lidar_that_the_drive_goes_by(lidar):
     said = lidar.line("/report/telemetry")
     assert said["data"]["lidar/scan"]["sensor"] == "lidar"
     refused = lidar.line("/r/0.2/0/60/lidar/3")
-    assert "sensor 'lidar' is none of forward, back, left, right, bottom" in refused["text"]
+    assert "sensor 'lidar' is not one of forward, back, left, right, bottom" in refused["text"]
     hold = until(lambda: drives(lidar))
     assert renew(lidar, hold)["accepted"]
 

@@ -63,7 +63,7 @@ OF_SETTINGS = (
             (
                 "name: 'Two' is not a name",
                 "needs: there is no capability 'gone'",
-                "restart: 'perhaps' is none of",
+                "restart: 'perhaps' is not one of",
                 *OF_SETTINGS,
             ),
         ),
@@ -107,7 +107,7 @@ OF_SETTINGS = (
             (
                 "pattern: '/fly/{a}/{a}': a field stands in it twice",
                 "target: 'drive' has no command 'fly'",
-                "role: 'king' is none of view, operate, admin",
+                "role: 'king' is not one of view, operate, admin",
             ),
         ),
         (

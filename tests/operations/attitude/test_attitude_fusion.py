@@ -232,8 +232,8 @@ def test_what_the_driver_calls_invalid_is_bridged_shortly_then_its_reason_is_tol
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"gyro_rps": (0.0, nan, 0.0)}, "no number"),
-        ({"accel_mps2": (inf, 0.0, 0.0)}, "no number"),
+        ({"gyro_rps": (0.0, nan, 0.0)}, "not a number"),
+        ({"accel_mps2": (inf, 0.0, 0.0)}, "not a number"),
         ({"mag_ut": (5000.0, 0.0, 0.0)}, "which it cannot"),
         ({"mag_ut": (0.0, 0.0, 0.0)}, "broken"),
     ],
