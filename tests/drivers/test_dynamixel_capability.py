@@ -175,7 +175,7 @@ def test_what_becomes_of_servos_that_nobody_cares_for_is_told_once_and_when_it_h
     assert "and are then released" in told()[0][1]
     rig.ahead_s += 5.0
     rig.until(lambda: len(told()) == 2)
-    assert not any(servo.torque for servo in chain.servos.values())
+    rig.until(lambda: not any(servo.torque for servo in chain.servos.values()))
 
 
 def test_a_source_that_died_is_lost_at_once(rig, chain):

@@ -81,7 +81,7 @@ def shared_home(tmp_path_factory):
 def lidar(robot):
     """The robot with a lidar, ready, in a room with nothing near."""
     if phase(robot, "lidar") == "absent":
-        assert drives(robot)
+        until(lambda: drives(robot), what="it drives")
         robot.line("s")
         edit(robot, LIDAR)
     for fault in ("unplug", "dark", "stalled", "frozen"):
