@@ -150,7 +150,9 @@ class DriverBench:
         return next(iter(self.ctx.wired.get("setpoint", ())), "setpoint")
 
     def _state(self) -> str:
-        return f"errors {[str(err) for err in self.errors[-2:]]}, health {self.ctx.health[-2:]}"
+        reason = next((message.reason for _, message in reversed(self.ctx.published) if hasattr(message, "reason")), "")
+        said = f", reason '{reason}'" if reason else ""
+        return f"errors {[str(err) for err in self.errors[-2:]]}, health {self.ctx.health[-2:]}{said}"
 
 
 def _valid(published: tuple[str, Any]) -> bool:

@@ -20,6 +20,7 @@ from lbr import home as homes
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS, Credentials
 from lbr.errors import BusError
+from lbr.testing.robot import NoAnswerError
 from tests.support.figures import Results
 from tests.support.mover import RENEW_S, Mover
 from tests.support.robot import Robot, start
@@ -104,7 +105,7 @@ class Bench:
         while True:
             try:
                 units: list[dict[str, Any]] = self.robot.line("/report/health")["data"]["capabilities"]
-            except StopIteration:
+            except NoAnswerError:
                 if time.monotonic() > end:
                     raise AssertionError(f"no answer from the console; {self.state()}") from None
                 self.pass_time(RENEW_S)

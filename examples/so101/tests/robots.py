@@ -3,7 +3,7 @@
 import time
 from contextlib import contextmanager
 
-from lbr.testing.robot import running
+from lbr.testing.robot import NoAnswerError, running
 
 SLOWLY_S = 45.0
 """Bounds waiting on a machine that has much else to do; each takes a moment on one that has not."""
@@ -32,7 +32,7 @@ class Arms:
         """Say a line that may be refused; on a busy machine an answer may come only when it is said again."""
         try:
             return self.robot.say(line)
-        except StopIteration:
+        except NoAnswerError:
             return {"code": 1, "text": "", "hold": None}
 
     def follow(self, condition, what):
@@ -66,6 +66,9 @@ class Arms:
         return self.state(name).get("joints", {})
 
     def at(self, joint, name="joints"):
+        """Say where a joint is; a servo that did not answer for a moment is looked at again."""
+        known = lambda: self.joints(name).get(joint, {}).get("position_rad") is not None  # noqa: E731 - short
+        until(known, f"where {joint} is")
         return self.joints(name)[joint]["position_rad"]
 
     def torques(self, arm="arm"):
