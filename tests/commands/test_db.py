@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from lbr.commands.db import command
+from lbr.cli import cli
 from lbr.database.store import create
 
 SHIPPED = Path(__file__).parents[2] / "docs" / "examples"
@@ -27,7 +27,7 @@ def edit(path: Path, script: str) -> None:
 
 
 def db(*words: str) -> Result:
-    return CliRunner().invoke(command, words, standalone_mode=False)
+    return CliRunner().invoke(cli, ["db", *words], standalone_mode=False)
 
 
 def hints(path: Path, *edits: str) -> dict[str, list[str]]:

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from lbr.cli import cli
 from lbr.commands import placing, service, service_checks, unitfiles
-from lbr.commands.service import command
 from lbr.commands.unitfiles import RULES, SYSUSERS, UNIT, Site
 from lbr.errors import InputError
 from tests.support import needs, programs
@@ -20,7 +20,7 @@ analyze = needs.program("systemd-analyze", "systemd")
 
 def lbr(*arguments: str) -> tuple[int, str]:
     """Run `lbr service …` here; return its code and what it said."""
-    done = CliRunner().invoke(command, arguments, standalone_mode=False)
+    done = CliRunner().invoke(cli, ["service", *arguments], standalone_mode=False)
     if done.exception is not None:
         raise done.exception
     return done.return_value, done.output

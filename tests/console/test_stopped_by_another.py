@@ -116,7 +116,9 @@ def words(robot) -> set[tuple[str, str]]:
 
 
 def waiting(robot, line: str, typed_s: float) -> dict:
-    (answer,) = wire.ask(robot.bus, "lbr/@console", line, source="us", waited_s=time.monotonic() - typed_s)
+    (answer,) = wire.ask(
+        robot.bus, "lbr/@console", line, source="us", waited_s=time.monotonic() - typed_s, timeout_s=5.0
+    )
     return json.loads(answer.payload)
 
 

@@ -142,7 +142,7 @@ def test_no_number_leaves_the_servo_s_range(angle, torque):
     if abs(angle) < float("inf"):
         assert 0 <= table.position_raw(angle) <= 1023
     else:
-        with pytest.raises(ValueError, match="no position"):
+        with pytest.raises(ValueError, match="not a position"):
             table.position_raw(angle)
     assert 0 <= table.torque_raw(torque) <= 1023
     if 0.0 < angle < float("inf"):

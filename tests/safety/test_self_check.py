@@ -160,4 +160,4 @@ def test_a_process_that_is_left_behind_is_found_out(results: Results):
         fault_ns = under_test.kill(executive.pid)
         left = kills.wait_until_gone(under_test, fault_ns, 2.0)
         under_test.robot.popen.wait(2.0)
-    assert any("sleep" in name for name in left)
+    assert any("sleep" in name for name in left), left

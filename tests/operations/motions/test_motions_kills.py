@@ -162,7 +162,7 @@ def test_frozen_motions_lose_the_joints_and_thawed_they_do_not_go_on(robot, play
     assert stays(robot)
 
 
-def test_killed_joints_end_the_motion_and_what_starts_anew_does_not_go_on(robot, player):
+def test_killed_joints_end_the_motion_and_what_starts_again_does_not_go_on(robot, player):
     os.kill(robot.capability("joints")["pid"], signal.SIGKILL)
     soon(lambda: "joints operation" in newest_result(robot))
     soon(lambda: robot.capability("joints")["phase"] == "ready")
