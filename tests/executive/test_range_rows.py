@@ -112,7 +112,15 @@ def test_what_the_lidar_alone_sees_stops_the_robot_before_it(lidar):
     until(lambda: state(lidar)["sees"]["lidar forward"] < 0.5)
     assert lidar.ask("ranges/readings")["forward_m"] > 0.6, "the sensor ahead hears nothing of it"
     hold = until(lambda: drives(lidar))
-    until(lambda: (renew(lidar, hold), "lidar forward" in state(lidar)["reason"])[1], limit_s=8.0)
+
+    def stopped() -> bool:
+        nonlocal hold
+        renew(lidar, hold)
+        if "lapsed" in state(lidar)["reason"]:  # this machine did not give the time to renew it
+            hold = drives(lidar) or hold
+        return "lidar forward" in state(lidar)["reason"]
+
+    until(stopped, limit_s=8.0)
     pose = lidar.ask("world/pose")
     assert not pose["touching"]
     assert state(lidar)["sees"]["lidar forward"] == pytest.approx(0.25, abs=0.06)
