@@ -307,7 +307,7 @@ class Executive:
             wake=self._main.wake,
         )
         self._service.start()
-        self._status_out = wire.Publisher(bus, keys.status(robot), "executive", renew=self._with_estop)
+        self._status_out = wire.Publisher(bus, keys.status(robot), "executive", renew=self._as_of_now)
         self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._main.wake())
         self._alive = wire.alive(bus, robot, wiring.EXECUTIVE)
         (Path(self._site.home) / "run" / f"{robot}-devices").mkdir(mode=0o700, exist_ok=True)
@@ -504,17 +504,19 @@ class Executive:
             uptime_s=round(time.monotonic() - self._started_at, 1),
             estop=self._emergency.state(),
             capabilities=capabilities,
-            problems=(*self._rows.problems, *self._troubles.current),
-            problem_codes=(
-                *(self._rows.code for _ in self._rows.problems),
-                *("failed" for _ in self._troubles.current),
-            ),
             revision=self.plan.rows.revision,
+            **self._problems(),
         )
 
-    def _with_estop(self, status: Status) -> Status:
-        """Return it with the emergency stop of now: who was told of a stop or its reset reads nothing older."""
-        return replace(status, estop=self._emergency.state())
+    def _problems(self) -> dict[str, tuple[str, ...]]:
+        """Return what is wrong now, and the codes of that."""
+        rows, troubles = self._rows.problems, self._troubles.current
+        codes = (*(self._rows.code for _ in rows), *("failed" for _ in troubles))
+        return {"problems": (*rows, *troubles), "problem_codes": codes}
+
+    def _as_of_now(self, status: Status) -> Status:
+        """Return it with the emergency stop and the problems of now: who heard of one by an event reads nothing older."""
+        return replace(status, estop=self._emergency.state(), **self._problems())
 
     def _capabilities(self) -> tuple[CapabilityStatus, ...]:
         here = {one.name: one for one in self._overview.capabilities(time.monotonic())}

@@ -152,6 +152,8 @@ class DriverBench:
     def _state(self) -> str:
         reason = next((message.reason for _, message in reversed(self.ctx.published) if hasattr(message, "reason")), "")
         said = f", reason '{reason}'" if reason else ""
+        if answers := self.ctx.estop.acknowledged:
+            said += f", last answer to the emergency stop {answers[-1]}"
         return f"errors {[str(err) for err in self.errors[-2:]]}, health {self.ctx.health[-2:]}{said}"
 
 

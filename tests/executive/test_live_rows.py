@@ -202,11 +202,15 @@ def test_a_bad_edit_changes_nothing_and_is_explained(robot, edit, complaint):
     with sqlite3.connect(robot.home / "robot.db") as database:
         undo = "\n".join(line for table in ("capability", "channel", "verb") for line in _inserts(database, table))
     robot.edit(edit)
-    until(lambda: any(one["kind"] == "rows_refused" and complaint in one["text"] for one in robot.events()))
-    assert pids(robot) == before
-    assert robot.status()["problems"]
-    with sqlite3.connect(robot.home / "robot.db") as database:
-        database.executescript(f"BEGIN; DELETE FROM channel; DELETE FROM verb; DELETE FROM capability; {undo} COMMIT;")
+    try:
+        until(lambda: any(one["kind"] == "rows_refused" and complaint in one["text"] for one in robot.events()))
+        assert pids(robot) == before
+        assert robot.status()["problems"], "who heard of the refusal reads why in the status"
+    finally:  # the robot is the other tests' too
+        with sqlite3.connect(robot.home / "robot.db") as database:
+            database.executescript(
+                f"BEGIN; DELETE FROM channel; DELETE FROM verb; DELETE FROM capability; {undo} COMMIT;"
+            )
     until(lambda: robot.status()["problems"] == [])
     assert pids(robot) == before
 
