@@ -1,0 +1,86 @@
+"""What a body is made of."""
+
+from typing import Literal
+
+from msgspec import Struct
+
+Xyz = tuple[float, float, float]
+Rgba = tuple[float, float, float, float]
+ShapeKind = Literal["box", "cylinder", "sphere", "capsule", "ellipsoid"]
+JointKind = Literal["hinge", "slide", "wheel"]
+ORIGIN: Xyz = (0.0, 0.0, 0.0)
+GREY: Rgba = (0.5, 0.5, 0.5, 1.0)
+
+
+class Shape(Struct, frozen=True, kw_only=True):
+    """A solid on a link, in the link's own axes.
+
+    `size` of a box is its three edges, of an ellipsoid its three radii, of a sphere its radius, of a cylinder its
+    radius and its length along z, of a capsule the same without its round ends.
+    """
+
+    kind: ShapeKind
+    size: tuple[float, ...]
+    xyz: Xyz = ORIGIN
+    rpy: Xyz = ORIGIN
+    rgba: Rgba = GREY
+
+
+class Link(Struct, frozen=True, kw_only=True):
+    """A rigid part. With its joint at 0 its axes lie in its parent's at `origin_xyz`, turned by `origin_rpy`.
+
+    Roll, pitch and yaw are about the parent's x, y and z, one after the other. A hinge turns it about `axis`, which is
+    in its own axes, by the joint's angle; a slide moves it along. Parents come before their children; the parent of a
+    root is empty, its axes are those of the floor below the robot.
+    """
+
+    name: str
+    parent: str = ""
+    joint: str = ""
+    axis: Xyz = (0.0, 0.0, 1.0)
+    origin_xyz: Xyz = ORIGIN
+    origin_rpy: Xyz = ORIGIN
+    shapes: tuple[Shape, ...] = ()
+
+
+class Sensor(Struct, frozen=True, kw_only=True):
+    """Something that looks along the x of its own axes, or measures along them; `link` is what it sits on."""
+
+    name: str
+    kind: str
+    link: str
+    xyz: Xyz = ORIGIN
+    rpy: Xyz = ORIGIN
+    fov_rad: float | None = None
+    max_m: float | None = None
+
+
+class Body(Struct, frozen=True, kw_only=True):
+    """All of it; `joints` are the kinds of those that links name. `left_out` is what could not be drawn, in words."""
+
+    links: tuple[Link, ...] = ()
+    joints: dict[str, JointKind] = {}
+    sensors: tuple[Sensor, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+
+class JointRange(Struct, frozen=True, kw_only=True):
+    """How far a joint may go, by its row; `drawn` says whether a link has it."""
+
+    lower: float | None = None
+    upper: float | None = None
+    kind: JointKind = "hinge"
+    side: Literal["left", "right", "centre"] = "centre"
+    speed_rps: float | None = None
+    drawn: bool = True
+
+
+class RobotModel(Struct, frozen=True, kw_only=True):
+    """A robot's body with the limits of its rows. Without links `reason` says why there is nothing to draw."""
+
+    robot: str
+    links: tuple[Link, ...] = ()
+    joints: dict[str, JointRange] = {}
+    sensors: tuple[Sensor, ...] = ()
+    left_out: tuple[str, ...] = ()
+    reason: str = ""
