@@ -4,8 +4,9 @@
 BIN := .venv/bin
 T ?= tests
 N ?= auto
+PAGE := lbr/apps/web/page
 
-.PHONY: help setup check lint format types docs test coverage gate smoke all
+.PHONY: help setup check lint format types docs test coverage gate smoke page pagecheck all
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -43,6 +44,12 @@ gate: ## the safety gate: a small amount of each measurement
 
 smoke: ## does every benchmark still work? seconds of each
 	$(BIN)/python -m benchmarks --smoke
+
+page: ## build the page that the robot serves, with node 20.19 or newer; commit what it writes to dist/
+	cd $(PAGE) && npm ci --no-audit --no-fund && npm run build
+
+pagecheck: ## is the page that is committed what its sources build to?
+	@before=$$(mktemp -d) && cp -r $(PAGE)/dist $$before && $(MAKE) --no-print-directory page && diff -r $$before/dist $(PAGE)/dist && rm -r $$before
 
 all: ## all of it, as on a machine that has next to nothing
 	.ci/run

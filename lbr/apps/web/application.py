@@ -161,7 +161,8 @@ def application(
         found = _options(scope, endpoints, gate) if scope["method"] == "OPTIONS" else no_route(scope)
         await found(scope, receive, send)
 
-    endpoints = [Endpoint(route, answer) for route in routes]
+    closest = sorted(routes, key=lambda route: not route.accept)
+    endpoints = [Endpoint(route, answer) for route in closest]
     stops = [endpoint for endpoint in endpoints if endpoint.route.regardless]
     return Router(
         [*endpoints, *sockets],

@@ -195,6 +195,8 @@ class Route:
     `role` is the least that is needed, None for no role. A `page` may be opened by a link from any other page,
     so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
     What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign in.
+    With `accept`, it answers only who names that media type in `Accept`: a browser that is led there, such as for
+    `text/html`; another route may answer all others at the same path.
     """
 
     method: Method
@@ -214,6 +216,7 @@ class Route:
     private: bool = False
     otherwise: Callable[[], Response] | None = None
     hidden: bool = False
+    accept: str = ""
     within_s: float = ANSWER_S
     refuses: Mapping[int, str] = field(default_factory=dict)
     """Statuses that this route refuses with besides the server's own, each with when."""

@@ -76,7 +76,7 @@ class Faces:
         self.shown: list[Shown] = []
         self._refused: list[str] = []
         self._row = row
-        self._taken: dict[tuple[str, str], str] = {}
+        self._taken: dict[tuple[str, str, str], str] = {}
         self._loaded: list[tuple[str, Face]] = []
         for name in dict.fromkeys(names):
             points, none = _chosen(name)
@@ -185,7 +185,7 @@ def _made(point: Plugin, robot: Robot) -> Face:
     return point.checked(face, Face)
 
 
-def _claim(route: Route) -> tuple[str, str]:
-    """Return what only one route may answer: a method of a path, whatever its keys are called."""
+def _claim(route: Route) -> tuple[str, str, str]:
+    """Return what only one route may answer: a method of a path, whatever its keys are called, for whom it is."""
     parts = route.path.rstrip("/").lower().split("/")
-    return route.method, "/".join("{}" if part.startswith("{") else part for part in parts)
+    return route.method, "/".join("{}" if part.startswith("{") else part for part in parts), route.accept

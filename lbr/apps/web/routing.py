@@ -49,11 +49,14 @@ class Endpoint(BaseRoute):
         self.route = route
         self.path = Path(route.path)
         self._methods = {"GET", "HEAD"} if route.method == "GET" else {route.method}
+        self._accept = route.accept.encode()
         self._answer = answer
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
         """Say whether a request is for this route, and which keys its path has."""
         if scope["type"] != "http" or scope["method"] not in self._methods or not self.path.fits(asked_path(scope)):
+            return Match.NONE, {}
+        if self._accept and not _accepts(scope, self._accept):
             return Match.NONE, {}
         return Match.FULL, {"path_params": self.path.keys(asked_path(scope))}
 
@@ -64,6 +67,12 @@ class Endpoint(BaseRoute):
 
 
 Answer = Callable[[Route, Scope, Receive], Awaitable[Response]]
+
+
+def _accepts(scope: Scope, media: bytes) -> bool:
+    """Say whether a request names a media type itself; `*/*` names none."""
+    said = (value.lower() for name, value in scope["headers"] if name.lower() == b"accept")
+    return any(part.partition(b";")[0].strip() == media for value in said for part in value.split(b","))
 
 
 def asked_path(scope: Scope) -> str:

@@ -1,0 +1,141 @@
+"""The built files of the page and how they are served: with their types, compressed, kept by browsers as long as they
+hold."""
+
+import gzip
+import mimetypes
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from hashlib import sha256
+from importlib import resources
+from importlib.resources.abc import Traversable
+from typing import Any
+
+from starlette.responses import Response
+
+from lbr.apps.web.face import HTML, Face, Refused, Request, Route
+from lbr.apps.web.guards import SECURITY
+
+FOREVER = "public, max-age=31536000, immutable"
+"""For files whose names change with their content."""
+LOOK_AGAIN = "no-cache"
+ASSETS = "assets/"
+INDEX = "index.html"
+NOT_SERVED = frozenset({INDEX, "manifest.json"})
+MEDIA = {
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".webmanifest": "application/manifest+json",
+    ".woff2": "font/woff2",
+}
+POLICY = SECURITY["content-security-policy"] + "; manifest-src 'self'; worker-src 'self'; media-src 'self'"
+"""Scripts, styles and pictures of this server alone, none of them within the page's text."""
+TOO_SMALL = 512
+"""Bytes that are not worth compressing."""
+
+
+class NotBuiltError(RuntimeError):
+    """The page was not built."""
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A built file, with what it is called by who has it already."""
+
+    name: str
+    media: str
+    content: bytes
+    packed: bytes
+    tag: str
+
+    @property
+    def lasts(self) -> bool:
+        """Return whether another content would have another name."""
+        return self.name.startswith(ASSETS)
+
+
+def built(place: Traversable | None = None) -> tuple[File, ...]:
+    """Return all files of `dist/`; NotBuiltError if there is no page in it."""
+    place = place or resources.files(__package__) / "dist"
+    found = tuple(file(name, content) for name, content in _read(place)) if place.is_dir() else ()
+    if not any(one.name == INDEX for one in found):
+        raise NotBuiltError(
+            f"the page is not built: {place}/{INDEX} is missing; `make page` builds it (node 20 or newer)"
+        )
+    return found
+
+
+def file(name: str, content: bytes) -> File:
+    """Return a file as it is served; compressed where that makes it smaller."""
+    suffix = f".{name.rpartition('.')[2]}"
+    media = MEDIA.get(suffix) or mimetypes.guess_type(name)[0] or "application/octet-stream"
+    packed = gzip.compress(content, 6, mtime=0) if len(content) >= TOO_SMALL else b""
+    smaller = packed if len(packed) < 0.9 * len(content) else b""
+    return File(name, media, content, smaller, f'"{sha256(content).hexdigest()[:32]}"')
+
+
+def _read(place: Traversable, under: str = "") -> Iterator[tuple[str, bytes]]:
+    for one in sorted(place.iterdir(), key=lambda one: one.name):
+        if one.is_dir():
+            yield from _read(one, f"{under}{one.name}/")
+        else:
+            yield under + one.name, one.read_bytes()
+
+
+class PageFace(Face):
+    """Serves the page to everybody who reaches the server: it holds nothing of the robot, and asks for all it shows."""
+
+    name = "page"
+
+    def __init__(self, files: Iterable[File]) -> None:
+        self._files = {one.name: one for one in files}
+
+    def routes(self) -> list[Route]:
+        """Return the page at `/` for browsers, its parts beside it, and what carries its content in its name."""
+        part: dict[str, Any] = {"method": "GET", "summary": "", "role": None, "page": True, "hidden": True}
+        beside = [one for one in self._files.values() if not one.lasts and one.name not in NOT_SERVED]
+        return [
+            Route(
+                method="GET", path="/", handle=self._of(INDEX), summary="The page", replies={200: HTML}, role=None,
+                page=True, hidden=True, accept=HTML,
+            ),
+            *(Route(path=f"/{one.name}", handle=self._of(one.name), replies={200: one.media}, **part) for one in beside),
+            Route(path=f"/{ASSETS}{{name}}", handle=self._asset, replies={200: "*/*"}, **part),
+        ]  # fmt: skip
+
+    def _of(self, name: str) -> Callable[[Request], Response]:
+        return lambda request: served(self._files[name], request)
+
+    def _asset(self, request: Request) -> Response:
+        found = self._files.get(ASSETS + request.keys["name"])
+        if found is None:
+            raise Refused(404, "this page is of another version: load it again")
+        return served(found, request)
+
+
+def served(found: File, request: Request) -> Response:
+    """Return a file, or that it has not changed (304)."""
+    headers = {
+        "Cache-Control": FOREVER if found.lasts else LOOK_AGAIN,
+        "ETag": found.tag,
+        "Vary": "Origin, Accept, Accept-Encoding",
+    }
+    if found.name == INDEX:
+        headers["Content-Security-Policy"] = POLICY
+    known = [tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")]
+    if found.tag in known:
+        return Response(status_code=304, headers=headers)
+    if found.packed and _takes_gzip(request.headers.get("accept-encoding", "")):
+        return Response(found.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=found.media)
+    return Response(found.content, headers=headers, media_type=found.media)
+
+
+def _takes_gzip(said: str) -> bool:
+    """Say whether an `Accept-Encoding` allows gzip."""
+    for part in said.lower().split(","):
+        name, _, weight = part.partition(";")
+        if name.strip() in {"gzip", "*"}:
+            return weight.replace(" ", "") not in {"q=0", "q=0.0", "q=0.00", "q=0.000"}
+    return False

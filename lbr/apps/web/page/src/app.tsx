@@ -1,0 +1,157 @@
+// The shell: what is above, beside and below every view.
+import { signal } from "@preact/signals";
+import { Component, type ComponentType } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import { unknown } from "./access";
+import { link } from "./live";
+import { dismiss, notices, type Tone } from "./notices";
+import { Badge, Button, Dialog, Empty, Icon, type IconName } from "./parts";
+import { robot } from "./robot";
+import { Settings } from "./settings";
+import { SignIn } from "./sign-in";
+import { StopButton } from "./stop-button";
+import { estop, resetEstop, stop } from "./stopping";
+import { VIEWS, type View } from "./views";
+import { t } from "./words";
+
+/** Which view the address names. */
+export const place = signal(location.hash.slice(1).split("/")[0] ?? "");
+window.addEventListener("hashchange", () => { place.value = location.hash.slice(1).split("/")[0] ?? ""; });
+
+const TONES: Record<Tone, IconName> = { info: "info", good: "check", warn: "warn", bad: "warn" };
+const TYPED = "input:not([type=range]):not([type=checkbox]), textarea, select";
+const PRESSED = "button, a, input, textarea, select, [role=radio], [role=tab], [role=slider], summary";
+
+function useStopKeys(): void {
+  useEffect(() => {
+    const press = (event: KeyboardEvent): void => {
+      const target = event.target instanceof Element ? event.target : document.body;
+      const space = event.code === "Space" && !target.closest(PRESSED) && !target.closest(TYPED);
+      if (event.repeat || (event.key !== "Escape" && !space)) return;
+      if (space) event.preventDefault();
+      void stop();
+    };
+    window.addEventListener("keydown", press, true);
+    return () => window.removeEventListener("keydown", press, true);
+  }, []);
+}
+
+export function App() {
+  useStopKeys();
+  const [settings, openSettings] = useState(false);
+  const known = robot.value;
+  const views = known ? VIEWS.filter((view) => view.shows(known)) : [];
+  const view = views.find((one) => one.id === place.value) ?? views[0];
+  return (
+    <>
+      <div class="shell">
+        <a class="skip" href="#main" onClick={(event) => { event.preventDefault(); document.getElementById("main")?.focus(); }}>{t("shell.skip")}</a>
+        <header class="top">
+          <h1>
+            <img class="mark" src="./icon.svg" alt="" width="34" height="34" />
+            <span class="cut">{known?.robot ?? "lbr"}</span>
+            {known?.simulated && <Badge icon="info">{t("shell.simulated")}</Badge>}
+          </h1>
+          <div class="top-end">
+            <LinkState />
+            <Button kind="quiet" icon="settings" label={t("shell.settings")} onClick={() => openSettings(true)} />
+          </div>
+        </header>
+        <Alarms />
+        <nav class="nav" aria-label={t("shell.views")}>
+          {views.map((one) => (
+            <a key={one.id} class="nav-item" href={`#${one.id}`} aria-current={one === view ? "page" : undefined}><Icon name={one.icon} />{t(one.word)}</a>
+          ))}
+        </nav>
+        <main class="main" id="main" tabIndex={-1} data-view={view?.id}>
+          {known && view ? <Shown key={view.id} view={view} /> : unknown.value && !known ? <SignIn /> : <Waiting />}
+        </main>
+      </div>
+      <div id="dialogs" />
+      <Notices />
+      <StopButton />
+      <Settings open={settings} onClose={() => openSettings(false)} />
+    </>
+  );
+}
+
+function LinkState() {
+  return (
+    <p class="linkstate" role="status">
+      <span class="linkdot" data-link={link.value} />
+      <span class="sr">{t(`link.${link.value}`)}</span>
+      <span aria-hidden="true">{t(`link.${link.value}`)}</span>
+    </p>
+  );
+}
+
+function Waiting() {
+  return <div class="loading" role="status"><div class="pulse" />{t("shell.loading")}</div>;
+}
+
+function Alarms() {
+  const [asks, ask] = useState(false);
+  const { engaged, told, reason, source } = estop.value;
+  const lost = link.value === "lost" && robot.value !== null;
+  return (
+    <div class="alarms">
+      {engaged && (
+        <div class="alarm alarm-stop" role="alert">
+          <Icon name="stop" />
+          <p><strong>{told ? t("stop.engaged") : t("stop.engaging")}</strong>{told && [source, reason].filter(Boolean).join(": ")}</p>
+          {told && <Button onClick={() => ask(true)}>{t("stop.reset")}</Button>}
+        </div>
+      )}
+      {lost && <div class="alarm" role="alert"><Icon name="unlink" /><p>{t("link.lost.long")}</p></div>}
+      <Dialog
+        title={t("stop.reset.title")} open={asks} onClose={() => ask(false)}
+        actions={<>
+          <Button kind="quiet" onClick={() => ask(false)}>{t("dialog.cancel")}</Button>
+          <Button kind="primary" onClick={() => { ask(false); void resetEstop(); }}>{t("stop.reset")}</Button>
+        </>}
+      >
+        <p>{t("stop.reset.text")}</p>
+      </Dialog>
+    </div>
+  );
+}
+
+function Notices() {
+  return (
+    <div class="notices" role="status" aria-live="polite">
+      {notices.value.map((one) => (
+        <div key={one.id} class={`notice notice-${one.tone}`}>
+          <Icon name={TONES[one.tone]} /><p>{one.text}</p>
+          <Button kind="quiet" icon="close" label={t("dialog.close")} onClick={() => dismiss(one.id)} />
+        </div>
+      ))}
+    </div>
+  );
+}
+
+/** A view, loaded when it is first looked at; one that breaks leaves stop and navigation alone. */
+class Shown extends Component<{ view: View }, { Made?: ComponentType; broken?: string }> {
+  override state: { Made?: ComponentType; broken?: string } = {};
+
+  override componentDidMount(): void {
+    this.load();
+  }
+
+  override componentDidCatch(err: unknown): void {
+    console.error(err);
+    this.setState({ broken: String(err) });
+  }
+
+  private load(): void {
+    this.props.view.load().then(
+      (module) => this.setState({ Made: module.default, broken: undefined }),
+      (err: unknown) => this.setState({ broken: String(err) }),
+    );
+  }
+
+  override render() {
+    const { Made, broken } = this.state;
+    if (broken) return <Empty icon="warn" title={t("shell.broken")}><p>{broken}</p><Button onClick={() => location.reload()}>{t("shell.again")}</Button></Empty>;
+    return Made ? <Made /> : <Waiting />;
+  }
+}

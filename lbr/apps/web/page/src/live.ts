@@ -1,0 +1,193 @@
+// One WebSocket for the whole page: the newest of the streams that are looked at, events, and the motion that is held.
+import { signal } from "@preact/signals";
+import { useEffect, useState } from "preact/hooks";
+import { token } from "./access";
+import type { Event, Status } from "./messages";
+import { look, robot } from "./robot";
+
+export type Link = "connecting" | "open" | "quiet" | "lost" | "hidden";
+export interface Sample<T> { message: T; at: number; ageMs(): number; stale(ms?: number): boolean }
+export interface HoldNews { n: number; holds: boolean; code: string; reason: string; holder: string }
+
+export const link = signal<Link>("connecting");
+export const status = signal<Status | null>(null);
+export const events = signal<(Event & { id: number })[]>([]);
+/** Performance time, four times a second, for what shows ages. */
+export const clock = signal(performance.now());
+
+const RATE_HZ = 25;
+/** A stream that says nothing for so long is marked as old. */
+export const STALE_MS = 1500;
+/** @status comes once a second; without it for so long the line is dead, whatever the socket says. */
+const SILENT_MS = 4000;
+const AGAIN_MS = [300, 600, 1200, 2500] as const;
+const MOST_EVENTS = 300;
+const ALWAYS = ["@status", "@event"];
+
+type Listener = (sample: Sample<unknown>) => void;
+const listeners = new Map<string, Set<Listener>>();
+const newest = new Map<string, Sample<unknown>>();
+let socket: WebSocket | null = null;
+let tries = 0;
+let heardAt = 0;
+let openedAt = 0;
+let eventCount = 0;
+let asked = "";
+let telling = false;
+let again: ReturnType<typeof setTimeout> | undefined;
+export const onHold = new Set<(news: HoldNews) => void>();
+export const onLink = new Set<(open: boolean) => void>();
+
+function sampled<T>(message: T, ageMs: number): Sample<T> {
+  const at = performance.now() - (Number.isFinite(ageMs) ? Math.max(0, ageMs) : 0);
+  const since = (): number => performance.now() - at;
+  return { message, at, ageMs: since, stale: (ms = STALE_MS) => since() > ms };
+}
+
+/** Calls `fn` with each newest sample of a stream until the returned function is called. */
+export function listen(key: string, fn: (sample: Sample<unknown>) => void): () => void {
+  if (!key) return () => undefined;
+  const all = listeners.get(key) ?? new Set<Listener>();
+  listeners.set(key, all);
+  all.add(fn);
+  const known = newest.get(key);
+  if (known) fn(known);
+  tellKeys();
+  return () => {
+    all.delete(fn);
+    if (all.size === 0) {
+      listeners.delete(key);
+      newest.delete(key);
+      tellKeys();
+    }
+  };
+}
+
+/** The newest sample of a stream while the component is shown; null before the first. An empty key hears nothing. */
+export function useStream<T>(key: string): Sample<T> | null {
+  const [sample, show] = useState<{ key: string; sample: Sample<T> } | null>(null);
+  useEffect(() => listen(key, (one) => show({ key, sample: one as Sample<T> })), [key]);
+  return sample?.key === key ? sample.sample : null;
+}
+
+function tellKeys(): void {
+  if (telling) return;
+  telling = true;
+  queueMicrotask(() => {
+    telling = false;
+    const keys = document.hidden ? [...ALWAYS] : [...ALWAYS, ...[...listeners.keys()].filter((key) => !ALWAYS.includes(key)).sort()];
+    const wanted = JSON.stringify({ hear: keys, rate_hz: RATE_HZ });
+    if (wanted !== asked && send(wanted)) asked = wanted;
+  });
+}
+
+/** Sends a message; false if there is no open socket. */
+export function send(message: string | object): boolean {
+  if (socket?.readyState !== WebSocket.OPEN) return false;
+  socket.send(typeof message === "string" ? message : JSON.stringify(message));
+  return true;
+}
+
+export function connect(): void {
+  clearTimeout(again);
+  if (socket !== null || document.hidden) return;
+  link.value = tries > 0 ? "lost" : "connecting";
+  const address = new URL("api/live", location.href);
+  address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
+  const made = new WebSocket(address, token.value ? ["lbr.live", `bearer.${token.value}`] : ["lbr.live"]);
+  socket = made;
+  openedAt = performance.now();
+  made.onopen = () => {
+    if (made !== socket) return;
+    asked = "";
+    heardAt = performance.now();
+    tellKeys();
+    onLink.forEach((fn) => fn(true));
+  };
+  made.onmessage = (event: MessageEvent<string>) => { if (made === socket) hear(event.data); };
+  made.onclose = () => { if (made === socket) lost(); };
+}
+
+function lost(): void {
+  socket = null;
+  onLink.forEach((fn) => fn(false));
+  if (document.hidden) {
+    link.value = "hidden";
+    return;
+  }
+  link.value = "lost";
+  again = setTimeout(connect, AGAIN_MS[Math.min(tries++, AGAIN_MS.length - 1)]);
+}
+
+/** Closes the socket; whoever listens hears nothing until `connect`. */
+export function disconnect(): void {
+  clearTimeout(again);
+  const old = socket;
+  socket = null;
+  old?.close();
+  onLink.forEach((fn) => fn(false));
+}
+
+interface Told { streams?: Record<string, { age_ms: number; message: unknown }>; events?: Event[]; hold?: HoldNews }
+
+function hear(text: string): void {
+  let told: Told;
+  try {
+    told = JSON.parse(text) as Told;
+  } catch {
+    return;
+  }
+  heardAt = performance.now();
+  tries = 0;
+  if (link.value !== "open") link.value = "open";
+  for (const [key, { age_ms, message }] of Object.entries(told.streams ?? {})) {
+    const sample = sampled(message, age_ms);
+    if (key === "@status") noteStatus(message as Status);
+    if (listeners.has(key)) newest.set(key, sample);
+    listeners.get(key)?.forEach((fn) => fn(sample));
+  }
+  if (told.events?.length) {
+    const fresh = told.events.map((event) => ({ ...event, id: ++eventCount }));
+    events.value = [...fresh.reverse(), ...events.value].slice(0, MOST_EVENTS);
+  }
+  if (told.hold) onHold.forEach((fn) => fn(told.hold!));
+}
+
+function noteStatus(told: Status): void {
+  const before = status.value;
+  status.value = told;
+  const changed = told.revision !== undefined && robot.value !== null && told.revision !== robot.value.revision && before?.revision !== told.revision;
+  if (changed) void look();
+}
+
+/** The page is hidden or shown: hidden it hears next to nothing. */
+function seen(): void {
+  if (document.hidden) {
+    link.value = "hidden";
+    tellKeys();
+    return;
+  }
+  if (socket === null) connect();
+  else {
+    heardAt = performance.now();
+    link.value = "open";
+    tellKeys();
+  }
+}
+
+document.addEventListener("visibilitychange", seen);
+window.addEventListener("pagehide", disconnect);
+window.addEventListener("pageshow", () => connect());
+window.addEventListener("online", () => { tries = 0; connect(); });
+setInterval(() => {
+  const now = performance.now();
+  clock.value = now;
+  if (document.hidden || socket === null) return;
+  const silent = now - Math.max(heardAt, openedAt);
+  if (silent > SILENT_MS) {
+    const old = socket;
+    disconnect();
+    old.onclose = null;
+    lost();
+  } else if (silent > SILENT_MS / 2 && link.value === "open") link.value = "quiet";
+}, 250);

@@ -1,0 +1,61 @@
+// What the robot is: GET /api, asked again when its rows change; and what a page asks of it.
+import { computed, signal } from "@preact/signals";
+import { ask, type Answer } from "./access";
+import type { Capability, CommandReply, Role, Robot, Schema } from "./messages";
+
+export { ask as fetchJson } from "./access";
+export const robot = signal<Robot | null>(null);
+export const role = computed<Role | null>(() => robot.value?.role ?? null);
+
+const RANK: Record<Role, number> = { view: 0, operate: 1, admin: 2 };
+const LISTS = ["capabilities", "words", "joints", "motions", "cameras", "wheels", "ranges", "buttons", "phrases"] as const;
+const AGAIN_MS = 2000;
+let asking: Promise<void> | null = null;
+let again: ReturnType<typeof setTimeout> | undefined;
+
+/** Asks what the robot is; asks again until it answers. */
+export function look(): Promise<void> {
+  clearTimeout(again);
+  asking ??= looked().finally(() => { asking = null; });
+  return asking;
+}
+
+async function looked(): Promise<void> {
+  const answer = await ask<Robot>("api", { quiet: true });
+  if (answer.ok && answer.data) robot.value = whole(answer.data);
+  else if (answer.status !== 401) again = setTimeout(() => void look(), AGAIN_MS);
+}
+
+/** An older robot may lack lists that this page knows. */
+function whole(told: Robot): Robot {
+  const lists = Object.fromEntries(LISTS.map((name) => [name, Array.isArray(told[name]) ? told[name] : []]));
+  return { ...told, ...lists };
+}
+
+export const may = (needed: Role): boolean => role.value !== null && RANK[role.value] >= RANK[needed];
+
+/** The capabilities of a kind, such as `drive`. */
+export const capabilities = (kind: string): Capability[] => robot.value?.capabilities.filter((one) => one.kind === kind) ?? [];
+
+/** The name of a message by its schema. */
+export const typeOf = (schema: Schema | undefined): string => schema?.title ?? schema?.$ref?.split("/").pop() ?? "";
+
+/** All streams whose messages are of a type, such as `["ranges/readings"]` of `Ranges`. */
+export function streamsOfType(type: string): string[] {
+  return (robot.value?.capabilities ?? []).flatMap((one) =>
+    Object.entries(one.outputs ?? {}).filter(([, schema]) => typeOf(schema) === type).map(([output]) => `${one.name}/${output}`),
+  );
+}
+
+/** The first stream whose messages are of a type; empty if there is none. */
+export const streamOfType = (type: string): string => streamsOfType(type)[0] ?? "";
+
+/** Whether the console knows a word, and this user may say it. */
+export const knows = (word: string): boolean => robot.value?.words.some((one) => one.word === word && may(one.role)) ?? false;
+
+export const command = (capability: string, name: string, message: unknown, options: { quiet?: boolean } = {}): Promise<Answer<CommandReply>> =>
+  ask<CommandReply>(`api/${capability}/${name}`, { method: "POST", body: message, ...options });
+
+/** Has the console carry out a line, as if it were typed there. */
+export const consoleLine = (line: string, options: { quiet?: boolean; timeoutMs?: number } = {}): Promise<Answer<{ text?: string; data?: unknown; confirm?: string }>> =>
+  ask(`api/console`, { method: "POST", body: { line }, timeoutMs: 20_000, ...options });

@@ -1,0 +1,28 @@
+// Appearance, language, and who this is.
+import { signOut, token } from "./access";
+import { theme, type Theme } from "./begin";
+import { Button, Dialog, Segments } from "./parts";
+import { robot } from "./robot";
+import { language, t, type Language } from "./words";
+
+export function Settings({ open, onClose }: { open: boolean; onClose: () => void }) {
+  const known = robot.value;
+  return (
+    <Dialog title={t("shell.settings")} open={open} onClose={onClose}>
+      <div class="stack">
+        <h3 class="field-label">{t("settings.theme")}</h3>
+        <Segments<Theme>
+          label={t("settings.theme")} value={theme.value} onChange={(value) => { theme.value = value; }}
+          options={[{ value: "auto", text: t("settings.auto") }, { value: "dark", text: t("settings.dark") }, { value: "light", text: t("settings.light") }]}
+        />
+        <h3 class="field-label">{t("settings.language")}</h3>
+        <Segments<Language>
+          label={t("settings.language")} value={language.value} onChange={(value) => { language.value = value; }}
+          options={[{ value: "en", text: "English" }, { value: "de", text: "Deutsch" }]}
+        />
+        {known && <p class="muted">{t("settings.you")}: {t(`role.${known.role}`)}. {t("settings.about", { version: known.version, robot: known.robot })}</p>}
+        {token.value && <div><Button kind="danger" onClick={() => void signOut()}>{t("sign.out")}</Button></div>}
+      </div>
+    </Dialog>
+  );
+}

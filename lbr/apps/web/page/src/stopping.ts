@@ -1,0 +1,46 @@
+// Stopping: asked by requests of their own, which wait for nothing, whether the socket lives or not.
+import { computed, signal } from "@preact/signals";
+import { ask } from "./access";
+import { holding } from "./holding";
+import { status } from "./live";
+import { notice } from "./notices";
+import { t } from "./words";
+
+const pressed = signal(false);
+const URGENT = { method: "POST", keepalive: true, quiet: true, timeoutMs: 5000 } as const;
+
+/** The emergency stop as the robot tells it, or as it was just asked for. */
+export const estop = computed(() => ({
+  engaged: (status.value?.estop.engaged ?? false) || pressed.value,
+  told: status.value?.estop.engaged ?? false,
+  reason: status.value?.estop.reason ?? "",
+  source: status.value?.estop.source ?? "",
+  waiting: status.value?.estop.waiting ?? [],
+}));
+
+/** Stops the robot: wheels stand, joints hold, motions end. */
+export async function stop(): Promise<void> {
+  holding.release();
+  let answer = await ask("stop", URGENT);
+  if (!answer.ok && answer.status === 0) answer = await ask("stop", URGENT);
+  if (answer.ok) notice(t("stop.stopped"), "info");
+  else notice(t("stop.failed", { reason: answer.reason }), "bad");
+}
+
+/** Latches the emergency stop. */
+export async function engage(): Promise<void> {
+  holding.release();
+  pressed.value = true;
+  let answer = await ask("estop", { ...URGENT, body: { reason: "pressed on the page" } });
+  if (!answer.ok && answer.status === 0) answer = await ask("estop", { ...URGENT, body: {} });
+  if (!answer.ok) notice(t("stop.failed", { reason: answer.reason }), "bad");
+  setTimeout(() => { pressed.value = false; }, 3000);
+}
+
+/** Releases the emergency stop; moves nothing. */
+export async function resetEstop(): Promise<void> {
+  const answer = await ask("estop/reset", { method: "POST" });
+  if (!answer.ok) return;
+  pressed.value = false;
+  notice(t("stop.released"), "good");
+}

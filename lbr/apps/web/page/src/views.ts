@@ -1,0 +1,19 @@
+// The views there are, in their order; each is shown only for a robot that has what it needs.
+import type { ComponentType } from "preact";
+import { streamOfType } from "./robot";
+import type { Robot } from "./messages";
+import type { IconName } from "./parts/icons";
+import type { WordKey } from "./words";
+
+export interface View {
+  id: string;
+  word: WordKey;
+  icon: IconName;
+  shows: (robot: Robot) => boolean;
+  load: () => Promise<{ default: ComponentType }>;
+}
+
+export const VIEWS: View[] = [
+  { id: "drive", word: "view.drive", icon: "drive", shows: () => streamOfType("DriveState") !== "", load: () => import("./views/drive/Drive") },
+  { id: "system", word: "view.system", icon: "system", shows: () => true, load: () => import("./views/system/System") },
+];

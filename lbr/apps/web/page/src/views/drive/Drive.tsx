@@ -1,0 +1,41 @@
+// Drive: the robot's eyes, the stick, and why it does not move.
+import { useEffect } from "preact/hooks";
+import { Badge, Slider } from "../../parts";
+import { percent } from "../../format";
+import { may, robot, streamOfType } from "../../robot";
+import { t } from "../../words";
+import { Gauges } from "./Gauges";
+import { gather } from "./MapView";
+import { Moves } from "./Moves";
+import { gamepad, listenToHands, top } from "./pilot";
+import { Speak } from "./Speak";
+import { Stage } from "./Stage";
+import { Stick } from "./Stick";
+import { Why } from "./Why";
+import "./Drive.css";
+
+export default function Drive() {
+  const from = streamOfType("DriveState");
+  const drive = from.split("/")[0]!;
+  useEffect(() => listenToHands(`${drive}/command`), [drive]);
+  useEffect(gather, [robot.value?.revision]);
+  return (
+    <div class="drive">
+      <h2 class="sr">{t("view.drive")}</h2>
+      <Stage />
+      <Why from={from} />
+      <div class="drive-hands">
+        <Gauges />
+        <div class="drive-hand">
+          <Stick />
+          <Slider label={t("drive.power")} min={0.1} max={1} step={0.05} value={top.value} show={percent} disabled={!may("operate")} onInput={(value) => { top.value = value; }} />
+        </div>
+      </div>
+      <div class="drive-more">
+        <Moves drive={drive} />
+        <Speak />
+        {gamepad.value ? <Badge icon="gamepad" tone="good">{t("drive.gamepad")}</Badge> : <p class="drive-keys muted">{t("drive.keys")}</p>}
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,102 @@
+// What the robot sees: a camera, the map, or its surroundings, behind the heading.
+import { useEffect, useState } from "preact/hooks";
+import { useSignal } from "@preact/signals";
+import { remember, remembered } from "../../kept";
+import { useStream } from "../../live";
+import type { AttitudeState, CameraState, OdometryState } from "../../messages";
+import { Choice, Empty, Icon, Segments, Stale, type IconName } from "../../parts";
+import { capabilities, command, may, streamOfType } from "../../robot";
+import { plain } from "../../format";
+import { t } from "../../words";
+import { Compass } from "./Compass";
+import { MapView } from "./MapView";
+import { Radar, RangesInWords } from "./Radar";
+
+type Picture = "camera" | "map" | "radar";
+const AGAIN_MS = 2000;
+const PREFIX = "camera_";
+
+export function Stage() {
+  const cameras = capabilities("camera");
+  const ranges = streamOfType("Ranges") || streamOfType("Scan");
+  const shown = useSignal<Picture>(remembered<Picture>("picture", "camera"));
+  const choices: { value: Picture; text: string; icon: IconName }[] = [
+    ...(cameras.length > 0 ? [{ value: "camera" as const, text: t("drive.camera"), icon: "camera" as const }] : []),
+    ...(ranges ? [{ value: "radar" as const, text: t("drive.radar"), icon: "radar" as const }] : []),
+    ...(streamOfType("OdometryState") ? [{ value: "map" as const, text: t("drive.map"), icon: "map" as const }] : []),
+  ];
+  const picture = choices.some((one) => one.value === shown.value) ? shown.value : choices[0]?.value;
+  return (
+    <section class="drive-stage" aria-label={t("drive.camera.alt")}>
+      {picture === "camera" && <Camera names={cameras.map((one) => one.name)} />}
+      {picture === "map" && <MapView />}
+      {picture === "radar" && <Radar class="drive-radar-large" />}
+      {picture === undefined && <Empty icon="camera" title={t("drive.camera.none")} />}
+      <Heading />
+      <div class="drive-stage-choice">
+        {choices.length > 1 && (
+          <Segments<Picture> label={t("drive.camera.alt")} value={picture!} options={choices} onChange={(value) => { shown.value = value; remember("picture", value); }} />
+        )}
+      </div>
+      {ranges && picture !== "radar" && <div class="drive-inset"><Radar reach={1.7} /></div>}
+      {ranges && <RangesInWords />}
+    </section>
+  );
+}
+
+function Heading() {
+  const attitude = useStream<AttitudeState>(streamOfType("AttitudeState"));
+  const odometry = useStream<OdometryState>(attitude?.message.heading_deg == null ? streamOfType("OdometryState") : "");
+  if (attitude?.message.heading_deg != null) return <Compass heading={attitude.message.heading_deg} north old={attitude.stale()} />;
+  if (odometry?.message.yaw_rad != null) return <Compass heading={(-odometry.message.yaw_rad * 180) / Math.PI} north={false} old={odometry.stale()} />;
+  return null;
+}
+
+function Camera({ names }: { names: string[] }) {
+  const [chosen, choose] = useState<string>(remembered("camera", names[0]!));
+  const name = names.includes(chosen) ? chosen : names[0]!;
+  const state = useStream<CameraState>(`${name}/state`);
+  const pick = (next: string): void => {
+    choose(next);
+    remember("camera", next);
+    const chooser = capabilities("cameras")[0];
+    if (chooser && may("operate")) void command(chooser.name, "select", { name: next.replace(PREFIX, "") });
+  };
+  const on = state === null || state.message.on;
+  return (
+    <>
+      {on ? <Stream key={name} name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{state?.message.reason}</p></div>}
+      {names.length > 1 && (
+        <div class="drive-camera">
+          <Choice label={t("drive.camera")} value={name} options={names.map((one) => ({ value: one, text: plain(one.replace(PREFIX, "")) }))} onChange={pick} />
+        </div>
+      )}
+      {state && <div class="drive-camera-age"><Stale sample={state} after={4000} /></div>}
+    </>
+  );
+}
+
+/** The newest pictures of one camera. A hidden page looks at none, for a stream goes on in the background otherwise. */
+function Stream({ name }: { name: string }) {
+  const address = (): string => (document.hidden ? "" : `stream.mjpg?camera=${encodeURIComponent(name.replace(PREFIX, ""))}&at=${Date.now()}`);
+  const [source, from] = useState(address);
+  const [there, come] = useState(false);
+  useEffect(() => {
+    const seen = (): void => { come(false); from(address()); };
+    document.addEventListener("visibilitychange", seen);
+    return () => document.removeEventListener("visibilitychange", seen);
+  }, []);
+  useEffect(() => {
+    if (source !== "failed") return undefined;
+    const again = setTimeout(() => from(address()), AGAIN_MS);
+    return () => clearTimeout(again);
+  }, [source]);
+  return (
+    <>
+      {!there && <div class="drive-nopicture" role="status"><Icon name="camera" /><p>{t("drive.camera.wait")}</p></div>}
+      {source && source !== "failed" && (
+        <img class="drive-picture" src={source} alt={t("drive.camera.alt")} draggable={false} data-there={there || undefined} onLoad={() => come(true)} onError={() => { come(false); from("failed"); }} />
+      )}
+    </>
+  );
+}

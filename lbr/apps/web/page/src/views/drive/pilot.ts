@@ -1,0 +1,132 @@
+// The hand on the robot: thumb, keys and gamepad become one aim, which the socket holds.
+import { effect, signal } from "@preact/signals";
+import { holding } from "../../holding";
+import { remember, remembered } from "../../kept";
+import { may } from "../../robot";
+import { aim, alike, ofKeys, type Aim } from "../../stick";
+import { stop } from "../../stopping";
+
+/** The most power that is given; chosen by the slider, kept by the browser. */
+export const top = signal<number>(remembered("top", 0.4));
+/** Where the stick is, for the picture of it. */
+export const hand = signal<{ x: number; y: number }>({ x: 0, y: 0 });
+/** The robot refused, or ended, this motion: the hand has to come to rest first. */
+export const refused = signal(false);
+/** The next motion takes over from who holds the robot. */
+export const takeOver = signal(false);
+export const gamepad = signal("");
+
+effect(() => remember("top", top.value));
+
+const SLOW = 0.5;
+const DRIVES = new Set(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "KeyW", "KeyA", "KeyS", "KeyD"]);
+const TYPED = "input, textarea, select, [role=radiogroup], [role=dialog]";
+const sources = new Map<string, { x: number; y: number }>();
+const held = new Set<string>();
+let to = "";
+let slow = false;
+let last: Aim | null = null;
+
+function update(): void {
+  let strongest = { x: 0, y: 0 };
+  for (const one of sources.values()) if (Math.hypot(one.x, one.y) > Math.hypot(strongest.x, strongest.y)) strongest = one;
+  hand.value = strongest;
+  const wanted = may("operate") ? aim(strongest.x, strongest.y, top.value * (slow ? SLOW : 1)) : null;
+  if (wanted === null) {
+    if (last !== null || refused.value) holding.release();
+    last = null;
+    refused.value = false;
+    return;
+  }
+  if (refused.value) return;
+  if (last === null) holding.forget();
+  if (!alike(last, wanted) || !holding.state.value.moving) {
+    const message = takeOver.value ? { ...wanted, take_over: true } : wanted;
+    refused.value = !holding.move(to, message);
+  }
+  last = wanted;
+}
+
+/** Notes where a source's stick is; at rest it counts no more. */
+export function push(source: string, x: number, y: number): void {
+  if (x === 0 && y === 0) sources.delete(source);
+  else sources.set(source, { x, y });
+  update();
+}
+
+function rest(): void {
+  sources.clear();
+  held.clear();
+  update();
+}
+
+/** Listens to keys and gamepads for the command `key` until the returned function is called. */
+export function listenToHands(key: string): () => void {
+  to = key;
+  const down = (event: KeyboardEvent): void => {
+    const target = event.target instanceof Element ? event.target : document.body;
+    if (event.ctrlKey || event.metaKey || event.altKey || target.closest(TYPED)) return;
+    slow = event.shiftKey;
+    if (!DRIVES.has(event.code)) return update();
+    event.preventDefault();
+    held.add(event.code);
+    const { x, y } = ofKeys(held);
+    push("keys", x, y);
+  };
+  const up = (event: KeyboardEvent): void => {
+    slow = event.shiftKey;
+    if (event.key === "Escape") held.clear();
+    held.delete(event.code);
+    const { x, y } = ofKeys(held);
+    push("keys", x, y);
+  };
+  const hidden = (): void => { if (document.hidden) rest(); };
+  const ended = effect(() => {
+    const { moving, code } = holding.state.value;
+    if (!moving && last !== null && code) refused.value = true;
+    if (!moving) takeOver.value = false;
+  });
+  const pads = listenToGamepads();
+  window.addEventListener("keydown", down);
+  window.addEventListener("keyup", up);
+  window.addEventListener("blur", rest);
+  document.addEventListener("visibilitychange", hidden);
+  return () => {
+    window.removeEventListener("keydown", down);
+    window.removeEventListener("keyup", up);
+    window.removeEventListener("blur", rest);
+    document.removeEventListener("visibilitychange", hidden);
+    ended();
+    pads();
+    rest();
+  };
+}
+
+const PAD_DEAD = 0.16;
+const B = 1;
+
+function listenToGamepads(): () => void {
+  let frame = 0;
+  let stopping = false;
+  const poll = (): void => {
+    frame = 0;
+    const pad = navigator.getGamepads?.().find((one) => one?.connected) ?? null;
+    gamepad.value = pad?.id ?? "";
+    if (!pad) return push("gamepad", 0, 0);
+    const [x = 0, y = 0] = pad.axes;
+    push("gamepad", Math.hypot(x, y) > PAD_DEAD ? x : 0, Math.hypot(x, y) > PAD_DEAD ? -y : 0);
+    const b = pad.buttons[B]?.pressed ?? false;
+    if (b && !stopping) void stop();
+    stopping = b;
+    frame = requestAnimationFrame(poll);
+  };
+  const wake = (): void => { if (!frame) frame = requestAnimationFrame(poll); };
+  window.addEventListener("gamepadconnected", wake);
+  window.addEventListener("gamepaddisconnected", wake);
+  wake();
+  return () => {
+    cancelAnimationFrame(frame);
+    window.removeEventListener("gamepadconnected", wake);
+    window.removeEventListener("gamepaddisconnected", wake);
+  };
+}

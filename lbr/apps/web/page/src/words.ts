@@ -1,0 +1,23 @@
+// All text of the page: one table, English and German side by side. A view's own words stand in `words/`.
+import { signal } from "@preact/signals";
+import { drive } from "./words/drive";
+import { shell } from "./words/shell";
+import { system } from "./words/system";
+import { remembered } from "./kept";
+
+const TABLE = { ...shell, ...drive, ...system } as const;
+export type WordKey = keyof typeof TABLE;
+export type Language = "en" | "de";
+const PLACE: Record<Language, 0 | 1> = { en: 0, de: 1 };
+
+/** The page's language: what was chosen, else the browser's. */
+export const language = signal<Language>(remembered<Language>("language", navigator.language.toLowerCase().startsWith("de") ? "de" : "en"));
+
+/** The text for a key, `{name}` in it replaced. */
+export function t(key: WordKey, values: Record<string, string | number> = {}): string {
+  const text: string = TABLE[key][PLACE[language.value]];
+  return text.replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
+}
+
+/** The text for a key made at run time, such as a code; empty if the table has none. */
+export const maybe = (key: string): string => (key in TABLE ? t(key as WordKey) : "");
