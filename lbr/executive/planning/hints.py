@@ -7,6 +7,7 @@ from types import FunctionType
 from lbr.capability import registry
 from lbr.capability.kind import STOP, Kind
 from lbr.executive.planning.plan import Plan
+from lbr.messages.sensing import Ranges, RangeSensor, Scan
 
 
 def hints(plan: Plan, home: Path) -> tuple[str, ...]:
@@ -25,6 +26,12 @@ def _found(plan: Plan, home: Path) -> Iterator[str]:
             if f"{row.name}.{port}" not in fed and port not in kind.optional:
                 do = f"add a channel whose target is '{row.name}.{port}', or enable its source"
                 yield f"nothing feeds '{row.name}.{port}': {do}"
+        distances = [
+            port for port, message in kind.inputs.items() if message in {Ranges, Scan} and f"{row.name}.{port}" in fed
+        ]
+        if distances and RangeSensor in {read.row for read in kind.reads} and not plan.rows.of(RangeSensor):
+            do = "add a row for each, with where it sits and what it sees"
+            yield f"'{row.name}.{distances[0]}' is fed, and no row of range_sensor says which sensors those are: {do}"
         for doubt in _doubts(kind, row.settings):
             yield f"capability '{row.name}', settings: {doubt}"
         if kind.moves and STOP not in kind.commands and not kind.setpoints:
