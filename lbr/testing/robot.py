@@ -53,6 +53,12 @@ class Robot:
         answers = wire.ask(self.bus, f"{self.name}/{key}", message, source=source, timeout_s=timeout_s)
         return json.loads(answers[0].payload) if answers else None
 
+    def answers(self, timeout_s: float) -> bool:
+        """Say whether the robot answers on each session that this has with it; a link that broke comes back by itself."""
+        sessions = [self.bus, *([self._owner] if self._owner is not None else [])]
+        key = f"{self.name}/@status"
+        return all(wire.ask(bus, key, None, source="test", timeout_s=timeout_s) for bus in sessions)
+
     def put(self, key: str, message: Any, *, source: str = "test") -> None:
         """Publish on `<robot>/<key>`."""
         wire.put(self.bus, f"{self.name}/{key}", message, source=source)

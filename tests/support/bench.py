@@ -128,8 +128,8 @@ class Bench:
         assert reset["accepted"], reset
 
     def reached(self, limit_s: float = 6.0) -> None:
-        """Wait until the robot answers again."""
-        self.until(lambda: self.robot.ask("@status", timeout_s=0.2) is not None, limit_s, "an answer", every_s=0.02)
+        """Wait until the robot answers again, operators and its owner alike."""
+        self.until(lambda: self.robot.answers(timeout_s=0.2), limit_s, "an answer", every_s=0.02)
 
     def all_ready(self, limit_s: float = 6.0) -> None:
         """Wait until everything has been ready for a moment, not only on its way through."""
