@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.support import machine, sweep
 from tests.support.robot import Robot, prepare, running
+from tests.support.second_try import SecondTry
 
 PLACE = sweep.enter()
 os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = "unix:path=/nonexistent"  # no test may power this machine off
@@ -46,6 +47,7 @@ def pytest_xdist_auto_num_workers() -> int:
 
 def pytest_configure(config: pytest.Config) -> None:
     config.stash[left_over] = []
+    config.pluginmanager.register(SecondTry())
 
 
 @pytest.hookimpl(tryfirst=True, optionalhook=True)
