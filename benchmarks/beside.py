@@ -7,7 +7,6 @@ that only the other one needs are given by `--other`. Exit code 1 if one of them
 
 import argparse
 import shlex
-import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
@@ -15,6 +14,7 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks import FOLDER, Measured
+from tests.support import programs
 
 SMOKE = "--rounds 1"
 SHOWN = frozenset({"p50", "p99", "max", "cpu", "private"})
@@ -85,7 +85,7 @@ def _run(checkout: Path, name: str, words: Iterable[str]) -> tuple[int, str]:
         "-m",
         *(["benchmarks", name] if whole else [f"benchmarks.{name}"]),
     ]
-    done = subprocess.run([*argv, *words], cwd=checkout, capture_output=True, text=True, timeout=LONGEST_S, check=False)
+    done = programs.run([*argv, *words], cwd=checkout, capture_output=True, text=True, timeout=LONGEST_S, check=False)
     sys.stderr.write(done.stderr[-2000:] if done.returncode else "")
     return done.returncode, done.stdout
 
