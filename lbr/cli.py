@@ -26,6 +26,7 @@ COMMANDS = {
     "graph": ("graph", "Show who feeds whom."),
     "view": ("view", "Watch a simulated robot: its room from above, or its joints."),
     "motion": ("motion", "Take motions from files, and write them to files."),
+    "import": ("importing", "Take what a robot's former programs kept: databases, tables, motions."),
     "db": ("db", "Create, check and compare the robot's rows."),
     "new": ("new", "Write a robot, a driver, servos or a capability of your own, to begin with."),
 }

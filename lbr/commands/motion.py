@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
+from lbr.messages.plain import one_line
 from lbr.messages.units import NAME_PATTERN
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from lbr.database.motion_files import Summary
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
+    from lbr.robots.old_data import Note
 
 database_option = click.option(
     "--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out."
@@ -45,7 +47,7 @@ def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
     for name, motion in found:
         _, text, slot, _, seconds, frames, joints = _figures(motion)
         kept = f"in slot {slot}" if slot is not None else f"{frames} key frames, {joints} joints"
-        click.echo(f"{name} {motion.name}: {seconds:g} s, {kept}" + (f". {text}" if text else ""))
+        click.echo(one_line(f"{name} {motion.name}: {seconds:g} s, {kept}" + (f". {text}" if text else "")))
     if not found:
         click.echo("there are no motions")
     return 0
@@ -54,21 +56,31 @@ def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
 @command.command("export")
 @click.argument("name")
 @robot_option
-@click.option("--to", "path", type=FileName(), metavar="FILE", help="Else it is printed.")
+@click.option(
+    "--to", "path", type=FileName(), metavar="FILE", help="Else it is printed. By its end, .mtn is RoboPlus's form."
+)
 @database_option
 def export(name: str, robot: str | None, path: Path | None, database: Path | None) -> int:
-    """Write the motion NAME as JSON, for others; 'lbr motion import' takes it."""
+    """Write the motion NAME to a file, for others: as JSON, or in a maker's form; 'lbr motion import' takes it."""
     from lbr.database import motion_files  # noqa: PLC0415 - the database is for those who read rows
 
     with _opened(database) as rows:
         found = [
-            (one, motion) for one in _robots(rows, robot) for motion in _motions(rows.load(one)) if motion.name == name
+            (one, motion, of_robot)
+            for one in _robots(rows, robot)
+            for of_robot in (rows.load(one),)
+            for motion in _motions(of_robot)
+            if motion.name == name
         ]
     if not found:
         raise InputError(f"there is no motion '{name}'; 'lbr motion list' shows them", "unknown_name")
     if len(found) > 1:
-        raise InputError(f"{' and '.join(one for one, _ in found)} have a motion '{name}'; say which with --robot NAME")
-    content = motion_files.exported(*found[0])
+        raise InputError(
+            f"{' and '.join(one for one, *_ in found)} have a motion '{name}'; say which with --robot NAME"
+        )
+    content, notes = motion_files.exported(*found[0], suffix=path.suffix if path is not None else "")
+    for note in notes:
+        click.echo(one_line(f"note: {note}"), err=True)
     if path is None:
         click.echo(content.decode(), nl=False)
         return 0
@@ -124,26 +136,32 @@ def import_(
             edit = Edit(rows=motion.rows, create=not replacing, by="lbr motion import")
             opened.edit(whose, edit, problems_of)
     if as_json:
-        print_json({"robot": whose, "name": motion.name, "written": not dry_run, **about._asdict(), "notes": notes})
+        print_json(
+            {
+                "robot": whose,
+                "name": motion.name,
+                "written": not dry_run,
+                **about._asdict(),
+                "notes": [str(note) for note in notes],
+            }
+        )
         return 0
     for note in notes:
-        click.echo(f"note: {note}", err=True)
+        click.echo(one_line(f"note: {note}"), err=True)
     click.echo(_said(whose, motion, about, written=not dry_run))
     return 0
 
 
 def _understood(
     opened: "Database", file: Path, robot: str | None, name: str | None
-) -> tuple[str, Motion, "RobotRows", list[str]]:
+) -> "tuple[str, Motion, RobotRows, list[Note]]":
     """Return for whom a file is, its motion, that robot's rows, and what people should know."""
 
-    from lbr.database import motion_files  # noqa: PLC0415
+    from lbr.database import given_files, motion_files  # noqa: PLC0415
+    from lbr.robots.motion_file import LARGEST_BYTES  # noqa: PLC0415
 
-    try:
-        content = file.read_bytes()
-    except OSError as err:
-        raise InputError(f"{file} cannot be read: {err.strerror}") from err
-    notes: list[str] = []
+    content = given_files.read(file, LARGEST_BYTES)
+    notes: list[Note] = []
     try:
         found = motion_files.read(content, file.suffix)
         if isinstance(found, motion_files.MotionFile):
@@ -152,10 +170,18 @@ def _understood(
             motion = replace(found.motion, builtin=False)
         else:
             whose, rows = _one(opened, robot, found.fits)
-            motion, notes = found.motion(rows)
+            motions, notes = found.motions(rows)
+            motion = _only(motions)
     except InputError as err:
         raise InputError(f"{file}: {err}") from err
     return whose, replace(motion, name=name or motion.name), rows, notes
+
+
+def _only(motions: tuple[Motion, ...]) -> Motion:
+    if len(motions) > 1:
+        names = ", ".join(one.name for one in motions[:10])
+        raise InputError(f"it has {len(motions)} motions ({names}): 'lbr import' takes them all")
+    return motions[0]
 
 
 def _said(robot: str, motion: Motion, about: "Summary", *, written: bool) -> str:

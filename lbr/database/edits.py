@@ -20,11 +20,18 @@ MAKE_PROCESSES = {ROBOT, "capability", "channel", "device", "verb", "external_co
 them."""
 
 
+DESCRIBE = ("model", "description", "owner")
+"""The columns of a robot's own row that an edit writes."""
+
+
 class Edit(Struct, frozen=True, kw_only=True):
-    """Rows to write, as `EditCommand` has them; read, and allowed to the asker."""
+    """Rows to write, as `EditCommand` has them; read, and allowed to the asker.
+
+    `create` says whether they must be new, or there already; None takes both.
+    """
 
     rows: tuple[Row, ...]
-    create: bool = False
+    create: bool | None = False
     revision: int | None = None
     by: str = ""
 
@@ -63,7 +70,8 @@ def applied(tables: RawTables, robot: str, edit: Edit, since: Iterable[RevisionR
             raise InputError(f"{row.told} is there twice")
         seen.add(key)
         if not row.PART_OF:
-            there = next((one for one in tables.get(row.TABLE, ()) if _key_of(row, one) == (robot, *key[1])), None)
+            mine = (*_owned_by(row, robot), *key[1])
+            there = next((one for one in tables.get(row.TABLE, ()) if _key_of(row, one) == mine), None)
             _refuse(row, there, edit, parts.pop(key, ()), newer=key in changed)
     if parts:
         (table, whole), (part, *_) = next(iter(parts.items()))
@@ -72,7 +80,7 @@ def applied(tables: RawTables, robot: str, edit: Edit, since: Iterable[RevisionR
         )
     after: dict[str, Sequence[RawRow]] = dict(tables)
     for table, new in _by_table(rows).items():
-        written = [{"robot": robot, **raw(row)} for row in new]
+        written = [{**dict.fromkeys(_owned_by(row, ROBOT), robot), **raw(row)} for row in new]
         gone = {_key_of(new[0], one) for one in written}
         wholes = {(robot, *key) for whole, key in seen if whole == new[0].PART_OF}
         keyed = ((_key_of(new[0], one), one) for one in tables.get(table, ()))
@@ -83,10 +91,22 @@ def applied(tables: RawTables, robot: str, edit: Edit, since: Iterable[RevisionR
 def write(connection: Connection, robot: str, rows: Sequence[Row]) -> None:
     """Write rows over those that are there; rows that stay as they are make no revision, parts of others go with them."""
     for table, new in _by_table(rows).items():
+        if table == ROBOT:
+            _describe(connection, new)
+            continue
         if part_of := new[0].PART_OF:
             wholes = {row.key[0] for row in rows if part_of == row.TABLE}
             _clear(connection, robot, table, new, wholes)
         put(connection, robot, new, change=True)
+
+
+def _describe(connection: Connection, rows: Sequence[Row]) -> None:
+    """Write what people say of a robot; the emergency stop and the times in its row are never an edit's."""
+    for row in rows:
+        values = raw(row)
+        settings = ", ".join(f"{name} = ?" for name in DESCRIBE)
+        statement = f"UPDATE robot SET {settings} WHERE name = ?"  # noqa: S608 - our names
+        connection.execute(statement, (*(values[name] for name in DESCRIBE), values["name"]))
 
 
 def put(connection: Connection, robot: str, rows: Sequence[Row], *, change: bool) -> None:
@@ -133,9 +153,9 @@ def _clear(connection: Connection, robot: str, table: str, new: Sequence[Row], w
 
 def _refuse(row: Row, there: RawRow | None, edit: Edit, parts: Sequence[Row], *, newer: bool) -> None:
     """Raise InputError if a row may not be written."""
-    if edit.create and there is not None:
+    if edit.create is True and there is not None:
         raise InputError(f"{row.told} is there already", "exists")
-    if not edit.create and there is None:
+    if (edit.create is False or row.TABLE == ROBOT) and there is None:
         raise InputError(f"there is no {row.told}", "unknown_name")
     if why := row.refusal(there, parts):
         raise InputError(*why)
@@ -162,7 +182,8 @@ def _changed(since: Iterable[RevisionRow], robot: str, parts: Mapping[str, str])
     for row in since:
         if row.row_key[:1] == (robot,):
             whole = parts.get(row.table, "")
-            yield (whole, row.row_key[1:2]) if whole else (row.table, row.row_key[1:])
+            own = row.row_key if row.table == ROBOT else row.row_key[1:]
+            yield (whole, own[:1]) if whole else (row.table, own)
 
 
 def _by_table(rows: Iterable[Row]) -> dict[str, list[Row]]:
@@ -172,8 +193,13 @@ def _by_table(rows: Iterable[Row]) -> dict[str, list[Row]]:
     return found
 
 
+def _owned_by(row: Row, robot: str) -> Key:
+    """Return what goes before a row's key; a robot's own row is told by its name alone."""
+    return () if row.TABLE == ROBOT else (robot,)
+
+
 def _key_of(row: Row, values: RawRow) -> Key:
-    return _texts(values.get(column) for column in ("robot", *row.KEY))
+    return _texts(values.get(column) for column in (*_owned_by(row, ROBOT), *row.KEY))
 
 
 def _texts(key: Iterable[Any]) -> Key:

@@ -2,16 +2,17 @@
 
 import importlib
 from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.errors import InputError
-from lbr.messages.joints import Joint, Motion
+from lbr.messages.joints import MAX_FRAMES, Joint, Motion
 from lbr.robots import registry
-from lbr.robots.motion_file import LARGEST_BYTES, MakersMotion, ReadMotion
+from lbr.robots.motion_file import LARGEST_BYTES, MakersMotion, ReadMotion, RobotRows, WriteMotion
+from lbr.robots.old_data import Note
 
 
 class MotionFile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="format", tag="lbr-motion"):
@@ -34,14 +35,25 @@ class Summary(NamedTuple):
     clipped: int
 
 
-def exported(robot: str, motion: Motion) -> bytes:
-    """Return a motion as the content of a file; InputError if the controller keeps it."""
+def exported(robot: str, motion: Motion, rows: RobotRows, suffix: str = "") -> tuple[bytes, list[Note]]:
+    """Return a motion as the content of a file, in a maker's format by its suffix, and what that cannot say.
+
+    InputError if the controller keeps it, or if files of that suffix are only read.
+    """
     if motion.slot is not None:
         raise InputError(
             f"'{motion.name}' is kept by the robot's controller, in slot {motion.slot}: there is no more of it"
         )
-    found = MotionFile(robot=robot, motion=replace(motion, builtin=False))
-    return msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n"
+    makers = registry.motion_formats().get(suffix.lower())
+    if makers is None:
+        found = MotionFile(robot=robot, motion=replace(motion, builtin=False))
+        return msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n", []
+    if not makers.write:
+        raise InputError(
+            f"files of the form {makers.suffix} ({makers.summary}) are read here, not written: name a .json"
+        )
+    writer: WriteMotion = _function(makers.write)
+    return writer(motion, rows)
 
 
 def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
@@ -49,8 +61,7 @@ def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
     if len(content) > LARGEST_BYTES:
         raise InputError(f"it has {len(content)} bytes, and a motion file has {LARGEST_BYTES} at most")
     if (found := registry.motion_formats().get(suffix.lower())) is not None:
-        module, _, name = found.read.partition(":")
-        reader: ReadMotion = getattr(importlib.import_module(module), name)
+        reader: ReadMotion = _function(found.read)
         return reader(content)
     try:
         return msgspec.json.decode(content, type=MotionFile)
@@ -61,6 +72,8 @@ def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
 
 def within_limits(motion: Motion, joints: Iterable[Joint], *, clip: bool) -> tuple[Motion, int]:
     """Return the motion with every angle within its joint's limits, and how many were cut; InputError unless `clip`."""
+    if len(motion.frames) > MAX_FRAMES:
+        raise InputError(f"motion '{motion.name}' has {len(motion.frames)} key frames, and {MAX_FRAMES} may be")
     rows = {row.name: row for row in joints}
     for name in (name for frame in motion.frames for name in frame.positions if name not in rows):
         raise InputError(f"there is no joint '{name}' here: there are {', '.join(rows) or 'none'}", "unknown_name")
@@ -99,6 +112,11 @@ def summary(motion: Motion, joints: Iterable[Joint], clipped: int = 0) -> Summar
         raise InputError(f"motion '{motion.name}' moves no joint")
     seconds = sum(frame.duration_s for frame in motion.frames)
     return Summary(len(motion.frames), round(seconds, 2), len(at), *worst, clipped)
+
+
+def _function(place: str) -> Any:
+    module, _, name = place.partition(":")
+    return getattr(importlib.import_module(module), name)
 
 
 def _clipped(angle: float, row: Joint) -> float:

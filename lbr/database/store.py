@@ -240,8 +240,12 @@ class Database:
         with self._reading() as connection:
             return adopted.revision(connection)
 
-    def edit(self, robot: str, edit: edits.Edit, wrong: Callable[[RobotRows], Iterable[str]]) -> int:
+    def edit(
+        self, robot: str, edit: edits.Edit, wrong: Callable[[RobotRows], Iterable[str]], *, dry_run: bool = False
+    ) -> int:
         """Write an edit, all of it or none, if the rows as it makes them are good; return their revision.
+
+        `dry_run` does all but write.
 
         InputError says why it may not be made, RowError what `wrong` or the tables say of the rows. On return it is on
         the disk. The checks hold up no other writer; if one comes between, they begin again.
@@ -258,6 +262,8 @@ class Database:
             rows = replace(rows, tokens=known)
             if found := tuple(wrong(rows)):
                 raise RowError(found)
+            if dry_run:
+                return revision
             with self._writing(durable=True) as connection:
                 if adopted.revision(connection) == revision:
                     edits.write(connection, robot, edit.rows)

@@ -1,17 +1,25 @@
 """Motions in files of a robot's maker: what a package declares to have them read."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from math import ceil
 from typing import Protocol, TypeVar
 
-from lbr.messages.joints import Motion
+from msgspec.structs import replace
+
+from lbr.messages.joints import KeyFrame, Motion
 from lbr.messages.rows import Row
+from lbr.robots.old_data import Note
 
 R = TypeVar("R", bound=Row)
 LARGEST_BYTES = 4 << 20
 """More than any motion needs; a file that is larger is not read."""
 LONGEST_NAME = 40
+SHORTEST_S, LONGEST_S = 0.01, 60.0
+"""What one key frame may take; `KeyFrame` has the upper bound."""
+DIGITS = 4
+"""Of an angle: a tenth of a milliradian is less than a servo's step."""
 _NO_NAME = re.compile(r"[^a-z0-9]+")
 
 
@@ -23,35 +31,72 @@ class RobotRows(Protocol):
 
 
 class MakersMotion(Protocol):
-    """A motion out of a file, before it is known for which robot."""
+    """The motions out of a file, before it is known for which robot."""
 
     def fits(self, rows: RobotRows) -> bool:
         """Say whether a robot has what the file speaks of."""
 
-    def motion(self, rows: RobotRows) -> tuple[Motion, list[str]]:
-        """Return it in the angles of a robot's joints, and what people should know of it; InputError says why not."""
+    def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
+        """Return them in the angles of a robot's joints, and what people should know of them; InputError says why not."""
 
 
 class ReadMotion(Protocol):
     """Reads the content of a file; InputError names what is wrong in it."""
 
     def __call__(self, content: bytes) -> MakersMotion:
-        """Return the motion."""
+        """Return the motions."""
+
+
+class WriteMotion(Protocol):
+    """Writes a motion as the content of a file; InputError says why it cannot be."""
+
+    def __call__(self, motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
+        """Return the content, and what people should know of it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MotionFormat:
-    """A format of motion files: the `suffix` of their names, such as `.rbm`, a `summary`, and `module:function` that reads them."""
+    """A format of motion files: the `suffix` of their names, such as `.rbm`, a `summary`, and `module:function` that reads them.
+
+    `write` is the function that writes one, where that is possible.
+    """
 
     suffix: str
     summary: str
     read: str
+    write: str = ""
 
 
 def name_from(text: str) -> str:
     """Return a name for a row that is as much like a text as can be."""
     found = _NO_NAME.sub("_", text.lower()).strip("_")[:LONGEST_NAME].rstrip("_")
     return found if found[:1].isalpha() else f"motion_{found}"[:LONGEST_NAME].rstrip("_")
+
+
+def split(frames: Iterable[KeyFrame], longest_s: float = LONGEST_S) -> Iterator[KeyFrame]:
+    """Yield key frames, those that take longer in parts."""
+    before: dict[str, float] = {}
+    for frame in frames:
+        parts = ceil(frame.duration_s / longest_s)
+        for part in range(1, parts + 1):
+            positions = {
+                name: angle
+                if part == parts
+                else round(before.get(name, angle) + (angle - before.get(name, angle)) * part / parts, DIGITS)
+                for name, angle in frame.positions.items()
+            }
+            yield KeyFrame(positions=positions, duration_s=frame.duration_s / parts)
+        before = {**before, **frame.positions}
+
+
+def sparse(frames: Iterable[KeyFrame]) -> Iterator[KeyFrame]:
+    """Yield key frames without the joints that stay where they are."""
+    at: dict[str, float] = {}
+    for frame in frames:
+        yield replace(
+            frame, positions={name: angle for name, angle in frame.positions.items() if at.get(name) != angle}
+        )
+        at.update(frame.positions)
 
 
 Formats = Mapping[str, MotionFormat]

@@ -11,10 +11,12 @@ from msgspec import Struct
 from lbr import plugins
 from lbr.plugins import Plugin, PluginError
 from lbr.robots.motion_file import Formats, MotionFormat
+from lbr.robots.old_data import OldFormat
 from lbr.robots.robot import Robot
 
 GROUP = "lbr.robots"
 _SUFFIX = re.compile(r"\.[a-z0-9]{1,10}")
+_FORMAT = re.compile(r"[a-z][a-z0-9-]{0,39}")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
@@ -72,6 +74,12 @@ def motion_formats() -> Formats:
     return {one.suffix: one for robot in reversed(robots) for one in robot.motion_formats}
 
 
+def old_formats() -> dict[str, OldFormat]:
+    """Return the formats of former programs' files by name; of robots that bring the same, lbr's own has it."""
+    robots = [found.robot for found in every() if found.robot is not None]
+    return {one.name: one for robot in reversed(robots) for one in robot.old_formats}
+
+
 @plugins.remembered
 def _found(point: Plugin) -> Found:
     try:
@@ -113,6 +121,9 @@ def _unreadable(robot: Robot) -> Iterator[str]:
     for one in robot.motion_formats:
         if not isinstance(one, MotionFormat) or not _SUFFIX.fullmatch(one.suffix) or one.suffix == ".json":
             yield f"'motion_formats' has {one!r}: each is a MotionFormat(suffix='.abc', …), and none is '.json'"
+    for old in robot.old_formats:
+        if not isinstance(old, OldFormat) or not _FORMAT.fullmatch(old.name):
+            yield f"'old_formats' has {old!r}: each is an OldFormat(name='my-program', …), of small letters, digits and dashes"
 
 
 def _taken(point: Plugin, robot: Robot) -> Iterator[str]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lbr.robots.motion_file import MotionFormat
+from lbr.robots.old_data import OldFormat
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -14,7 +15,7 @@ class Robot:
     this robot, and phrases; a robot without one has its rows in every new database. `profiles` is a folder of launch
     profiles, each called as the robot or with more behind a dash: `my-robot.toml`, `my-robot-sim.toml`. `body` is its
     MuJoCo description, which the setting `model` of a simulated world names by the robot's name. `motion_formats` are
-    its maker's motion files, for `lbr motion import`.
+    its maker's motion files, for `lbr motion import`, `old_formats` other files of its former programs, for `lbr import`.
     """
 
     name: str
@@ -23,3 +24,4 @@ class Robot:
     profiles: Path | None = None
     body: Path | None = None
     motion_formats: tuple[MotionFormat, ...] = ()
+    old_formats: tuple[OldFormat, ...] = ()

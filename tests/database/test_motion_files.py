@@ -59,7 +59,7 @@ def test_nominal_counts_become_angles_of_the_joints_whatever_the_robots_own_zero
     moved = check(other, "uxa90", columns=columns)
     for known in (rows, moved):
         motion, notes = motion_file.of_rbm(rbm.parse(NOD), known)
-        assert notes == []
+        assert [(note.kind, note.column) for note in notes] == [("no_place", "gains, torque")]
         assert motion.name == "a_test"
         stand, first, second = motion.frames
         assert len(stand.positions) == 25
@@ -92,8 +92,8 @@ def test_scenes_that_do_not_chain_and_other_zeros_are_told(rows):
     )
     motion, notes = motion_file.of_rbm(rbm.parse(broken.encode()), rows)
     assert len(motion.frames) == 4
-    assert "servo 5 (200, not 206)" in notes[0]
-    assert "scene 2 does not begin where the one before ends (head_pitch)" in notes[1]
+    assert "servo 5 (200, not 206)" in notes[0].text
+    assert "scene 2 does not begin where the one before ends (head_pitch)" in notes[1].text
 
 
 @pytest.mark.parametrize(
@@ -154,12 +154,14 @@ def test_the_fastest_joint_is_the_one_nearest_its_limit(rows):
     assert about.limit_rps == 3.0
 
 
-def test_what_was_exported_is_read_back():
+def test_what_was_exported_is_read_back(rows):
     motion = replace(nod(0.5), help="Nods", lead_in="ready")
-    found = motion_files.read(motion_files.exported("uxa90", motion))
+    written, notes = motion_files.exported("uxa90", motion, rows)
+    found = motion_files.read(written)
+    assert notes == []
     assert (found.robot, found.motion) == ("uxa90", motion)
     with pytest.raises(InputError, match="kept by the robot's controller, in slot 4"):
-        motion_files.exported("uxa90", replace(motion, slot=4))
+        motion_files.exported("uxa90", replace(motion, slot=4), rows)
 
 
 @pytest.mark.parametrize(

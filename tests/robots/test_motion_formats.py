@@ -18,8 +18,8 @@ class Dance:
     def fits(self, rows):
         return True
 
-    def motion(self, rows):
-        return Motion(name="dance", frames=(KeyFrame(positions=dict(), duration_s=1.0),)), [self.content.decode()]
+    def motions(self, rows):
+        return (Motion(name="dance", frames=(KeyFrame(positions=dict(), duration_s=1.0),)),), [self.content.decode()]
 """
 FORMAT = 'MotionFormat(suffix="{suffix}", summary="a dance", read="my_crawler:Dance")'
 
@@ -33,9 +33,9 @@ def test_a_package_has_its_makers_files_read(tmp_path):
     with imported_from(tmp_path):
         found = motion_files.read(b"one, two", ".MOVES")
         assert not isinstance(found, motion_files.MotionFile)
-        motion, notes = found.motion(None)
+        (motion,), notes = found.motions(None)
         assert (motion.name, notes) == ("dance", ["one, two"])
-        with pytest.raises(InputError, match=r"it is not a motion: .*\.moves \(a dance\), \.rbm"):
+        with pytest.raises(InputError, match=r"it is not a motion: .*\.moves \(a dance\), \.mtn .*, \.rbm"):
             motion_files.read(b"one, two", ".txt")
     assert ".moves" not in registry.motion_formats()
 

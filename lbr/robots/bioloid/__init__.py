@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from lbr.robots.motion_file import MotionFormat
 from lbr.robots.robot import Robot
 
 _HERE = Path(__file__).parent
@@ -11,4 +12,12 @@ ROBOT = Robot(
     rows=_HERE / "rows.sql",
     profiles=_HERE / "profiles",
     body=_HERE / "body.xml",
+    motion_formats=(
+        MotionFormat(
+            suffix=".mtn",
+            summary="of RoboPlus",
+            read="lbr.robots.bioloid.motion_file:read",
+            write="lbr.robots.bioloid.motion_file:write",
+        ),
+    ),
 )

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from lbr.robots.motion_file import MotionFormat
+from lbr.robots.old_data import OldFormat
 from lbr.robots.robot import Robot
 
 _HERE = Path(__file__).parent
@@ -14,5 +15,17 @@ ROBOT = Robot(
     body=_HERE / "body.xml",
     motion_formats=(
         MotionFormat(suffix=".rbm", summary="of the UXA-90's maker", read="lbr.robots.uxa90.motion_file:read"),
+    ),
+    old_formats=(
+        OldFormat(
+            name="uxa90-tables",
+            summary="motors and motions as the first API told them, in JSON",
+            read="lbr.robots.uxa90.old_tables:read",
+        ),
+        OldFormat(
+            name="uxa90-settings",
+            summary="the first API's .env",
+            read="lbr.robots.uxa90.old_tables:read_settings",
+        ),
     ),
 )

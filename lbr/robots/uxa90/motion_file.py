@@ -1,16 +1,14 @@
 """From a motion file of the UXA-90's maker to a motion of a robot's joints."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import ceil
-
-from msgspec.structs import replace
 
 from lbr.drivers.uxa90.messages import COUNT_RAD
 from lbr.errors import InputError
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion
-from lbr.robots.motion_file import RobotRows, name_from
+from lbr.robots.motion_file import DIGITS, SHORTEST_S, RobotRows, name_from, sparse, split
+from lbr.robots.old_data import Note
 from lbr.robots.uxa90 import rbm
 from lbr.robots.uxa90.rbm import RbmFile
 
@@ -18,9 +16,6 @@ FACTORY = "factory"
 """The layer of the table `motor` whose `rest` are the nominal zeros."""
 BEGIN_S = 1.0
 """A motion of the maker's begins where it is; ours leads there first, in this long or what the joints need."""
-SHORTEST_S = 0.01
-LONGEST_S = 60.0
-DIGITS = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +28,10 @@ class RbmMotion:
         """Say whether a robot has nominal zeros."""
         return any(motor.layer == FACTORY for motor in rows.of(Motor))
 
-    def motion(self, rows: RobotRows) -> tuple[Motion, list[str]]:
+    def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
         """Return it in the angles of a robot's joints, and what people should know of it."""
-        return of_rbm(self.file, rows)
+        motion, notes = of_rbm(self.file, rows)
+        return (motion,), notes
 
 
 def read(content: bytes) -> RbmMotion:
@@ -43,33 +39,39 @@ def read(content: bytes) -> RbmMotion:
     return RbmMotion(rbm.parse(content))
 
 
-def of_rbm(file: RbmFile, rows: RobotRows) -> tuple[Motion, list[str]]:
+def of_rbm(file: RbmFile, rows: RobotRows) -> tuple[Motion, list[Note]]:
     """Return the motion of a maker's file for a robot's joints, and what people should know about it."""
     nominal = {motor.id: motor for motor in rows.of(Motor) if motor.layer == FACTORY}
     joints = {row.device_id: row for row in rows.of(Joint) if row.device_id in nominal}
     if not joints:
         raise InputError(f"that robot has no joints with a motor in layer '{FACTORY}': name another")
-    notes = _other_zeros(file.zeros, nominal)
+    name = name_from(file.name)
+    notes = _other_zeros(name, file.zeros, nominal)
     frames = [_frame({move.id: move.start for move in file.scenes[0].moves}, BEGIN_S, joints, nominal)]
     at = {move.id: move.start for move in file.scenes[0].moves}
     for number, scene in enumerate(file.scenes, 1):
         begin = {move.id: move.start for move in scene.moves}
         apart = [joints[servo].name for servo in joints if begin.get(servo) != at.get(servo)]
         if apart:
-            notes.append(f"scene {number} does not begin where the one before ends ({', '.join(apart[:3])}): led there")
+            text = f"scene {number} does not begin where the one before ends ({', '.join(apart[:3])}): led there"
+            notes.append(Note("changed", "scene", name, "start", text))
             frames.append(_frame(begin, SHORTEST_S, joints, nominal))
         at = {move.id: move.end for move in scene.moves}
         frames.append(_frame(at, max(SHORTEST_S, scene.transition_s), joints, nominal))
-    return Motion(name=name_from(file.name), frames=tuple(_sparse(_split(frames))), help=file.name[:200]), notes
+    notes.append(
+        Note("no_place", "servo", name, "gains, torque", "a motion here has no gains and no torque of its own")
+    )
+    return Motion(name=name, frames=tuple(sparse(split(frames))), help=file.name[:200]), notes
 
 
-def _other_zeros(zeros: Mapping[int, int], nominal: Mapping[int, Motor]) -> list[str]:
+def _other_zeros(name: str, zeros: Mapping[int, int], nominal: Mapping[int, Motor]) -> list[Note]:
     other = [
         f"{servo} ({zeros[servo]}, not {row.rest})"
         for servo, row in nominal.items()
         if zeros.get(servo, row.rest) != row.rest
     ]
-    return [f"the file's zeros differ from the nominal ones, which count: servo {', '.join(other)}"] if other else []
+    text = f"the file's zeros differ from the nominal ones, which count: servo {', '.join(other)}"
+    return [Note("no_place", "servo", name, "zero", text)] if other else []
 
 
 def _frame(
@@ -82,29 +84,3 @@ def _frame(
         if servo in counts
     }
     return KeyFrame(positions=positions, duration_s=duration_s)
-
-
-def _split(frames: Iterable[KeyFrame]) -> Iterable[KeyFrame]:
-    """Yield the frames, those that take too long for one row in parts."""
-    before: dict[str, float] = {}
-    for frame in frames:
-        parts = ceil(frame.duration_s / LONGEST_S)
-        for part in range(1, parts + 1):
-            positions = {
-                name: angle
-                if part == parts
-                else round(before.get(name, angle) + (angle - before.get(name, angle)) * part / parts, DIGITS)
-                for name, angle in frame.positions.items()
-            }
-            yield KeyFrame(positions=positions, duration_s=frame.duration_s / parts)
-        before = {**before, **frame.positions}
-
-
-def _sparse(frames: Iterable[KeyFrame]) -> Iterable[KeyFrame]:
-    """Yield the frames without the joints that stay where they are."""
-    at: dict[str, float] = {}
-    for frame in frames:
-        yield replace(
-            frame, positions={name: angle for name, angle in frame.positions.items() if at.get(name) != angle}
-        )
-        at.update(frame.positions)

@@ -1,0 +1,216 @@
+"""`lbr import`: what a robot's former programs kept becomes its rows, with a report of what has no place."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import click
+from click.shell_completion import CompletionItem
+
+from lbr.commands.options import FileName, complete_robot, json_option, print_json
+from lbr.errors import InputError
+from lbr.messages.plain import one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lbr.database.old_files import Given
+    from lbr.database.rows import RobotRows
+    from lbr.database.store import Database
+    from lbr.database.taking import Here
+    from lbr.messages.joints import Motion
+    from lbr.messages.rows import Row
+    from lbr.robots.old_data import Choice, Note, Want
+
+_SHOWN = {"added": "added", "changed": "changed", "clamped": "clamped", "no_place": "no place"}
+
+
+class _Plan(NamedTuple):
+    """What an import would write, and what became of everything in the files."""
+
+    rows: "tuple[Row, ...]"
+    notes: "tuple[Note, ...]"
+
+
+def _complete_format(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    from lbr.database import old_files  # noqa: PLC0415 - kept out of `lbr --help`
+
+    return [CompletionItem(name, help=text) for name, text in old_files.formats().items() if name.startswith(begun)]
+
+
+@click.command("import")
+@click.argument("path", type=FileName(), metavar="FILE|FOLDER")
+@click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Whose rows; found out if left out.")
+@click.option(
+    "--as",
+    "wanted",
+    metavar="FORMAT",
+    shell_complete=_complete_format,
+    help="What the file is, such as rbm, mtn or lbr-database; found out if left out.",
+)
+@click.option("--of", metavar="NAME", help="Which robot of the file, if it has several.")
+@click.option("--replace", "replacing", is_flag=True, help="Also write over what is not as shipped.")
+@click.option("--dry-run", is_flag=True, help="Only report; all is checked as if it were written.")
+@click.option("--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out.")
+@json_option
+def command(
+    path: Path,
+    robot: str | None,
+    wanted: str | None,
+    of: str | None,
+    replacing: bool,
+    dry_run: bool,
+    database: Path | None,
+    as_json: bool,
+) -> int:
+    """Take what a robot's former programs kept: their databases, tables and motions, from a file or all of a folder.
+
+    All of it is written, or nothing, as one edit that a running robot follows. What is not as shipped is a person's
+    and stays, unless --replace is given: then nothing is written, and it is named. The report tells each thing that was
+    changed, brought within limits or has no place here.
+    """
+    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
+    from lbr.commands.rows import opened, problems_of  # noqa: PLC0415
+    from lbr.database import old_files  # noqa: PLC0415
+    from lbr.database.edits import Edit  # noqa: PLC0415
+    from lbr.robots.old_data import Choice  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        if wanted is not None and wanted not in (known := old_files.formats()):
+            raise InputError(f"there is no format '{wanted}': {', '.join(known)}", "unknown_name")
+        given, others = _given(path, wanted)
+        whose = _robot(rows, robot, given)
+        of_robot = rows.load(whose)
+        plan = _planned(rows, whose, of_robot, given, Choice(of), replacing=replacing)
+        if plan.rows:
+            edit = Edit(rows=plan.rows, create=None, revision=of_robot.revision, by="lbr import")
+            rows.edit(whose, edit, problems_of, dry_run=dry_run)
+    notes = (*plan.notes, *others)
+    written = bool(plan.rows) and not dry_run
+    if as_json:
+        print_json(
+            {
+                "robot": whose,
+                "files": [{"file": str(one.path), "format": one.format} for one in given],
+                "written": written,
+                "rows": len(plan.rows),
+                "report": [note._asdict() for note in notes],
+            }
+        )
+        return 0
+    _tell(whose, given, plan, notes, dry_run=dry_run)
+    return 0
+
+
+def _given(path: Path, wanted: str | None) -> "tuple[list[Given], list[Note]]":
+    """Return what is in a file, or in each file of a folder, and which of those are not known."""
+    from lbr.database import given_files, old_files  # noqa: PLC0415
+    from lbr.robots.old_data import Note  # noqa: PLC0415
+
+    if not path.is_dir():
+        found = old_files.understood(path, wanted)
+        if found.why:
+            raise InputError(f"{path}: {found.why}")
+        return [found], []
+    files, others = given_files.listed(path)
+    every = [old_files.understood(one, wanted) for one in files]
+    notes = [Note("no_place", "file", one.path.name, "", one.why) for one in every if one.why]
+    notes += [
+        Note("no_place", "file", one.name, "", "only files that lie in the folder itself are read") for one in others
+    ]
+    if not (known := [one for one in every if not one.why]):
+        raise InputError(f"{path} has no file of a format that is known: {', '.join(old_files.formats())}")
+    return known, notes
+
+
+def _robot(rows: "Database", robot: str | None, given: "Sequence[Given]") -> str:
+    """Return the robot that is meant, or the only one that all of the files are for."""
+    from lbr.database.taking import Here  # noqa: PLC0415
+
+    names = rows.robots()
+    if robot is not None:
+        plain = robot.replace("-", "_")
+        if plain not in names:
+            raise InputError(
+                f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}", "unknown_name"
+            )
+        return plain
+    tables, _ = rows.tables()
+    loaded = rows.load_all(names)
+    fitting = [name for name in names if all(_fits(one, Here(tables, name), loaded[name]) for one in given)]
+    if len(fitting) != 1:
+        raise InputError(f"{len(fitting)} robots fit it ({', '.join(fitting) or 'none'}); say which with --robot NAME")
+    return fitting[0]
+
+
+def _fits(given: "Given", here: "Here", rows: "RobotRows") -> bool:
+    from lbr.database.motion_files import MotionFile  # noqa: PLC0415
+    from lbr.messages.joints import Joint  # noqa: PLC0415
+
+    if isinstance(given.motions, MotionFile):
+        named = {name for frame in given.motions.motion.frames for name in frame.positions}
+        if any(row["name"] == given.motions.robot for row in here.tables["robot"]):
+            return given.motions.robot == here.robot
+        return named <= {row.name for row in rows.of(Joint)} != set()
+    if given.motions is not None:
+        return given.motions.fits(rows)
+    return given.old is not None and given.old.fits(here)
+
+
+def _planned(
+    rows: "Database",
+    robot: str,
+    of_robot: "RobotRows",
+    given: "Sequence[Given]",
+    choice: "Choice",
+    *,
+    replacing: bool,
+) -> _Plan:
+    """Return what all files together would write; InputError names what of a person's is in the way."""
+    from lbr.database import taking  # noqa: PLC0415
+    from lbr.database.motion_files import MotionFile  # noqa: PLC0415
+    from lbr.database.shipped import shipped  # noqa: PLC0415
+
+    tables, _ = rows.tables()
+    here = taking.Here(tables, robot)
+    wants: list[Want] = []
+    motions: list[Motion] = []
+    notes: list[Note] = []
+    for one in given:
+        try:
+            if isinstance(one.motions, MotionFile):
+                motions.append(one.motions.motion)
+            elif one.motions is not None:
+                some, more = one.motions.motions(of_robot)
+                motions += some
+                notes += more
+            elif one.old is not None:
+                wanted, why = one.old.wants(here, choice)
+                wants += wanted
+                notes += why
+        except InputError as err:
+            raise InputError(f"{one.path}: {err}") from err
+    first, _ = shipped()
+    taken = (
+        taking.take(wants, here, first, replacing=replacing),
+        taking.take_motions(motions, of_robot, replacing=replacing),
+    )
+    if kept := [text for one in taken for text in one.kept]:
+        more_of = f", and {len(kept) - 10} more" if len(kept) > 10 else ""
+        raise InputError(
+            f"what a person has set would be written over: {'; '.join(kept[:10])}{more_of}. Nothing is written; "
+            "--replace takes what the file says"
+        )
+    return _Plan(tuple(row for one in taken for row in one.rows), (*(n for one in taken for n in one.notes), *notes))
+
+
+def _tell(robot: str, given: "Sequence[Given]", plan: _Plan, notes: "Sequence[Note]", *, dry_run: bool) -> None:
+    names = ", ".join(f"{one.path.name} ({one.format})" for one in given[:10])
+    took = "would take" if dry_run else "took"
+    count = f"{len(plan.rows)} row{'s' if len(plan.rows) != 1 else ''}"
+    click.echo(f"{took} {count} for {robot} from {names}" + (f" and {len(given) - 10} more" if len(given) > 10 else ""))
+    for kind, said in _SHOWN.items():
+        for note in notes:
+            if note.kind == kind:
+                click.echo(one_line(f"{said}: {note}"))
+    if same := sum(note.kind == "same" for note in notes):
+        click.echo(f"as it was already: {same}")

@@ -1,0 +1,102 @@
+"""The rows of another program's SQLite database, or of one written out as SQL: read in memory, nothing of it is trusted.
+
+What a dump may do is make tables and fill them. It reaches no file, and has no more than a moment.
+"""
+
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from typing import Any
+
+from lbr.database.connection import quoted
+from lbr.errors import InputError
+from lbr.messages.rows import shown
+from lbr.robots.old_data import ForeignTables
+
+MAGIC = b"SQLite format 3\0"
+MOST_ROWS = 100_000
+COMPUTED_S = 5.0
+_MOST_PAGES = 16_384
+_LOOK_EVERY = 10_000
+_OURS = 0x4C425231
+_MAKING = {
+    sqlite3.SQLITE_CREATE_TABLE,
+    sqlite3.SQLITE_CREATE_INDEX,
+    sqlite3.SQLITE_INSERT,
+    sqlite3.SQLITE_READ,
+    sqlite3.SQLITE_SELECT,
+    sqlite3.SQLITE_TRANSACTION,
+    sqlite3.SQLITE_UPDATE,  # of the schema, by CREATE TABLE
+    sqlite3.SQLITE_REINDEX,
+}
+_READING = {sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ}
+_PRAGMAS = {"foreign_keys", "encoding", "user_version", "application_id"}
+
+
+def of_database(content: bytes) -> ForeignTables:
+    """Return the rows of every table of a database file; InputError if it cannot be read."""
+    with _memory("it is no SQLite database that could be read") as connection:
+        plain = bytearray(content)
+        plain[18:20] = b"\1\1"  # one with a write-ahead log could not be read in memory; the log is another file
+        connection.deserialize(bytes(plain))
+        if connection.execute("PRAGMA application_id").fetchone()[0] == _OURS:
+            raise InputError("it is a database of this lbr: --db names it, and 'lbr db restore' puts one in place")
+        return _tables(connection)
+
+
+def of_sql(text: str) -> ForeignTables:
+    """Return the rows of every table that a dump makes; InputError says what it asks for that is not done."""
+    with _memory("it is no SQL that could be read") as connection:
+        connection.set_authorizer(_making)
+        connection.executescript(text)
+        return _tables(connection)
+
+
+def _making(action: int, first: str | None, *_: str | None) -> int:
+    if action in _MAKING:
+        schema = action == sqlite3.SQLITE_UPDATE and first not in {"sqlite_master", "sqlite_schema"}
+        return sqlite3.SQLITE_DENY if schema else sqlite3.SQLITE_OK
+    if action == sqlite3.SQLITE_PRAGMA and first in _PRAGMAS:
+        return sqlite3.SQLITE_OK
+    counted = action == sqlite3.SQLITE_DELETE and first == "sqlite_sequence"  # as every dump begins that table
+    return sqlite3.SQLITE_OK if counted or action == sqlite3.SQLITE_FUNCTION else sqlite3.SQLITE_DENY
+
+
+def _reading(action: int, *_: str | None) -> int:
+    return sqlite3.SQLITE_OK if action in _READING else sqlite3.SQLITE_DENY
+
+
+@contextmanager
+def _memory(failed: str) -> Iterator[sqlite3.Connection]:
+    until = time.thread_time() + COMPUTED_S
+    with closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
+        connection.text_factory = lambda raw: raw.decode(errors="replace")
+        connection.execute("PRAGMA trusted_schema = OFF")
+        connection.execute(f"PRAGMA max_page_count = {_MOST_PAGES}")
+        connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 0)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 1 << 24)
+        connection.set_progress_handler(lambda: time.thread_time() > until, _LOOK_EVERY)
+        try:
+            yield connection
+        except (sqlite3.Error, ValueError, OverflowError, MemoryError) as err:
+            raise InputError(f"{failed}: {shown(err)}") from err
+
+
+def _tables(connection: sqlite3.Connection) -> ForeignTables:
+    connection.set_authorizer(_reading)
+    made = connection.execute("SELECT name, sql FROM sqlite_master WHERE type = 'table'").fetchall()
+    names = [name for name, sql in made if not str(sql).upper().startswith("CREATE VIRTUAL")]
+    found: dict[str, list[dict[str, Any]]] = {}
+    left = MOST_ROWS
+    for name in names:
+        if name.startswith("sqlite_"):
+            continue
+        cursor = connection.execute(f"SELECT * FROM {quoted(name)} LIMIT {left + 1}")  # noqa: S608 - quoted, a number
+        columns = [column[0] for column in cursor.description]
+        rows = cursor.fetchall()
+        left -= len(rows)
+        if left < 0:
+            raise InputError(f"it has more than {MOST_ROWS} rows, which is no robot's database")
+        found[name] = [dict(zip(columns, row, strict=True)) for row in rows]
+    return found

@@ -1,0 +1,60 @@
+"""Files that a person names, to read them whole: only regular ones, none that is too large, and a folder's in order."""
+
+import os
+import stat
+from pathlib import Path
+
+from lbr.errors import InputError
+
+MOST_FILES = 500
+"""In a folder; more are no robot's data."""
+
+
+def read(path: Path, largest_bytes: int) -> bytes:
+    """Return the content of a file; InputError if it cannot be read, is no file with an end, or is too large."""
+    try:
+        number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer holds nothing up
+    except OSError as err:
+        raise InputError(f"{path} cannot be read: {err.strerror}") from err
+    with open(number, "rb") as file:  # noqa: PTH123 - by its number
+        found = os.fstat(number)
+        if not stat.S_ISREG(found.st_mode):
+            raise InputError(f"{path} is no file that could be read to its end: name a regular file")
+        if found.st_size > largest_bytes:
+            raise InputError(f"{path} has {found.st_size} bytes, and {largest_bytes} are the most that is read")
+        try:
+            content = file.read(largest_bytes + 1)
+        except OSError as err:
+            raise InputError(f"{path} cannot be read: {err.strerror}") from err
+    if len(content) > largest_bytes:
+        raise InputError(f"{path} grows while it is read, beyond {largest_bytes} bytes")
+    return content
+
+
+def listed(folder: Path) -> tuple[list[Path], list[Path]]:
+    """Return the files of a folder by their names, and what else is in it: folders, links, pipes."""
+    try:
+        found = sorted(folder.iterdir())
+    except OSError as err:
+        raise InputError(f"{folder} cannot be read: {err.strerror}") from err
+    if len(found) > MOST_FILES:
+        raise InputError(f"{folder} has {len(found)} entries, and {MOST_FILES} are the most that is looked at")
+    files = [path for path in found if path.is_file() and not path.is_symlink()]
+    return files, [path for path in found if path not in files]
+
+
+def decoded(content: bytes) -> str | None:
+    """Return a file's text: UTF-8 or UTF-16 by its mark, UTF-8, Korean or Western; None if it is no text."""
+    if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
+        try:
+            return content.decode("utf-16")
+        except UnicodeDecodeError:
+            return None
+    if b"\0" in content:
+        return None
+    for encoding in ("utf-8-sig", "cp949"):
+        try:
+            return content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return content.decode("latin-1")

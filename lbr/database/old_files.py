@@ -1,0 +1,108 @@
+"""Finds out what is in the files that a person gives: motions, or what a robot's former program kept."""
+
+import importlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lbr.database import foreign_tables, given_files, motion_files
+from lbr.database.columns import json_strictly
+from lbr.database.motion_files import MotionFile
+from lbr.errors import InputError
+from lbr.robots import registry
+from lbr.robots.motion_file import MakersMotion
+from lbr.robots.old_data import ForeignTables, OldData, Source
+
+LARGEST_BYTES = 16 << 20
+"""Of one file: a hundred times what any of these programs kept."""
+OWN = "motion"
+"""The format that `lbr motion export` writes."""
+
+
+class Given(NamedTuple):
+    """A file and what is in it: motions, or what a former program kept; nothing if no format is that, and then `why`."""
+
+    path: Path
+    format: str
+    motions: MakersMotion | MotionFile | None = None
+    old: OldData | None = None
+    why: str = ""
+
+
+def formats() -> dict[str, str]:
+    """Return the names of all formats, and what they are."""
+    makers = {suffix.removeprefix("."): f"motions {one.summary}" for suffix, one in registry.motion_formats().items()}
+    old = {name: one.summary for name, one in registry.old_formats().items()}
+    return {OWN: "a motion that 'lbr motion export' wrote", **dict(sorted({**makers, **old}.items()))}
+
+
+def understood(path: Path, wanted: str | None = None) -> Given:
+    """Return what is in a file; InputError says what is wrong with one of a known format, or of the wanted one."""
+    content = given_files.read(path, LARGEST_BYTES)
+    makers, old = registry.motion_formats(), registry.old_formats()
+    if wanted is not None and wanted not in formats():
+        raise InputError(f"there is no format '{wanted}': {', '.join(formats())}", "unknown_name")
+    try:
+        if f".{wanted}" in makers or (wanted is None and path.suffix.lower() in makers):
+            suffix = f".{wanted}" if wanted is not None else path.suffix.lower()
+            return Given(path, suffix.removeprefix("."), motion_files.read(content, suffix))
+        source = _source(path, content)
+        if wanted == OWN or (isinstance(source.json, dict) and source.json.get("format") == "lbr-motion"):
+            return Given(path, OWN, motion_files.read(content))
+        for name in [wanted] if wanted is not None else old:
+            if (data := _function(old[name].read)(source)) is not None:
+                return Given(path, name, old=data)
+        why = _unknown(source, wanted)
+    except InputError as err:
+        raise InputError(f"{path}: {err}") from err
+    if wanted is not None:
+        raise InputError(f"{path}: {why}")
+    return Given(path, "", why=why)
+
+
+def _unknown(source: Source, wanted: str | None) -> str:
+    if wanted is not None:
+        return f"it is not of the format {wanted} ({formats()[wanted]})"
+    if (tables := source.tables()) is not None:
+        names = ", ".join(sorted(tables)[:6]) or "none"
+        return f"it is a database of a program that is not known here; its tables are {names}"
+    if not source.content:
+        return "it is empty"
+    return f"it is of no format that is known: {', '.join(formats())}"
+
+
+def _source(path: Path, content: bytes) -> Source:
+    text = None if content.startswith(foreign_tables.MAGIC) else given_files.decoded(content)
+    found = _json(text)
+
+    @cache
+    def tables() -> ForeignTables | None:
+        if content.startswith(foreign_tables.MAGIC):
+            return foreign_tables.of_database(content)
+        if text is not None and found is None and "CREATE TABLE" in text.upper():
+            return foreign_tables.of_sql(text)
+        return None
+
+    return Source(
+        name=path.name.lower(),
+        folder=str(path.absolute().parent),
+        content=content,
+        text=text,
+        json=found,
+        tables=tables,
+    )
+
+
+def _json(text: str | None) -> Any:
+    if text is None or text.lstrip()[:1] not in {"{", "["}:
+        return None
+    try:
+        return json_strictly(text)
+    except (ValueError, RecursionError):
+        return None
+
+
+def _function(place: str) -> Callable[[Source], OldData | None]:
+    module, _, name = place.partition(":")
+    return getattr(importlib.import_module(module), name)  # type: ignore[no-any-return]

@@ -1,0 +1,229 @@
+"""What wanted rows make of those that are there: nothing of a person's is written over unasked; pure."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from json import dumps
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.database import motion_files
+from lbr.database.columns import WrongError, columns, json_strictly, raw
+from lbr.database.reading import ROBOT, RawRow, RawTables
+from lbr.database.rows import CapabilityRow, DeviceRow, ExternalCommandRow, RobotRow, RobotRows
+from lbr.errors import InputError
+from lbr.messages.calibration import CalibrationValue
+from lbr.messages.faces import Button, Motor
+from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
+from lbr.messages.rows import Row, shown
+from lbr.robots.old_data import Note, Want
+
+TABLES: Mapping[str, type[Row]] = {
+    one.TABLE: one for one in (RobotRow, CapabilityRow, DeviceRow, ExternalCommandRow, CalibrationValue, Motor, Button)
+}
+"""What data of a former program may become a row of."""
+
+
+class Here(Struct, frozen=True):
+    """One robot's rows out of the tables of all, as readers of old data see them."""
+
+    tables: RawTables
+    robot: str
+
+    def rows(self, table: str) -> Sequence[Mapping[str, Any]]:
+        """Return the rows of a table."""
+        column = "name" if table == ROBOT else "robot"
+        return [row for row in self.tables.get(table, ()) if row.get(column, self.robot) == self.robot]
+
+
+class Taken(Struct, frozen=True, kw_only=True):
+    """Rows to write, what became of everything, and what a person has set that would be written over."""
+
+    rows: tuple[Row, ...] = ()
+    notes: tuple[Note, ...] = ()
+    kept: tuple[str, ...] = ()
+
+
+class _State(Struct):
+    """A row as it is, as it is to be, and as it was shipped; None is not there."""
+
+    before: dict[str, Any] | None
+    after: dict[str, Any]
+    shipped: dict[str, Any] | None
+
+
+def take(wants: Iterable[Want], here: Here, shipped: RawTables, *, replacing: bool) -> Taken:
+    """Return what these wants make of a robot's rows. Without `replacing` what differs from what was shipped is kept."""
+    taking = _Taking(here, Here(shipped, here.robot), replacing=replacing)
+    for want in wants:
+        taking.add(want)
+    return taking.done()
+
+
+class _Taking:
+    """Applies one want after the other; several may be of one row."""
+
+    def __init__(self, here: Here, shipped: Here, *, replacing: bool) -> None:
+        self._here = here
+        self._shipped = shipped
+        self._replacing = replacing
+        self._states: dict[tuple[str, str], _State] = {}
+        self._notes: list[Note] = []
+        self._kept: list[str] = []
+
+    def add(self, want: Want) -> None:
+        """Apply a want, and note what became of it."""
+        key = tuple(want.key[name] for name in TABLES[want.table].KEY)
+        told = _told(key)
+        state = self._state(want, key)
+        if state.before is None and not want.create:
+            self._notes.append(Note("no_place", want.table, told, "", f"{want.source}: there is no such row here"))
+            return
+        changed = [column for column, value in want.columns.items() if self._column(want, state, told, column, value)]
+        if not changed:
+            return
+        if state.before is None:
+            state.after |= want.made
+            self._notes.append(Note("added", want.table, told, "", want.source))
+        if want.text:
+            self._notes.append(Note("changed", want.table, told, "", f"{want.source}: {want.text}"))
+
+    def done(self) -> Taken:
+        """Return the rows; what is none is told, and left out."""
+        rows: list[Row] = []
+        for (table, told), state in self._states.items():
+            kind = TABLES[table]
+            if state.after == state.before or set(state.after) <= set(kind.KEY):
+                continue
+            try:
+                rows.append(_row(kind, state.after))
+            except (WrongError, msgspec.ValidationError) as err:
+                self._notes = [one for one in self._notes if (one.table, one.row) != (table, told)]
+                self._notes.append(Note("no_place", table, told, "", _plain(str(err))))
+        return Taken(rows=tuple(rows), notes=tuple(self._notes), kept=tuple(self._kept))
+
+    def _state(self, want: Want, key: tuple[Any, ...]) -> _State:
+        if (want.table, _told(key)) not in self._states:
+            kind = TABLES[want.table]
+            before = _there(kind, key, self._here)
+            state = _State(before, {**want.key, **(before or {})}, _there(kind, key, self._shipped))
+            self._states[want.table, _told(key)] = state
+        return self._states[want.table, _told(key)]
+
+    def _column(self, want: Want, state: _State, told: str, column: str, value: Any) -> bool:
+        """Apply a column, and say whether that changes it."""
+        old = _get(state.after, column)
+        if state.before is not None and old == value:
+            self._notes.append(Note("same", want.table, told, column, want.source))
+            return False
+        if state.before is not None and not self._replacing and old != _get(state.shipped or {}, column):
+            self._kept.append(f"{want.table} '{told}', {column} is {shown(old)} here, and {shown(value)} there")
+            return False
+        _set(state.after, column.split("."), value)
+        if state.before is not None:
+            text = f"{want.source}: {'nothing' if old is None else shown(old)} -> {shown(value)}"
+            self._notes.append(Note("changed", want.table, told, column, text))
+        return True
+
+
+def take_motions(motions: Iterable[Motion], rows: RobotRows, *, replacing: bool) -> Taken:
+    """Return the rows of motions within the joints' limits, and what was brought within them."""
+    known = {one.name: one for one in motions_of(rows.of(MotionRow), rows.of(MotionStep))}
+    joints = rows.of(Joint)
+    written: list[Row] = []
+    notes: list[Note] = []
+    kept: list[str] = []
+    for asked in motions:
+        motion, _ = motion_files.within_limits(replace(asked, builtin=False), joints, clip=True)
+        motion_files.summary(motion, joints)
+        notes += _clamped(asked, motion)
+        there = known.get(motion.name)
+        if there == motion:
+            notes.append(Note("same", "motion", motion.name, "", "its key frames are there"))
+            continue
+        if there is not None and not replacing:
+            kept.append(f"motion '{motion.name}' is there already")
+        text = f"{len(motion.frames)} key frames, {sum(frame.duration_s for frame in motion.frames):.2f} s"
+        notes.append(Note("changed" if there is not None else "added", "motion", motion.name, "", text))
+        written += motion.rows
+    return Taken(rows=tuple(written), notes=tuple(notes), kept=tuple(kept))
+
+
+def _told(key: Iterable[Any]) -> str:
+    return "/".join(map(shown, key))
+
+
+def _plain(text: str) -> str:
+    """Return a sentence of another program as one printable line."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200])
+
+
+def _clamped(asked: Motion, motion: Motion) -> Iterator[Note]:
+    found: dict[str, tuple[int, float, float]] = {}
+    for wanted, had in zip(asked.frames, motion.frames, strict=True):
+        for name, angle in wanted.positions.items():
+            now = had.positions[name]
+            if now != angle:
+                count, worst, limit = found.get(name, (0, angle, now))
+                further = (angle, now) if abs(angle - now) >= abs(worst - limit) else (worst, limit)
+                found[name] = (count + 1, *further)
+    for name, (count, angle, limit) in found.items():
+        text = f"{count} of {len(asked.frames)} angles brought within the joint's limits, as {angle:.3f} to {limit:.3f} rad"
+        yield Note("clamped", "motion_step", motion.name, f"positions.{name}", text)
+
+
+def _there(kind: type[Row], key: tuple[Any, ...], here: Here) -> dict[str, Any] | None:
+    for values in here.rows(kind.TABLE):
+        if tuple(values.get(name) for name in kind.KEY) == key:
+            return _read(kind, values)
+    return None
+
+
+def _read(kind: type[Row], values: RawRow) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, column in columns(kind).items():
+        try:
+            found[name] = msgspec.json.decode(msgspec.json.encode(column.read(values.get(name))))
+        except WrongError as err:
+            raise InputError(
+                f"{kind.TABLE} '{shown(values.get('name'))}', {name}: {err}; 'lbr db check' tells all"
+            ) from err
+    return found
+
+
+def _row(kind: type[Row], after: Mapping[str, Any]) -> Row:
+    """Return a row of columns; WrongError or ValidationError says what it cannot have."""
+    found = msgspec.convert(dict(after), kind)
+    for name, value in raw(found).items():
+        try:
+            columns(kind)[name].read(value)
+        except WrongError as err:
+            raise WrongError(f"{name}: {err}") from err
+    return found
+
+
+def _get(row: Mapping[str, Any], column: str) -> Any:
+    """Return a column, or an entry of one that is a JSON object; None if it is not there."""
+    name, *path = column.split(".")
+    found = row.get(name)
+    if path and isinstance(found, str):
+        found = json_strictly(found)
+    for part in path:
+        found = found.get(part) if isinstance(found, dict) else None
+    return found
+
+
+def _set(row: dict[str, Any], path: Sequence[str], value: Any) -> None:
+    name, *inner = path
+    if not inner:
+        row[name] = value
+        return
+    text = isinstance(row.get(name), str)
+    whole = json_strictly(row[name]) if text else dict(row.get(name) or {})
+    at = whole
+    for part in inner[:-1]:
+        at[part] = dict(at[part]) if isinstance(at.get(part), dict) else {}
+        at = at[part]
+    at[inner[-1]] = value
+    row[name] = dumps(whole, ensure_ascii=False) if text else whole

@@ -1,0 +1,204 @@
+"""Between RoboPlus motion files and motions of a robot's joints."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from math import ceil, radians
+
+from lbr.errors import InputError
+from lbr.messages.faces import Motor
+from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
+from lbr.robots.bioloid import mtn
+from lbr.robots.bioloid.mtn import MtnFile, Page, Step
+from lbr.robots.motion_file import DIGITS, LONGEST_S, SHORTEST_S, RobotRows, name_from, sparse, split
+from lbr.robots.old_data import Note
+
+COUNT_RAD, MIDDLE, MOST = radians(300.0 / 1023.0), 512, 1023
+"""Of an AX-12A, which is motor type 0."""
+STEPS_OF_PAGE = 7
+"""What the maker's controllers keep in one page."""
+LONGEST_STEP_S, GRAIN_S = 2.04, 0.008
+"""They keep times in units of 8 ms in one byte."""
+TABLE = "page"
+
+
+@dataclass(frozen=True, slots=True)
+class MtnMotions:
+    """The motions of a RoboPlus file: pages that one leads to the other are one motion."""
+
+    file: MtnFile
+
+    def fits(self, rows: RobotRows) -> bool:
+        """Say whether a robot has a joint for each servo of the file but those of no body; it has no other's counts."""
+        ids = {row.device_id for row in rows.of(Joint)}
+        return len(ids & set(self.file.enabled)) * 2 > len(ids) and not rows.of(Motor)
+
+    def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
+        """Return them in the angles of a robot's joints, and what has no place."""
+        joints = {row.device_id: row for row in rows.of(Joint)}
+        notes = list(_without_joint(self.file, joints))
+        usable = {
+            servo: row
+            for servo, row in joints.items()
+            if servo in self.file.enabled and not dict(enumerate(self.file.motor_types)).get(servo)
+        }
+        if not usable:
+            raise InputError("it moves no servo that a joint of that robot is on: name another with --robot")
+        taken: dict[str, int] = {}
+        found = []
+        for chain in _chains(self.file.pages):
+            page = self.file.pages[chain[0] - 1]
+            plain = name_from(page.name)
+            taken[plain] = taken.get(plain, 0) + 1
+            name = plain if taken[plain] == 1 else f"{plain[:36]}_{taken[plain]}"
+            if name != page.name:
+                text = f"'{page.name}' is called '{name}' here; its help has the whole name"
+                notes.append(Note("changed", TABLE, str(chain[0]), "name", text))
+            motion, more = _motion(name, chain, self.file, usable)
+            notes += more
+            if motion.frames:
+                found.append(motion)
+        empty = [str(number) for number, page in enumerate(self.file.pages, 1) if not page.steps]
+        if empty:
+            notes.append(Note("no_place", TABLE, ", ".join(empty), "step", "a page without steps is no motion"))
+        if not found:
+            raise InputError("none of its pages has a step")
+        return tuple(found), notes
+
+
+def read(content: bytes) -> MtnMotions:
+    """Return the motions in a file; InputError names the line that cannot be."""
+    return MtnMotions(mtn.parse(content))
+
+
+def write(motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
+    """Return a motion as a RoboPlus file, and what it cannot say; InputError if a servo cannot be there."""
+    joints = {row.name: row for row in rows.of(Joint)}
+    used = {name for frame in motion.frames for name in frame.positions}
+    for name in sorted(used):
+        if name not in joints:
+            raise InputError(f"there is no joint '{name}'", "unknown_name")
+        if joints[name].device_id >= mtn.SERVOS:
+            raise InputError(
+                f"joint '{name}' is on servo {joints[name].device_id}, and a file has 0 to {mtn.SERVOS - 1}"
+            )
+    notes = [
+        Note("no_place", "motion", motion.name, "checksum", "how it is made is not known: RoboPlus may refuse the file")
+    ]
+    at = [MIDDLE] * mtn.SERVOS
+    for frame in reversed(motion.frames):
+        for name, angle in frame.positions.items():
+            at[joints[name].device_id] = _count(joints[name], angle)
+    later = sorted(used - set(motion.frames[0].positions)) if motion.frames else []
+    if later:
+        text = f"a page names all servos in every step: {', '.join(later)} begin where they are told first"
+        notes.append(Note("changed", "motion", motion.name, "positions", text))
+    steps = []
+    for frame in split(motion.frames, LONGEST_STEP_S):
+        for name, angle in frame.positions.items():
+            at[joints[name].device_id] = _count(joints[name], angle)
+        steps.append(Step(tuple(at), 0.0, max(1, round(frame.duration_s / GRAIN_S)) * GRAIN_S))
+    pages = ceil(len(steps) / STEPS_OF_PAGE)
+    if pages > mtn.MOST_PAGES:
+        raise InputError(f"'{motion.name}' would take {pages} pages, and a file has {mtn.MOST_PAGES}")
+    parts = [steps[index : index + STEPS_OF_PAGE] for index in range(0, len(steps), STEPS_OF_PAGE)]
+    file = MtnFile(
+        tuple(
+            Page(
+                motion.name if number == 1 else f"{motion.name} {number}",
+                tuple(part),
+                next=number + 1 if number < len(parts) else 0,
+            )
+            for number, part in enumerate(parts, 1)
+        ),
+        tuple(sorted(joints[name].device_id for name in used)),
+    )
+    return mtn.write(file), notes
+
+
+def _count(row: Joint, angle: float) -> int:
+    return min(MOST, max(0, MIDDLE + round((row.zero_rad + row.sign * angle) / COUNT_RAD)))
+
+
+def _angle(row: Joint, count: int) -> float:
+    return round(row.sign * ((count - MIDDLE) * COUNT_RAD - row.zero_rad), DIGITS) + 0.0
+
+
+def _without_joint(file: MtnFile, joints: dict[int, Joint]) -> Iterator[Note]:
+    types = dict(enumerate(file.motor_types))
+    for servo in file.enabled:
+        if servo not in joints:
+            yield Note("no_place", "enable", str(servo), "", "no joint of this robot is on that servo")
+        elif types.get(servo):
+            text = f"it is of motor type {types[servo]}, whose counts are not known here: its joint stays where it is"
+            yield Note("no_place", "motor_type", str(servo), "", text)
+
+
+def _chains(pages: tuple[Page, ...]) -> list[list[int]]:
+    """Return the numbers of the pages that are played one after the other, for each motion."""
+    with_steps = [number for number, page in enumerate(pages, 1) if page.steps]
+    led_to = {page.next for number, page in enumerate(pages, 1) if page.next != number}
+    found: list[list[int]] = []
+    for number in [*(one for one in with_steps if one not in led_to), *with_steps]:
+        if any(number in chain for chain in found):
+            continue
+        chain = [number]
+        while 1 <= (after := pages[chain[-1] - 1].next) <= len(pages) and after not in chain and pages[after - 1].steps:
+            chain.append(after)
+        found.append(chain)
+    return found
+
+
+def _motion(name: str, chain: list[int], file: MtnFile, joints: dict[int, Joint]) -> tuple[Motion, list[Note]]:
+    pages = [(number, file.pages[number - 1]) for number in chain]
+    notes: list[Note] = []
+    frames: list[KeyFrame] = []
+    beyond: list[int] = []
+    for number, page in pages:
+        row = f"{number} ({page.name})" if page.name else str(number)
+        times = page.times if page.times >= 1 and len(frames) + page.times * len(page.steps) * 2 <= MAX_FRAMES else 1
+        if times != page.times:
+            text = f"played {page.times} times there, once here: /play/{name}/N plays the motion N times"
+            notes.append(Note("no_place", TABLE, row, "play_param.times", text))
+        for _ in range(times):
+            frames += _frames(page, joints, beyond)
+        follows = [*chain, 0][chain.index(number) + 1]
+        notes += _unplayed(name, row, page, chain, follows)
+    if beyond:
+        lines = ", ".join(map(str, sorted(set(beyond))[:5]))
+        text = f"line {lines}: positions above {MOST} are none of such a servo; its joint stays there"
+        notes.append(Note("no_place", TABLE, str(chain[0]), "step", text))
+    return Motion(name=name, frames=tuple(sparse(split(frames, LONGEST_S))), help=pages[0][1].name[:200]), notes
+
+
+def _frames(page: Page, joints: dict[int, Joint], beyond: list[int]) -> Iterable[KeyFrame]:
+    for step in page.steps:
+        positions = {
+            row.name: _angle(row, step.positions[servo])
+            for servo, row in joints.items()
+            if servo < len(step.positions) and step.positions[servo] <= MOST
+        }
+        if any(step.positions[servo] > MOST for servo in joints if servo < len(step.positions)):
+            beyond.append(step.line)
+        yield KeyFrame(positions=positions, duration_s=max(SHORTEST_S, step.time_s / page.speed))
+        if step.pause_s > 0.0:
+            yield KeyFrame(positions=positions, duration_s=max(SHORTEST_S, step.pause_s / page.speed))
+
+
+def _unplayed(name: str, row: str, page: Page, chain: list[int], follows: int) -> Iterator[Note]:
+    """Yield what a page says that a motion here does not have."""
+    if page.speed != 1.0:
+        text = f"times are divided by the page's speed, {page.speed:g}"
+        yield Note("changed", TABLE, row, "play_param.speed", text)
+    if page.next != follows:
+        back = f"it leads back to page {page.next}: /play/{name}/N plays the motion N times"
+        text = back if page.next in chain else f"it leads to page {page.next}, which is no motion: it ends here"
+        yield Note("no_place", TABLE, row, "play_param.next", text)
+    if page.exit:
+        text = f"page {page.exit} would follow a stop; here the joints hold at once"
+        yield Note("no_place", TABLE, row, "play_param.exit", text)
+    if page.inertia not in {0, 32}:
+        yield Note("no_place", TABLE, row, "play_param.inertia", "the joints here have their own way of speeding up")
+    if set(page.compliance) - {5}:
+        yield Note(
+            "no_place", TABLE, row, "compliance", "how soft a servo is, is a setting of the driver, not of a motion"
+        )

@@ -1,0 +1,238 @@
+"""Reads and writes the text form of RoboPlus motion files (`.mtn`). Pure.
+
+    type=motion                          one line for each, in any order
+    version=1.01
+    enable=0 1 1 …                       which of the servos 0 to 25 are there
+    motor_type=0 0 0 …                   0: 1024 counts over 300 degrees; others are finer
+    page_begin
+    name=Bow
+    compliance=5 5 5 …                   how soft each servo is
+    play_param=0 0 1 1.0 32              next page, page after a stop, times, speed, inertial force
+    step=512 235 788 … 0.000 1.000       a position of each servo, the pause afterwards, the time to get there
+    page_end
+    (two characters: a checksum)
+
+Worked out from descriptions and from programs that read such files; how the checksum is made is not known, so it is
+neither compared nor written.
+"""
+
+import math
+import re
+from typing import NamedTuple
+
+from lbr.errors import InputError
+from lbr.messages.rows import shown
+
+SERVOS = 26
+MOST_SERVOS = 64
+MOST_COUNTS = 65_535
+MOST_SECONDS = 3600.0
+MOST_PAGES = 255
+LONGEST_NAME = 200
+BOM = b"\xef\xbb\xbf"
+_WHOLE = re.compile(r"\d{1,5}", re.ASCII)
+_NUMBER = re.compile(r"\d{1,6}(?:[.,]\d{1,6})?", re.ASCII)
+_HEAD = {"type", "version", "enable", "motor_type"}
+_OF_PAGE = {"name", "compliance", "play_param", "step"}
+_CHECKSUM_BYTES = 4
+
+
+class Step(NamedTuple):
+    """A position of each servo, by its number; the time to get there, and the pause afterwards."""
+
+    positions: tuple[int, ...]
+    pause_s: float
+    time_s: float
+    line: int = 0
+
+
+class Page(NamedTuple):
+    """A motion, or a part of one: `next` and `exit` are numbers of pages, counted from 1; 0 is none."""
+
+    name: str
+    steps: tuple[Step, ...]
+    compliance: tuple[int, ...] = ()
+    next: int = 0
+    exit: int = 0
+    times: int = 1
+    speed: float = 1.0
+    inertia: int = 32
+
+
+class MtnFile(NamedTuple):
+    """A whole file; of servos that are not `enabled` the positions say nothing."""
+
+    pages: tuple[Page, ...]
+    enabled: tuple[int, ...]
+    motor_types: tuple[int, ...] = ()
+    version: str = "1.01"
+
+
+def parse(content: bytes) -> MtnFile:
+    """Return what a file says; InputError names the line that cannot be."""
+    lines = _Lines(content)
+    head: dict[str, str] = {}
+    at: dict[str, int] = {}
+    pages: list[Page] = []
+    width = SERVOS
+    while (found := lines.next()) is not None:
+        key, value = found
+        if key == "page_begin":
+            if len(pages) == MOST_PAGES:
+                raise lines.wrong(f"it has more than {MOST_PAGES} pages")
+            if not pages:
+                width = len(_wholes(lines, head.get("enable", "0 " * SERVOS), MOST_SERVOS, "enable", at))
+            pages.append(_page(lines, len(pages) + 1, width))
+        elif key in _HEAD and not pages and key not in head:
+            head[key], at[key] = value, lines.number
+        elif not lines.is_checksum(pages):
+            raise lines.wrong(f"'{shown(key)}' does not belong here; is it a motion file?")
+    if head.get("type") != "motion":
+        raise InputError("line 1: it does not say type=motion; is it a motion file?")
+    if not pages:
+        raise InputError(f"line {lines.number}: the file has no page; it may have been cut off")
+    flags = _wholes(lines, head.get("enable", "1 " * width), MOST_SERVOS, "enable", at)
+    types = _wholes(lines, head.get("motor_type", ""), MOST_SERVOS, "motor_type", at)
+    enabled = tuple(servo for servo, flag in enumerate(flags) if flag)
+    return MtnFile(tuple(pages), enabled, tuple(types), head.get("version", ""))
+
+
+def write(file: MtnFile) -> bytes:
+    """Return the content of a file, without a checksum; times to the millisecond."""
+    width = max((len(step.positions) for page in file.pages for step in page.steps), default=SERVOS)
+    types = file.motor_types or (0,) * width
+    lines = [
+        "type=motion",
+        f"version={file.version}",
+        f"enable={_listed(int(servo in file.enabled) for servo in range(width))}",
+        f"motor_type={_listed(types)}",
+    ]
+    for page in file.pages:
+        lines += [
+            "page_begin",
+            f"name={' '.join(page.name.split())}",
+            f"compliance={_listed(page.compliance or (5,) * width)}",
+            f"play_param={page.next} {page.exit} {page.times} {page.speed:.3f} {page.inertia}",
+            *(f"step={_listed(one.positions)} {one.pause_s:.3f} {one.time_s:.3f}" for one in page.steps),
+            "page_end",
+        ]
+    return BOM + "".join(f"{line}\r\n" for line in lines).encode()
+
+
+def _page(lines: "_Lines", number: int, width: int) -> Page:
+    fields: dict[str, str] = {}
+    steps: list[Step] = []
+    compliance: tuple[int, ...] = ()
+    played = Page("", ())
+    begun = lines.number
+    while (found := lines.next()) is not None:
+        key, value = found
+        if key == "page_end":
+            return played._replace(name=_printable(fields.get("name", "")), steps=tuple(steps), compliance=compliance)
+        if key not in _OF_PAGE or (key in fields and key != "step"):
+            raise lines.wrong(f"'{shown(key)}' does not belong into page {number}, which has no page_end before it")
+        fields[key] = value
+        if key == "step":
+            steps.append(_step(lines, value, width))
+        elif key == "compliance":
+            compliance = tuple(_wholes(lines, value, MOST_SERVOS, key, {}))
+        elif key == "play_param":
+            played = _played(lines, value)
+    raise InputError(
+        f"line {lines.number}: the file ends within page {number}, which began in line {begun}: page_end is missing"
+    )
+
+
+def _printable(name: str) -> str:
+    return "".join(c if c.isprintable() else "?" for c in name.strip())[:LONGEST_NAME]
+
+
+def _step(lines: "_Lines", text: str, width: int) -> Step:
+    parts = text.split()
+    if len(parts) != width + 2:
+        raise lines.wrong(f"a step has {width} positions, a pause and a time; this one has {len(parts)} numbers")
+    positions = tuple(_whole(lines, part, "position") for part in parts[:width])
+    pause_s, time_s = (_number(lines, part, "seconds", MOST_SECONDS) for part in parts[width:])
+    return Step(positions, pause_s, time_s, lines.number)
+
+
+def _played(lines: "_Lines", text: str) -> Page:
+    parts = text.split()
+    if len(parts) != 5:
+        raise lines.wrong(f"play_param has 5 numbers; this one has {len(parts)}")
+    after, out, times, inertia = (_whole(lines, parts[index], "play_param") for index in (0, 1, 2, 4))
+    speed = _number(lines, parts[3], "speed", 1000.0)
+    if speed <= 0.0:
+        raise lines.wrong("a speed of 0 would never get anywhere")
+    return Page("", (), next=after, exit=out, times=times, speed=speed, inertia=inertia)
+
+
+def _wholes(lines: "_Lines", text: str, most: int, what: str, at: dict[str, int]) -> list[int]:
+    parts = text.split()
+    if len(parts) > most or (what == "enable" and not parts):
+        raise lines.wrong(f"{what} has {len(parts)} numbers, and 1 to {most} may be", at.get(what))
+    return [_whole(lines, part, what, at.get(what)) for part in parts]
+
+
+def _whole(lines: "_Lines", text: str, what: str, line: int | None = None) -> int:
+    if not _WHOLE.fullmatch(text) or int(text) > MOST_COUNTS:
+        raise lines.wrong(f"{what}: '{shown(text)}' is not a whole number from 0 to {MOST_COUNTS}", line)
+    return int(text)
+
+
+def _number(lines: "_Lines", text: str, what: str, most: float) -> float:
+    found = float(text.replace(",", ".")) if _NUMBER.fullmatch(text) else math.nan
+    if not found <= most:
+        raise lines.wrong(f"'{shown(text)}' is not a number of {what} from 0 to {most:g}")
+    return found
+
+
+def _listed(numbers: object) -> str:
+    return " ".join(map(str, numbers))  # type: ignore[call-overload]
+
+
+class _Lines:
+    """Gives one line after the other, and knows its number for an error."""
+
+    def __init__(self, content: bytes) -> None:
+        self._lines = _utf8(content).split(b"\n")
+        self.number = 0
+        self._last = b""
+
+    def next(self) -> tuple[str, str] | None:
+        """Return the key of the next line that is not empty, and what follows its `=`."""
+        while self.number < len(self._lines):
+            self._last = self._lines[self.number].strip(b"\0\r\t ")
+            self.number += 1
+            if self._last:
+                key, _, value = self._last.partition(b"=")
+                return _text(key).strip(), _text(value)
+        return None
+
+    def is_checksum(self, pages: list[Page]) -> bool:
+        """Say whether the last line is what follows the last page: bytes that are compared with nothing."""
+        rest = b"".join(self._lines[self.number :]).strip(b"\0\r\t ")
+        return bool(pages) and b"=" not in self._last and len(self._last) + len(rest) <= _CHECKSUM_BYTES
+
+    def wrong(self, text: str, line: int | None = None) -> InputError:
+        """Return an error that names the line."""
+        return InputError(f"line {line or self.number}: {text}")
+
+
+def _utf8(content: bytes) -> bytes:
+    """Return lines of a file by their bytes: only names can be other than ASCII, and each line may be so by itself."""
+    if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
+        try:
+            return content.decode("utf-16").encode()
+        except UnicodeError as err:
+            raise InputError("line 1: it begins as UTF-16, and goes on as something else") from err
+    return content.removeprefix(BOM)
+
+
+def _text(line: bytes) -> str:
+    for encoding in ("utf-8", "cp949"):
+        try:
+            return line.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return line.decode("latin-1")

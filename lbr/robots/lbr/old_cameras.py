@@ -1,0 +1,88 @@
+"""The table of cameras of this robot's first program, as its API tells it."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from json import loads
+from typing import Any, NamedTuple
+
+from lbr.messages.rows import shown
+from lbr.robots.old_data import Choice, Here, Note, OldData, Source, Want
+
+_CONTROL = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}", re.ASCII)
+_WRONG = {
+    "white_balance_automatic": "the original set another control by this name",
+    "exposure_dynamic_framerate": "the original never set it",
+    "led1_mode": "the original never set it",
+    "led1_frequency": "the original never set it",
+}
+
+
+class OldCameras(NamedTuple):
+    """Cameras by their names: a device, whether it was on, and its controls."""
+
+    cameras: Mapping[str, Mapping[str, Any]]
+
+    def fits(self, here: Here) -> bool:
+        """Say whether a robot has a camera that is mounted where one of these was."""
+        return any(_here(here, name) for name in self.cameras)
+
+    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002
+        """Return devices' addresses and cameras' controls."""
+        found = [one for name, camera in self.cameras.items() for one in _camera(name, camera, here)]
+        return [one for one in found if isinstance(one, Want)], [one for one in found if isinstance(one, Note)]
+
+
+def read(source: Source) -> OldData | None:
+    """Return the cameras of `GET /cameras`, or of a telemetry package; None if it is something else."""
+    found = source.json
+    found = found.get("cameras", found) if isinstance(found, dict) else None
+    if not isinstance(found, dict) or not found:
+        return None
+    if not all(
+        isinstance(one, dict) and isinstance(one.get("device"), str) and "status" in one for one in found.values()
+    ):
+        return None
+    return OldCameras(found)
+
+
+def _here(here: Here, mount: str) -> tuple[str, str] | None:
+    """Return the device and the capability of the camera that looks there."""
+    for device in here.rows("device"):
+        if device["type"] == "camera" and loads(device["settings"]).get("mount") == mount:
+            for row in here.rows("capability"):
+                if row["kind"] == "camera" and loads(row["settings"]).get("device") == device["name"]:
+                    return device["name"], row["name"]
+    return None
+
+
+def _camera(name: str, camera: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
+    row = shown(name)
+    found = _here(here, name)
+    if not camera["device"]:
+        yield Note("no_place", "cameras", row, "", "it is no camera, but how all were switched off: /camera/off")
+        return
+    if found is None:
+        yield Note(
+            "no_place", "cameras", row, "device", "no camera of this robot is mounted there (device.settings, mount)"
+        )
+        return
+    device, capability = found
+    yield Want("device", {"name": device}, {"address": camera["device"]}, f"cameras '{row}', device")
+    yield Note("no_place", "cameras", row, "status", "which one is on is said while the robot runs: /camera/NAME")
+    controls = camera.get("settings") or {}
+    if not isinstance(controls, dict):
+        yield Note("no_place", "cameras", row, "settings", "it is no table of controls")
+        return
+    for control, value in controls.items():
+        if not _CONTROL.fullmatch(control):
+            yield Note("no_place", "cameras", row, "settings", f"'{shown(control)}' is no name of a control")
+        elif control in _WRONG or isinstance(value, bool) or not isinstance(value, int | float):
+            text = _WRONG.get(control, f"'{shown(value)}' is not a number")
+            yield Note("no_place", "cameras", row, f"settings.{shown(control)}", text)
+        else:
+            yield Want(
+                "capability",
+                {"name": capability},
+                {f"settings.controls.{control}": value},
+                f"cameras '{row}', {control}",
+            )

@@ -1,0 +1,96 @@
+"""What another program kept of a robot, in files: what a package declares to have it become rows here.
+
+    file ──► Source ── read ──► OldData ── wants ──► Want(table, key, columns), Note(what has no place)
+
+Nothing here writes: `lbr import` compares what is wanted with the rows that are there.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple, Protocol
+
+Kind = Literal["added", "changed", "clamped", "same", "no_place"]
+"""What became of a value; `no_place`: there is nothing here that could hold it."""
+ForeignTables = Mapping[str, Sequence[Mapping[str, Any]]]
+"""The rows of another program's database by its tables' names."""
+
+
+class Note(NamedTuple):
+    """What became of something in a file: `table`, `row` and `column` are where it stood, and `text` says why."""
+
+    kind: Kind
+    table: str
+    row: str
+    column: str
+    text: str
+
+    def __str__(self) -> str:
+        where = f"{self.table} '{self.row}'" if self.row else self.table
+        return f"{where}, {self.column}: {self.text}" if self.column else f"{where}: {self.text}"
+
+
+class Want(NamedTuple):
+    """A row that is to have these columns; one that is not there is made only with `create`, and gets those of `made` too.
+
+    A column such as `settings.left.direction` is an entry of a JSON object. `source` is where in the file it stood. With
+    `text` it is told as changed: what stood there meant the same otherwise.
+    """
+
+    table: str
+    key: Mapping[str, Any]
+    columns: Mapping[str, Any]
+    source: str
+    create: bool = False
+    text: str = ""
+    made: Mapping[str, Any] = {}
+
+
+class Here(Protocol):
+    """The rows of the robot that gets the data, as SQLite holds them."""
+
+    def rows(self, table: str) -> Sequence[Mapping[str, Any]]:
+        """Return the rows of a table; none if there is no such table."""
+
+
+class Choice(NamedTuple):
+    """What the person chose: `of` which robot of the file."""
+
+    of: str | None = None
+
+
+class OldData(Protocol):
+    """What was found in a file, before it is known for which robot."""
+
+    def fits(self, here: Here) -> bool:
+        """Say whether a robot has what the file speaks of."""
+
+    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:
+        """Return which rows are wanted, and what has no place; InputError says why it cannot be told."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Source:
+    """A file as readers get it: its name, where it lies, its text, its JSON or the rows of its database, if it is such."""
+
+    name: str
+    folder: str
+    content: bytes = field(repr=False)
+    text: str | None = field(default=None, repr=False)
+    json: Any = field(default=None, repr=False)
+    tables: Callable[[], ForeignTables | None] = field(default=lambda: None, repr=False)
+
+
+class ReadOldData(Protocol):
+    """Reads a file; None if it is of another format, InputError says what is wrong with one of this."""
+
+    def __call__(self, source: Source) -> OldData | None:
+        """Return what is in it."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class OldFormat:
+    """A format of files of another program: its `name` for `--as`, a `summary`, and `module:function` that reads it."""
+
+    name: str
+    summary: str
+    read: str

@@ -1,0 +1,153 @@
+"""The tables of the UXA-90's first API: motors, motions and their buttons as it told them, and its settings file."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from lbr.messages.rows import shown
+from lbr.robots.motion_file import name_from
+from lbr.robots.old_data import Choice, Here, Note, OldData, Source, Want
+
+LAYER = "original"
+"""Of the table `motor`: what the shipped layers say stays beside it."""
+_MOTOR = {"id", "name", "min", "max", "default"}
+_MOTION = {"id", "name", "button"}
+_LINE = re.compile(r"\s*(?:export\s+)?([A-Z][A-Z0-9_]*)\s*=\s*(.*?)\s*", re.ASCII)
+_HIGHEST_PORT = 65_535
+
+
+class OldTables(NamedTuple):
+    """Motors and motions of the API, in their order."""
+
+    motors: Sequence[Mapping[str, Any]]
+    motions: Sequence[Mapping[str, Any]]
+
+    def fits(self, here: Here) -> bool:
+        """Say whether a robot has motors by number."""
+        return bool(here.rows("motor"))
+
+    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002
+        """Return motors in a layer of their own, and numbers of motions."""
+        found = [one for row in self.motors for one in _motor(row)]
+        if self.motors:
+            text = f"the API shows them once web's setting layer is '{LAYER}'; joints keep their own limits"
+            found.append(Note("changed", "motor", LAYER, "layer", text))
+        found += [one for row in self.motions for one in _button(row, here)]
+        return [one for one in found if isinstance(one, Want)], [one for one in found if isinstance(one, Note)]
+
+
+class OldSettings(NamedTuple):
+    """The environment that the API was started with."""
+
+    settings: Mapping[str, str]
+
+    def fits(self, here: Here) -> bool:
+        """Say whether a robot has motors by number, and with them the API."""
+        return bool(here.rows("motor"))
+
+    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002
+        """Return the port of the API."""
+        wants: list[Want] = []
+        notes: list[Note] = []
+        web = [row["name"] for row in here.rows("capability") if row["kind"] == "web"]
+        for name, value in self.settings.items():
+            if (
+                name == "PORT"
+                and len(web) == 1
+                and value.isascii()
+                and value.isdecimal()
+                and int(value) <= _HIGHEST_PORT
+            ):
+                wants.append(Want("capability", {"name": web[0]}, {"settings.port": int(value)}, "PORT"))
+            elif name == "PORT":
+                notes.append(
+                    Note("no_place", "settings", name, "", f"'{shown(value)}' is no port, or there is no web server")
+                )
+            else:
+                notes.append(Note("no_place", "settings", shown(name), "", "nothing here is set by it"))
+        return wants, notes
+
+
+def read(source: Source) -> OldData | None:
+    """Return tables: what `GET /motor` or `GET /motion` answered, a list of such rows, or both by their names."""
+    found = source.json
+    if isinstance(found, dict) and isinstance(found.get("data"), list):
+        found = found["data"]
+    if isinstance(found, list):
+        found = {"motors": _like(found, _MOTOR), "motions": [] if _like(found, _MOTOR) else _like(found, _MOTION)}
+    if not isinstance(found, dict):
+        return None
+    motors, motions = (found.get(name) or [] for name in ("motors", "motions"))
+    if not (motors or motions) or _like(motors, _MOTOR) != motors or _like(motions, _MOTION) != motions:
+        return None
+    return OldTables(motors, motions)
+
+
+def read_settings(source: Source) -> OldData | None:
+    """Return the settings of a file of lines such as `PORT=50000`; None if it has other lines."""
+    if source.text is None or not (source.name.endswith(".env") or source.name.startswith(".env")):
+        return None
+    lines = [line for line in source.text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    found = [_LINE.fullmatch(line) for line in lines]
+    if not found or None in found:
+        return None
+    return OldSettings({one[1]: one[2].strip("'\"") for one in found if one is not None})
+
+
+def _like(rows: object, columns: set[str]) -> list[Mapping[str, Any]]:
+    """Return the rows if all of them have these columns."""
+    if not isinstance(rows, list) or not all(isinstance(row, dict) and columns <= set(row) for row in rows):
+        return []
+    return rows
+
+
+def _whole(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _motor(row: Mapping[str, Any]) -> Iterator[Want | Note]:
+    number = row["id"]
+    default = row["default"]
+    if not all(_whole(row[name]) for name in ("id", "min", "max", "default")) or not row["min"] < row["max"]:
+        yield Note(
+            "no_place",
+            "motor",
+            shown(number),
+            "min, max",
+            "they are no whole numbers, or the first is not below the second",
+        )
+        return
+    columns = {
+        "name": row["name"],
+        "description": row.get("description") or "",
+        "initial": row.get("position", default),
+        "lowest": row["min"],
+        "highest": row["max"],
+        "rest": default,
+        "inverted": row.get("inverted", False),
+    }
+    yield Want("motor", {"layer": LAYER, "id": number}, columns, f"motor '{shown(number)}'", create=True)
+    for column in sorted(set(row) - {"id", "name", "description", "position", "min", "max", "default", "inverted"}):
+        yield Note("no_place", "motor", shown(number), shown(column), "the original has no such column")
+
+
+def _button(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
+    number, name = row["id"], row["name"]
+    if not _whole(number) or not isinstance(name, str) or not isinstance(row["button"], str):
+        yield Note("no_place", "motion", shown(number), "", "its number is no number, or its name no text")
+        return
+    known = {one["id"]: one for one in here.rows("button")}
+    same = known.get(number)
+    if same is not None and (same["name"], same["button"]) == (name, row["button"]):
+        motion = same["motion"]
+    elif any(one["name"] == name_from(name) for one in here.rows("motion")):
+        motion = name_from(name)
+    else:
+        text = (
+            f"there is no motion '{shown(name)}' here: enter a row of motion with slot {shown(number)} and the time that "
+            "the main board takes for it, then take this again"
+        )
+        yield Note("no_place", "motion", shown(number), "name", text)
+        return
+    columns = {"name": name, "button": row["button"], "motion": motion}
+    yield Want("button", {"id": number}, columns, f"motion '{shown(number)}'", create=True)
