@@ -1,7 +1,7 @@
 """What is wrong with a kind as it was declared: everything at once, before anything of it is used."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, get_args
 
 import msgspec
@@ -29,6 +29,8 @@ def _found(kind: Kind) -> Iterator[str]:
     yield from _entry(kind.entry)
     for group in PORTS:
         yield from _ports(group, getattr(kind, group))
+    yield from _optional(kind)
+    yield from _choices(kind)
     yield from _settings(kind)
     yield from _answers(kind)
     yield from _devices(kind)
@@ -52,24 +54,38 @@ def _words(kind: Kind) -> Iterator[str]:
 
 
 def _rows(kind: Kind) -> Iterator[str]:
-    for field in ("rows", "learns"):
+    for field in ("rows", "learns", "edits"):
         if not isinstance(getattr(kind, field), tuple):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a tuple of Row classes"
             return
     for read in kind.reads:
-        if not _is_struct(read.row, Row):
-            yield f"'rows' names {_shown(read.row)}, which is not a Row: class NAME(Row, frozen=True, kw_only=True)"
-        elif fault := _unfit(read.row) or _row_fault(read.row):
-            yield f"'rows' names {read.row.__name__}, which is not a table: {fault}"
+        if fault := _no_table("rows", read.row):
+            yield fault
         else:
             yield from _where(kind, read)
+    for row in kind.edits:
+        if fault := _no_table("edits", row):
+            yield fault
     for row in kind.learns:
         if row not in [read.row for read in kind.reads]:
             yield f"'learns' names {_shown(row)}, which is not one of its rows"
 
 
+def _no_table(field: str, row: Any) -> str:
+    """Return why what a field names is not the rows of a table, or nothing."""
+    if not _is_struct(row, Row):
+        return f"'{field}' names {_shown(row)}, which is not a Row: class NAME(Row, frozen=True, kw_only=True)"
+    if fault := _unfit(row) or _row_fault(row):
+        return f"'{field}' names {row.__name__}, which is not a table: {fault}"
+    return ""
+
+
 def _where(kind: Kind, read: Rows) -> Iterator[str]:
-    for column, setting in read.where.items():
+    where: Any = read.where
+    if not isinstance(where, Mapping):
+        yield f"'rows' looks in {read.row.__name__} by {_shown(where)}, and must by a dict of columns to settings"
+        return
+    for column, setting in where.items():
         if column not in read.row.__struct_fields__:
             yield f"'rows' looks for {_shown(column)} in {read.row.__name__}, which has no such column"
         if setting not in getattr(kind.settings, "__struct_fields__", ()):
@@ -80,7 +96,8 @@ def _row_fault(row: type[Row]) -> str:
     """Return why a struct is not a table, or nothing."""
     if not (isinstance(row.TABLE, str) and _NAME.fullmatch(row.TABLE)):
         return f"its TABLE is {_shown(row.TABLE)}, and must be the name of one"
-    if not row.KEY or any(column not in row.__struct_fields__ for column in row.KEY):
+    key: Any = row.KEY
+    if not isinstance(key, tuple) or not key or any(column not in row.__struct_fields__ for column in key):
         return f"its KEY is {_shown(row.KEY)}, and must be the columns that tell its rows apart"
     return ""
 
@@ -105,11 +122,37 @@ def _ports(group: str, ports: Any) -> Iterator[str]:
         if not (isinstance(name, str) and _NAME.fullmatch(name)):
             yield f"'{group}' names a port {_shown(name)}: small letters, digits, underscores; at most 40"
         if not _is_struct(message, Struct):
-            yield f"port '{name}' must carry a msgspec Struct, not {_shown(message)}"
+            yield f"port {_shown(name)} must carry a msgspec Struct, not {_shown(message)}"
         elif not message.__struct_config__.frozen:
-            yield f"port '{name}' carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
+            yield f"port {_shown(name)} carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
         elif fault := _unfit(message):
-            yield f"port '{name}' carries {message.__name__}, which is not JSON: {fault}"
+            yield f"port {_shown(name)} carries {message.__name__}, which is not JSON: {fault}"
+
+
+def _optional(kind: Kind) -> Iterator[str]:
+    optional: Any = kind.optional
+    if isinstance(optional, str) or not isinstance(optional, Collection):  # a text is a collection, of its letters
+        yield f"'optional' is {_shown(optional)}, and must be a tuple of inputs"
+        return
+    for name in optional:
+        if not isinstance(kind.inputs, Mapping) or name not in kind.inputs:
+            yield f"'optional' names {_shown(name)}, which is not one of its inputs"
+
+
+def _choices(kind: Kind) -> Iterator[str]:
+    """Look whether what a command's fields may be is told for fields that there are, by something that can tell it."""
+    for name, command in kind.commands.items() if isinstance(kind.commands, Mapping) else ():
+        if not (isinstance(command, Command) and _is_struct(command.message, Struct)):
+            continue
+        choices: Any = command.choices
+        if not isinstance(choices, Mapping):
+            yield f"'choices' of {_shown(name)} is {_shown(choices)}, and must be a dict of fields to functions"
+            continue
+        for field, may_be in choices.items():
+            if field not in command.message.__struct_fields__:
+                yield f"'choices' of {_shown(name)} names {_shown(field)}, which is not a field of {command.message.__name__}"
+            if not callable(may_be):
+                yield f"'choices' of {_shown(name)} gives {_shown(field)} {_shown(may_be)}, and must give a function"
 
 
 def _settings(kind: Kind) -> Iterator[str]:
@@ -130,16 +173,16 @@ def _answers(kind: Kind) -> Iterator[str]:
     asked = {name for group in (kind.commands, kind.requests) if isinstance(group, Mapping) for name in group}
     for name in kind.replies if isinstance(kind.replies, Mapping) else ():
         if name not in asked:
-            yield f"'replies' answers '{name}', which is neither of its commands nor of its requests"
+            yield f"'replies' answers {_shown(name)}, which is neither of its commands nor of its requests"
     roles: Any = kind.roles
     if not isinstance(roles, Mapping):
         yield f"'roles' is {_shown(roles)}, and must be a dict of commands to roles"
         return
     for name, role in roles.items():
         if name not in asked:
-            yield f"'roles' names '{name}', which is not one of its commands"
+            yield f"'roles' names {_shown(name)}, which is not one of its commands"
         if role not in get_args(Role):
-            yield f"'roles' gives '{name}' {_shown(role)}, and must give one of {', '.join(get_args(Role))}"
+            yield f"'roles' gives {_shown(name)} {_shown(role)}, and must give one of {', '.join(get_args(Role))}"
 
 
 def _devices(kind: Kind) -> Iterator[str]:
@@ -149,9 +192,9 @@ def _devices(kind: Kind) -> Iterator[str]:
         return
     for name, settings in of_devices.items():
         if not _is_struct(settings, Struct):
-            yield f"'device_settings' gives '{name}' {_shown(settings)}, and must give a msgspec Struct"
+            yield f"'device_settings' gives {_shown(name)} {_shown(settings)}, and must give a msgspec Struct"
         elif fault := _unfit(settings):
-            yield f"'device_settings' gives '{name}' {settings.__name__}, which is not JSON: {fault}"
+            yield f"'device_settings' gives {_shown(name)} {settings.__name__}, which is not JSON: {fault}"
 
 
 def _said(kind: Kind) -> Iterator[str]:
@@ -160,10 +203,11 @@ def _said(kind: Kind) -> Iterator[str]:
     if not isinstance(words, tuple) or not all(isinstance(one, Word) for one in words):
         yield f"'words' is {_shown(words)}, and must be a tuple of Word(…)"
         return
+    commands = tuple(kind.commands) if isinstance(kind.commands, Mapping) else ()
     for one in words:
         if not (isinstance(one.pattern, str) and isinstance(one.help, str) and isinstance(one.fixed, dict)):
             yield f"'words' has {_shown(one)}: its pattern and help must be texts, and 'fixed' a dict"
-        elif one.command not in kind.commands:
+        elif one.command not in commands:
             yield f"'words' has {_shown(one.pattern)}, which asks for {_shown(one.command)}, none of its commands"
         elif one.role not in get_args(Role):
             yield f"'words' gives {_shown(one.pattern)} {_shown(one.role)}, and must give one of {', '.join(get_args(Role))}"

@@ -21,8 +21,13 @@ def save(home: str, name: str, picture: bytes) -> Path:
         path.parent.mkdir(mode=0o700, exist_ok=True)
         if shutil.disk_usage(path.parent).free < KEPT_FREE_BYTES:
             raise InputError(f"the disk is almost full; make room in {path.parent}")
-        with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "wb") as file:
-            file.write(picture)
+        fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+        try:
+            with os.fdopen(fd, "wb") as file:
+                file.write(picture)
+        except BaseException:  # half a picture is none, and would keep its name from the next try
+            path.unlink()
+            raise
     except FileExistsError as err:
         raise InputError(f"{path} is there already; choose another name") from err
     except OSError as err:

@@ -1,0 +1,141 @@
+"""Whatever a kind declares, what is wrong with it is told in sentences, and nothing that it says is run into."""
+
+import os
+import re
+from dataclasses import fields, replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec import Struct
+
+from lbr.capability import registry
+from lbr.capability.base import Capability
+from lbr.capability.faults import PORTS, faults
+from lbr.capability.kind import Command, Kind, Rows
+from lbr.capability.word import Word
+from lbr.messages.rows import Row
+
+NOWHERE = Path(os.devnull)
+
+
+class Settings(Struct, frozen=True, forbid_unknown_fields=True):
+    device: str = ""
+
+
+class Go(Struct, frozen=True):
+    far_m: float = 0.0
+
+
+class Kept(Row, frozen=True, kw_only=True):
+    TABLE = "kept"
+    KEY = ("name",)
+    name: str
+
+
+class Keyed(Row, frozen=True, kw_only=True):
+    TABLE = "keyed"
+    KEY = 3
+    name: str
+
+
+class Unreadable:
+    def __repr__(self) -> str:
+        raise RuntimeError("no words")
+
+
+GOOD = Kind(
+    name="own",
+    summary="a thing",
+    family="app",
+    entry=Capability,
+    settings=Settings,
+    commands={"go": Command(Go, leased=True)},
+    replies={"go": Go},
+    roles={"go": "admin"},
+    words=(Word("go", "go", "Go"),),
+    rows=(Rows(Kept, where={"name": "device"}),),
+    learns=(Kept,),
+    device="claw",
+    device_settings={"claw": Settings},
+)
+NAMES = [field.name for field in fields(Kind)]
+ODD = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(-1, 3),
+    st.sampled_from(
+        ["", "go", "a:B", "Big", "\x1b[2J", "x" * 900, Unreadable, Go, Go(), Kept, Keyed, Rows(Kept), Struct, Row]
+    ),
+)
+PARTS = st.recursive(
+    ODD,
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=3),
+        st.lists(inner, max_size=3).map(tuple),
+        st.dictionaries(st.sampled_from(["go", "\x1b[2J", "g" * 900, 3, None]), inner, max_size=2),
+        inner.map(lambda one: Rows(Kept, where=one)),
+        inner.map(Rows),
+        inner.map(Command),
+        st.tuples(inner, inner, inner, inner, inner).map(lambda five: Word(*five)),
+    ),
+    max_leaves=6,
+)
+
+
+def test_a_kind_that_is_whole_has_no_fault():
+    assert faults(GOOD) == ()
+
+
+@pytest.mark.parametrize("name", registry.names(NOWHERE))
+def test_every_kind_of_lbr_s_own_is_whole(name):
+    assert faults(registry.find(name, NOWHERE)) == ()
+
+
+@given(st.dictionaries(st.sampled_from(NAMES), PARTS, max_size=4))
+def test_whatever_stands_in_a_field_the_faults_are_short_lines(said):
+    for found in faults(replace(GOOD, **said)):
+        assert found.isprintable()
+        assert len(found) < 400
+
+
+@pytest.mark.parametrize("field", [name for name in NAMES if name != "name"])
+@pytest.mark.parametrize("value", [3, Unreadable()], ids=["number", "thing"])
+def test_a_value_that_no_field_can_have_is_a_fault_that_names_the_field(field, value):
+    assert any(f"'{field}'" in found for found in faults(replace(GOOD, **{field: value})))
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({"rows": (Keyed,)}, "'rows' names Keyed, which is not a table: its KEY is 3, and must be the columns"),
+        (
+            {"rows": (Rows(Kept, where=["name"]),)},
+            "'rows' looks in Kept by ['name'], and must by a dict of columns to settings",
+        ),
+        ({"learns": (["kept"],)}, "'learns' names ['kept'], which is not one of its rows"),
+        ({"edits": (Go,)}, "'edits' names Go, which is not a Row"),
+        ({"optional": ("eyes",)}, "'optional' names 'eyes', which is not one of its inputs"),
+        ({"optional": "ranges"}, "'optional' is 'ranges', and must be a tuple of inputs"),
+        ({"commands": 3, "replies": {}, "roles": {}}, "'words' has 'go', which asks for 'go', none of its commands"),
+        ({"commands": {"go": Command(Go, choices={"near": list})}, "words": ()}, "'choices' of 'go' names 'near'"),
+        ({"commands": {"go": Command(Go, choices={"far_m": 3})}, "words": ()}, "'choices' of 'go' gives 'far_m' 3"),
+    ],
+)
+def test_what_is_wrong_is_named_with_where_it_stands(said, words):
+    assert any(found.startswith(words) for found in faults(replace(GOOD, **said))), faults(replace(GOOD, **said))
+
+
+@pytest.mark.parametrize("field", [*PORTS, "roles", "device_settings"])
+def test_a_name_that_moves_a_cursor_or_has_no_end_is_told_as_a_short_line(field):
+    for name in ("\x1b[2J", "g" * 900):
+        told = faults(replace(GOOD, **{field: {name: 3}}))
+        assert told
+        assert all(found.isprintable() and len(found) < 400 for found in told)
+
+
+@given(st.text(max_size=60))
+def test_an_entry_as_text_is_a_module_and_a_class(text):
+    whole = re.fullmatch(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*", text) is not None
+    assert (faults(replace(GOOD, entry=text)) == ()) == whole
