@@ -40,8 +40,9 @@ def examine() -> Iterator[Finding]:
     for check in checks:
         try:
             yield from check()
-        except (LbrError, OSError) as err:
-            yield Finding(about=check.__name__.strip("_"), level="bad", text=str(err))
+        except Exception as err:  # noqa: BLE001 - it is for what is wrong, and the checks after this one are needed too
+            text = str(err) if isinstance(err, LbrError | OSError) else f"{type(err).__name__}: {err}"
+            yield Finding(about=check.__name__.strip("_"), level="bad", text=text)
 
 
 def _python() -> Iterator[Finding]:

@@ -139,11 +139,13 @@ def _opened(path: Path | None) -> "Database":
 
 
 def _end(text: str) -> str:
-
     found = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
     if found is None:
         raise InputError(f"'{text[:40]}' is not a time from now: write 90m, 12h, 30d or 8w")
-    return _text(dt.datetime.now(dt.UTC) + dt.timedelta(seconds=int(found[1]) * UNITS_S[found[2]]))
+    try:
+        return _text(dt.datetime.now(dt.UTC) + dt.timedelta(seconds=int(found[1]) * UNITS_S[found[2]]))
+    except OverflowError:
+        raise InputError(f"'{text}' from now is beyond the last date there is: leave --expires out") from None
 
 
 def _text(moment: dt.datetime) -> str:

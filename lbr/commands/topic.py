@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
-from lbr.errors import BusError, InputError
+from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.plain import one_line
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ SILENT_S = 2.0
 LISTEN_S = 1.0
 REFUSAL_S = 0.3
 POLL_S = 0.02
+DEEPEST = 60
+"""Columns of indentation; what is nested deeper stands in one line."""
 
 
 @click.group("topic")
@@ -46,7 +48,7 @@ def list_topics(whom: Whom, as_json: bool) -> int:
     width = max((len(topic.name) for topic in found), default=0)
     for topic in found:
         rate = f"{topic.rate_hz:7.1f} Hz" if topic.rate_hz is not None else " " * 10
-        click.echo(f"{topic.name:<{width}}  {topic.role:<8}  {rate}  {topic.message}")
+        click.echo(one_line(f"{topic.name:<{width}}  {topic.role:<8}  {rate}  {topic.message}"))
     return 0
 
 
@@ -68,10 +70,10 @@ def info(topic: str, whom: Whom, as_json: bool) -> int:
         print_json({"key": key, "role": found.role, "rate_hz": found.rate_hz, "schema": found.json_schema})
         return 0
     rate = f", {found.rate_hz:.1f} Hz" if found.rate_hz is not None else ""
-    click.echo(f"{key}  ({found.role} of {found.message}{rate})")
+    click.echo(one_line(f"{key}  ({found.role} of {found.message}{rate})"))
     for field in topics.fields_of(found):
         about = str(field.schema.get("description", ""))
-        click.echo(f"  {field.name:<20} {about or field.allowed}")
+        click.echo(one_line(f"  {field.name:<20} {about or field.allowed}"))
     return 0
 
 
@@ -219,25 +221,23 @@ def _print_message(message: "RawMessage", *, as_json: bool, raw: bool, named: bo
 
 
 def _value(payload: bytes) -> Any:
-    import msgspec  # noqa: PLC0415
-
     from lbr.bus import pictures  # noqa: PLC0415
+    from lbr.bus.codec import decode  # noqa: PLC0415
 
     if pictures.is_whole(payload):
         return pictures.described(payload)
     try:
-        return msgspec.json.decode(payload)
-    except msgspec.DecodeError:
+        return decode(payload)
+    except MalformedError:
         return f"{len(payload)} bytes that are not JSON"
 
 
 def _lines(value: Any, indent: str = "") -> Iterator[str]:
-
     if not isinstance(value, dict):
         yield indent + one_line(_scalar(value))
         return
     for name, one in value.items():
-        if isinstance(one, dict) and one:
+        if isinstance(one, dict) and one and len(indent) < DEEPEST:
             yield f"{indent}{one_line(name)}:"
             yield from _lines(one, indent + "  ")
         else:
@@ -261,7 +261,7 @@ def _rate_text(rate: "Rate") -> str:
         parts.append(f"period p50 {rate.period_p50_ms:.1f} p99 {rate.period_p99_ms:.1f} ms")
     if rate.age_p99_ms is not None:
         parts.append(f"age p50 {rate.age_p50_ms:.2f} p99 {rate.age_p99_ms:.2f} ms")
-    return f"{rate.key} from {rate.source}: {', '.join([*parts, f'{rate.bytes_per_s / 1000:.1f} kB/s'])}"
+    return one_line(f"{rate.key} from {rate.source}: {', '.join([*parts, f'{rate.bytes_per_s / 1000:.1f} kB/s'])}")
 
 
 def _refusal(raw: "RawMessage", key: str, source: str) -> str:
@@ -272,4 +272,4 @@ def _refusal(raw: "RawMessage", key: str, source: str) -> str:
     data = value.get("data")
     here = isinstance(data, dict) and data.get("key") == key
     ours = here or key.partition("/")[2].partition("/")[0] == value.get("subject") or value.get("about") == source
-    return f"{value.get('subject', '')}: {text}" if ours else ""
+    return one_line(f"{value.get('subject', '')}: {text}") if ours else ""

@@ -2,10 +2,12 @@
 
 import errno
 import ipaddress
-import json
-import os
 import socket
 from collections.abc import Iterable, Iterator
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta, Struct
 
 from lbr import home
 from lbr.apps.http import listening
@@ -13,8 +15,13 @@ from lbr.commands.finding import Finding
 from lbr.database.rows import CapabilityRow
 
 KIND = "web"
-USUAL = ("127.0.0.1", 50000)
-"""Where kind `web` listens if its row says nothing."""
+
+
+class Place(Struct, frozen=True):
+    """Where kind `web` listens, by its row's settings and by default; the rest of them is not looked at."""
+
+    host: str = "127.0.0.1"
+    port: Annotated[int, Meta(ge=0, le=65535)] = 50000
 
 
 def ports(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
@@ -22,33 +29,38 @@ def ports(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
     runs = any(one.robot == robot for one in home.running())
     for row in rows:
         if row.kind == KIND and row.enabled:
-            settings = json.loads(row.settings)
-            host, port = str(settings.get("host", USUAL[0])), int(settings.get("port", USUAL[1]))
-            yield _port(robot, row.name, host, port, runs=runs)
+            try:
+                place = msgspec.json.decode(row.settings, type=Place)
+            except msgspec.DecodeError as err:
+                text = f"the row's settings say no host and port to listen at: {err}"
+                yield Finding(about=f"port of '{row.name}'", level="bad", text=text, do="lbr db check")
+            else:
+                yield _port(robot, row.name, place.host, place.port, runs=runs)
 
 
 def _port(robot: str, name: str, host: str, port: int, *, runs: bool) -> Finding:
     about, where = f"port of '{name}'", f"port {port} at {host}"
     problem, beside = _taken(host, port), listening.BESIDE.get(host, "")
-    if not problem and beside and listening.is_here(beside):
+    if problem is None and beside and listening.is_here(beside):
         problem = _taken(beside, port)
-        where = f"port {port} at {beside}" if problem else where
-    if problem == errno.EADDRINUSE and runs:
+        where = f"port {port} at {beside}" if problem is not None else where
+    taken = problem is not None and problem.errno == errno.EADDRINUSE
+    if taken and runs:
         return Finding(
             about=about, level="good", text=f"{where}: robot '{robot}' runs here; 'lbr status' shows if it has it"
         )
-    if problem == errno.EADDRINUSE:
+    if taken:
         text = f"{where} is taken by another program; robot '{robot}' runs, but without its API"
         return Finding(about=about, level="hint", text=text, do=f"ss -ltnp 'sport = :{port}'")
-    if problem:
-        text = f"{where} cannot be opened: {os.strerror(problem)}"
+    if problem is not None:
+        text = f"{where} cannot be opened: {problem.strerror or problem}"
         return Finding(about=about, level="hint", text=text, do="change host or port in the row's settings")
     reach = "this machine alone reaches it" if _is_loopback(host) else "the network reaches it"
     return Finding(about=about, level="good", text=f"{where} is free; {reach}")
 
 
-def _taken(host: str, port: int) -> int:
-    """Return what the system says against listening there; 0 for nothing."""
+def _taken(host: str, port: int) -> OSError | None:
+    """Return what the system says against listening there, if it says anything."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as tried:
         tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -56,8 +68,10 @@ def _taken(host: str, port: int) -> int:
             tried.bind((host, port))
             tried.listen(1)
         except OSError as err:
-            return err.errno or errno.EINVAL
-    return 0
+            return err
+        except (ValueError, TypeError) as err:  # no name of a machine has such letters, or so many
+            return OSError(errno.EINVAL, str(err))
+    return None
 
 
 def _is_loopback(host: str) -> bool:

@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 
-Endpoint = Annotated[str, Meta(pattern="^(tls|tcp)/[^\\s#?]+:[0-9]{1,5}$", max_length=200)]
+Endpoint = Annotated[str, Meta(pattern="^(tls|tcp)/[^\\s#?]+:[0-9]{1,5}$(?!\\n)", max_length=200)]
 
 
 class LanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
