@@ -6,6 +6,7 @@ import re
 import statistics
 import sys
 import tomllib
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -128,7 +129,8 @@ def dotted(path: Path, root: Path = ROOT) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def imports(source: str, module: str, *, package: bool = False) -> set[str]:
+@cache
+def imports(source: str, module: str, *, package: bool = False) -> frozenset[str]:
     """Every module that a source imports, at its top or inside a function, by full name."""
     base = module.split(".") if package else module.split(".")[:-1]
     found = set()
@@ -139,7 +141,7 @@ def imports(source: str, module: str, *, package: bool = False) -> set[str]:
             start = base[: len(base) + 1 - node.level] if node.level else []
             origin = ".".join([*start, *([node.module] if node.module else [])])
             found |= {f"{origin}.{alias.name}" for alias in node.names}
-    return found
+    return frozenset(found)
 
 
 def tied(sources: dict[str, tuple[str, bool]]) -> dict[str, set[str]]:

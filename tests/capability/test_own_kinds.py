@@ -55,10 +55,10 @@ def folder(tmp_path):
     return made
 
 
-def why(folder, text: str) -> str:
+def why(folder, text: str, *, trial: bool = True) -> str:
     (folder / "own.py").write_text(text)
     with pytest.raises(KindError) as caught:
-        registry.find("own", folder.parent)
+        registry.find("own", folder.parent, trial=trial)
     said = str(caught.value)
     assert said.startswith(str(folder / "own.py"))
     assert said.isprintable()
@@ -141,13 +141,15 @@ def test_what_is_wrong_with_a_file_is_one_sentence_with_its_line(folder, text, w
     ],
 )
 def test_a_kind_that_is_not_whole_is_told_at_the_line_of_KIND(folder, fields, words):  # noqa: N802
-    said = why(folder, declared(**fields))
+    said = why(folder, declared(**fields), trial=False)  # which says the same, as the test below has it
     assert said.startswith(f"{folder / 'own.py'}, line {KIND_LINE}: ")
     assert words in said
 
 
-def test_all_that_is_wrong_with_a_kind_is_told_at_once(folder):
-    said = why(folder, declared(family="'gadget'", settings="Loose", outputs="{'a': int, 'b': str}"))
+def test_all_that_is_wrong_with_a_kind_is_told_at_once_and_a_trial_says_the_same(folder):
+    text = declared(family="'gadget'", settings="Loose", outputs="{'a': int, 'b': str}")
+    said = why(folder, text)
+    assert why(folder, text, trial=False) == said
     assert [word in said for word in ("'family'", "'settings'", "port 'a'", "port 'b'")] == [True] * 4
 
 

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from lbr.cli import cli
-from lbr.database.store import create
+from tests.support import databases
 
 SHIPPED = Path(__file__).parents[2] / "docs" / "examples"
 
@@ -17,7 +17,7 @@ SHIPPED = Path(__file__).parents[2] / "docs" / "examples"
 @pytest.fixture
 def path(tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    create(tmp_path / "home" / "robot.db")
+    databases.fresh(tmp_path / "home" / "robot.db")
     return tmp_path / "home" / "robot.db"
 
 

@@ -12,8 +12,8 @@ from lbr import cli, home
 from lbr.commands import checks, web_checks
 from lbr.commands.finding import Finding
 from lbr.database.rows import CapabilityRow
-from lbr.database.store import create
 from lbr.errors import BusError
+from tests.support import databases
 
 
 def looked_at(settings: str) -> list[Finding]:
@@ -83,7 +83,7 @@ def test_a_check_that_fails_itself_is_a_finding_and_the_next_goes_on(err, monkey
 
 def test_rows_that_are_bad_are_counted_with_the_first_and_what_to_type(tmp_path, monkeypatch):
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
-    create(tmp_path / "robot.db")
+    databases.fresh(tmp_path / "robot.db")
     with closing(sqlite3.connect(tmp_path / "robot.db", isolation_level=None)) as client:
         client.execute("UPDATE capability SET restart = 'never', settings = '{\"port\": 70000}' WHERE kind = 'web'")
         client.execute("UPDATE capability SET enabled = 1 WHERE kind = 'web'")

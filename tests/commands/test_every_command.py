@@ -12,8 +12,7 @@ import click
 import pytest
 
 from lbr import cli
-from lbr.database import store
-from tests.support import programs
+from tests.support import databases, programs
 from tests.support.robot import LBR, environment
 
 RUBBISH = [
@@ -244,7 +243,7 @@ def test_what_cannot_be_meant_is_named(lbr, arguments, why):
     ids=named,
 )  # fmt: skip
 def test_json_is_one_document_and_nothing_else(lbr, home, arguments):
-    store.create(home / "robot.db")
+    databases.fresh(home / "robot.db")
     code, out, _ = lbr(*(one.format(db=home / "robot.db") for one in arguments), "--json")
     assert code in {0, 1, 2}
     assert json.loads(out) is not None
@@ -316,7 +315,7 @@ def test_streams_that_are_closed_or_full_are_an_exit_code_and_no_traceback(home,
 
 @pytest.mark.parametrize("arguments", [("--help",), ("robots",), ("db", "check", "--json")], ids=named)
 def test_a_reader_that_is_gone_ends_it_quietly(home, arguments):
-    store.create(home / "robot.db")
+    databases.fresh(home / "robot.db")
     reading, writing = os.pipe()
     os.close(reading)
     with closing(os.fdopen(writing, "wb")) as gone:

@@ -8,12 +8,13 @@ from lbr import cli
 from lbr.database import store
 from lbr.messages.joints import MotionRow
 from tests.database.test_motion_files import NOD, content
+from tests.support import databases
 
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
-    store.create(tmp_path / "robot.db")
+    databases.fresh(tmp_path / "robot.db")
     (tmp_path / "nod.rbm").write_bytes(NOD)
     return tmp_path
 

@@ -11,10 +11,9 @@ from click.testing import CliRunner
 from lbr.commands import placing, power_checks, service_checks, unitfiles
 from lbr.commands.service import command
 from lbr.commands.unitfiles import POLKIT, RELAY_DROP_IN, RELAY_UNIT, RULES, SYSUSERS, UNIT, Extras, Site
-from lbr.database import store
 from lbr.drivers.pico import relay
 from lbr.errors import InputError
-from tests.support import needs, programs
+from tests.support import databases, needs, programs
 
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("tty",))
 BOTH = Extras(power_off=True, motor_relay="i2c:1:0x69")
@@ -187,7 +186,7 @@ def watching(tmp_path, monkeypatch):
     home = tmp_path / "home"
     home.mkdir(mode=0o700)
     monkeypatch.setenv("LBR_HOME", str(home))
-    store.create(home / "robot.db")
+    databases.fresh(home / "robot.db")
     return tmp_path
 
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from lbr import cli
 from lbr.commands import token
-from lbr.database import store
 from lbr.errors import InputError
+from tests.support import databases
 
 NOW = dt.datetime(2026, 1, 1, tzinfo=dt.UTC)
 SECONDS = {"m": 60, "h": 3600, "d": 86400, "w": 604800}
@@ -90,7 +90,7 @@ def test_a_token_is_valid_until_it_ends_or_is_taken_away():
 @pytest.fixture
 def lbr(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
-    store.create(tmp_path / "robot.db")
+    databases.fresh(tmp_path / "robot.db")
 
     def run(*words: str) -> tuple[int, str, str]:
         code = cli.main(["token", *words])

@@ -5,14 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from lbr.database.store import Database, create
+from lbr.database.store import Database
+from tests.support import databases
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """A new database, just as the first run builds it."""
     file = tmp_path / "robot.db"
-    create(file)
+    databases.fresh(file)
     return file
 
 

@@ -12,6 +12,7 @@ from lbr.errors import InputError, RowError
 from lbr.messages.faces import Button, EditCommand, Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionRow, MotionStep
 from lbr.messages.rows import Row, by_table
+from tests.support import databases
 
 MOTOR = Motor(layer="mine", id=23, name="neck", initial=127, lowest=60, highest=200, rest=127)
 NOD = Motion(
@@ -38,7 +39,7 @@ ALL = new()
 
 @pytest.fixture
 def opened(tmp_path):
-    store.create(tmp_path / "robot.db")
+    databases.fresh(tmp_path / "robot.db")
     with store.Database.open(tmp_path / "robot.db") as database:
         yield database
 

@@ -15,6 +15,7 @@ from lbr.errors import InputError
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionStep
 from lbr.robots.motion_file import LARGEST_BYTES, name_from
 from lbr.robots.uxa90 import motion_file, rbm
+from tests.support import databases
 
 STAND = (127, 127, 127, 127, 48, 206, 127, 127, 127, 127, 127, 127, 80, 174, 137, 117, 127, 127, 206, 48, 127, 127, 127, 127, 127)  # fmt: skip
 HEADER = ["1", "13", "6012000010005", "someone", "a@b.c", "7", "A: test", "0", "4"]
@@ -40,7 +41,7 @@ NOD = content((20, 400, {24: 150, 23: 100}), (10, 300, {24: 127}), ends=":\r\n")
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     with store.Database.open(path) as database:
         return database.load("uxa90")
 

@@ -8,10 +8,10 @@ import pytest
 
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS
-from lbr.database.store import Database, create
+from lbr.database.store import Database
 from lbr.messages.joints import MotionRow
 from tests.docs.pages import ROOT, said
-from tests.support import programs
+from tests.support import databases, programs
 from tests.support.words import with_words
 
 PAGE = ROOT / "docs" / "robots" / "bioloid.md"
@@ -20,7 +20,7 @@ PAGE = ROOT / "docs" / "robots" / "bioloid.md"
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("bioloid") / "robot.db"
-    create(path)
+    databases.fresh(path)
     with Database.open(path) as database:
         return with_words(database.load("bioloid"))
 

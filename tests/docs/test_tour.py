@@ -6,9 +6,10 @@ import pytest
 
 from lbr.console.verbs import ExternalCall, ExternalStop, PythonLine, VerbCall, Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS
-from lbr.database.store import Database, create
+from lbr.database.store import Database
 from lbr.errors import InputError
 from tests.docs.pages import ROOT, blocks
+from tests.support import databases
 from tests.support.words import with_words
 
 TOUR = ROOT / "docs" / "tour.md"
@@ -19,7 +20,7 @@ REFUSED = {"/r/3/0"}
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("tour") / "robot.db"
-    create(path)
+    databases.fresh(path)
     with Database.open(path) as database:
         return with_words(database.load("lbr"))
 

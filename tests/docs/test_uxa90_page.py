@@ -7,11 +7,12 @@ import pytest
 from lbr.console.fields import Message
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS
-from lbr.database.store import Database, create
+from lbr.database.store import Database
 from lbr.drivers.uxa90.messages import InquireCommand
 from lbr.executive.service.reports import NAMES
 from lbr.messages.joints import MotionRow
 from tests.docs.pages import ROOT, said
+from tests.support import databases
 from tests.support.words import with_words
 
 PAGE = ROOT / "docs" / "robots" / "uxa90.md"
@@ -22,7 +23,7 @@ OWN = {"bow"}
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("uxa90") / "robot.db"
-    create(path)
+    databases.fresh(path)
     with Database.open(path) as database:
         return with_words(database.load("uxa90"))
 

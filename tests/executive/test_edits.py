@@ -17,6 +17,7 @@ from lbr.executive.planning.profile import Profile
 from lbr.messages.faces import Motor
 from lbr.messages.rows import by_table
 from tests.executive.test_plan import planned, problems
+from tests.support import databases
 from tests.support.robot import Robot, prepare, running, until
 
 pytestmark = pytest.mark.timeout(30)
@@ -112,7 +113,7 @@ def test_a_database_that_is_locked_holds_up_the_edit_and_nothing_else(robot):
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     with store.Database.open(path) as database:
         return database.load("uxa90")
 

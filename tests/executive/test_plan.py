@@ -11,6 +11,7 @@ from lbr.executive.planning import planner
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
+from tests.support import databases
 from tests.support.packages import imported_from, package
 
 SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
@@ -21,7 +22,7 @@ REAL = Profile(robot="lbr")
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory) -> RobotRows:
     path = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     with store.Database.open(path) as database:
         return database.load("lbr")
 

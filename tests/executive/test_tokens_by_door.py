@@ -13,6 +13,7 @@ from lbr.database.rows import GoodFor, TokenRow
 from lbr.executive.planning import planner
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
+from tests.support import databases
 
 SITE = RunIdentity(
     home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",)
@@ -21,7 +22,7 @@ SITE = RunIdentity(
 
 @pytest.fixture
 def plan(tmp_path):
-    store.create(tmp_path / "robot.db")
+    databases.fresh(tmp_path / "robot.db")
     tokens = tuple(
         TokenRow(name=door, role="operate", hash=hashed("x"), created_at="2026-01-01T00:00:00.000Z", good_for=door)
         for door in get_args(GoodFor)

@@ -9,6 +9,7 @@ from lbr.database import store
 from lbr.executive.planning import planner
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
+from tests.support import databases
 
 SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 
@@ -16,7 +17,7 @@ SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), sec
 @pytest.fixture(scope="module")
 def shipped(tmp_path_factory):
     path = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     return path
 
 

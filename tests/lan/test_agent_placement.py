@@ -17,6 +17,7 @@ from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.remote.host_protocol import HostReport, HostShare, Placed, mark
 from lbr.executive.remote.remote_hosts import RemoteHosts
 from lbr.messages.system import CapabilityStatus, Event
+from tests.support import databases
 
 SITE = RunIdentity(
     home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",)
@@ -30,7 +31,7 @@ STATE = CapabilityStatus(
 @pytest.fixture(scope="module")
 def path(tmp_path_factory) -> Path:
     found = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(found)
+    databases.fresh(found)
     return found
 
 
