@@ -3,22 +3,28 @@
 The heavy robot is shared by all tests of a module that leave it as it was.
 """
 
+import importlib
 import os
 import shutil
 import signal
+import sys
 import tempfile
+import warnings
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.support import machine, sweep
+from tests.support import machine, slots, sweep
 from tests.support.robot import Robot, prepare, running
 from tests.support.second_try import SecondTry
 
 PLACE = sweep.enter()
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # a robot is ten processes, and each would compile all that it imports
+sys.dont_write_bytecode = False
 os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = "unix:path=/nonexistent"  # no test may power this machine off
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
 
@@ -32,9 +38,11 @@ CACHES = {".cache", ".config"}
 settings.register_profile("lbr", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("lbr")  # how long an example takes is the machine's affair; in CI, too, examples are random
 
-WAITERS = 1
-"""Tests wait more than they compute, for lines, clocks and robots: this many more at a time than there are cores. With
-two more, on two cores, four whole robots at once went without the processor for longer than their leases last."""
+WAITERS = 2
+"""Tests wait more than they compute, for lines, clocks and robots: this many more at a time than there are cores."""
+ROBOTS = 1
+"""This many more of them than there are cores have whole robots. With two more, on two cores, four robots at once went
+without the processor for longer than their leases last."""
 
 left_over = pytest.StashKey[list[str]]()
 
@@ -48,6 +56,27 @@ def pytest_xdist_auto_num_workers() -> int:
 def pytest_configure(config: pytest.Config) -> None:
     config.stash[left_over] = []
     config.pluginmanager.register(SecondTry())
+    if slots.PLACE not in os.environ:
+        slots.make(PLACE, len(os.sched_getaffinity(0)) + ROBOTS)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection(session: pytest.Session) -> None:
+    """Share among the processes of a whole run what rewriting the tests' asserts takes.
+
+    Each begins with another module, and finds compiled what others had first. What cannot be imported, or not without
+    a warning, is left to the collection, which says so.
+    """
+    worker = getattr(session.config, "workerinput", None)
+    if worker is None or session.config.args != session.config.getini("testpaths"):
+        return
+    found = sorted((session.config.rootpath / "tests").rglob("test_*.py"))
+    modules = [".".join(path.relative_to(session.config.rootpath).with_suffix("").parts) for path in found]
+    first = len(modules) * int(worker["workerid"].removeprefix("gw")) // worker["workercount"]
+    for module in modules[first:] + modules[:first]:
+        with warnings.catch_warnings(), suppress(Exception, pytest.skip.Exception):
+            warnings.simplefilter("error")
+            importlib.import_module(module)
 
 
 @pytest.hookimpl(tryfirst=True, optionalhook=True)
@@ -55,10 +84,10 @@ def pytest_timeout_set_timer(item: Any, settings: Any) -> bool | None:
     """Fail the test alone when this machine has given it its time; `faulthandler_timeout` ends what hears no signal."""
     if settings.method != "signal":
         return None
-    watch = machine.Stopwatch()
+    watch, waited_s = machine.Stopwatch(), slots.waited_s
 
     def ring(*_: object) -> None:
-        left_s = settings.timeout - watch.given_s
+        left_s = settings.timeout - watch.given_s + (slots.waited_s - waited_s)
         if left_s > 0.0:
             signal.setitimer(signal.ITIMER_REAL, max(AGAIN_S, left_s))
         else:
@@ -72,6 +101,11 @@ def pytest_timeout_set_timer(item: Any, settings: Any) -> bool | None:
     signal.signal(signal.SIGALRM, ring)
     signal.setitimer(signal.ITIMER_REAL, settings.timeout)
     return True
+
+
+def pytest_runtest_logfinish() -> None:
+    """Let another process have a robot, if this one has none any more."""
+    slots.give_back()
 
 
 @pytest.hookimpl(wrapper=True)

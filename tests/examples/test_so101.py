@@ -6,13 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from tests.support import programs
+from tests.support import programs, slots
 from tests.support import robot as robots
 from tests.support.packages import of_project
 from tests.support.robot import until
 
 PACKAGE = Path(__file__).resolve().parents[2] / "examples" / "so101"
 MOST_LINES = 1200
+ALL = {path.name for path in (PACKAGE / "tests").glob("test_*.py")}
+WHOLE = sorted(name for name in ALL if name.startswith("test_robot"))
+"""Files of tests on whole robots, each by itself; all others are one run."""
 
 
 @pytest.fixture
@@ -23,9 +26,10 @@ def installed(tmp_path):
 
 @pytest.mark.slow_start
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize("part", sorted(path.name for path in (PACKAGE / "tests").glob("test_*.py")))
+@pytest.mark.parametrize("part", [sorted(ALL - {*WHOLE}), *([name] for name in WHOLE)], ids=lambda part: part[-1])
 def test_its_own_tests_pass(part, installed, tmp_path):
-    argv = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"tests/{part}"]
+    argv = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{name}" for name in part)]
+    slots.take()
     ended = programs.run(argv, cwd=PACKAGE, env=installed, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stdout[-6000:] + ended.stderr[-2000:]
 

@@ -12,9 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
-from lbr.database import store
 from lbr.testing import robot as robots
-from tests.support import machine, programs
+from tests.support import databases, machine, programs, slots
 
 T = TypeVar("T")
 LBR = [sys.executable, "-m", "lbr.cli"]
@@ -31,7 +30,7 @@ def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = F
     port of its own.
     """
     home.mkdir(mode=0o700, parents=True, exist_ok=True)
-    store.create(home / "robot.db")
+    databases.fresh(home / "robot.db")
     with sqlite3.connect(home / "robot.db") as database:
         trace = str(home / "trace.txt")
         database.execute(
@@ -127,6 +126,7 @@ def start(
     home: Path, *arguments: str, profile: str = "lbr-sim", limit_s: float = 9.0, prefix: tuple[str, ...] = ()
 ) -> Robot:
     """Run a robot, by the program `prefix` if there is one, and wait for its ready line."""
+    slots.take()
     with (home / "stderr.txt").open("ab") as errors:
         popen = programs.start(
             [*prefix, *LBR, "run", profile, "--no-console", *arguments],
@@ -136,6 +136,7 @@ def start(
             stderr=errors,
             text=True,
         )
+    slots.has(popen)
     try:
         until(lambda: select.select([popen.stdout], [], [], 0.1)[0], limit_s=limit_s, what="its ready line")
         line = popen.stdout.readline()
