@@ -3,12 +3,13 @@
 import os
 import signal
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import psutil
 import pytest
 
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, running, until
 
 pytestmark = pytest.mark.timeout(60)
 HEARD_S = 1.0
@@ -24,12 +25,12 @@ KIND = Kind(name="quiet", summary="does nothing", family="app", entry=Quiet)
 """
 
 
-@pytest.fixture
-def home(tmp_path: Path) -> Path:
-    made = prepare(tmp_path / "home")
-    (made / "capabilities").mkdir(mode=0o700)
-    (made / "capabilities" / "quiet.py").write_text(QUIET)
-    return made
+@pytest.fixture(scope="module")
+def robot(shared_home: Path) -> Iterator[Robot]:
+    (shared_home / "capabilities").mkdir(mode=0o700)
+    (shared_home / "capabilities" / "quiet.py").write_text(QUIET)
+    with running(shared_home) as started:
+        yield started
 
 
 def add(robot: Robot, count: int) -> None:
@@ -45,41 +46,39 @@ def hears(robot: Robot) -> None:
         assert time.monotonic() - begun < HEARD_S
 
 
-def test_more_rows_than_there_is_room_for_start_nothing_and_cost_no_stop(home: Path) -> None:
-    with running(home) as robot:
-        before = {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]}
-        add(robot, 300)
-        until(lambda: [hears(robot), robot.status()["problems"]][1])
-        assert "304 capabilities would run, but" in robot.status()["problems"][0]
-        assert {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]} == before
-        assert robot.line("estop")["code"] == 0
+def test_more_rows_than_there_is_room_for_start_nothing_and_cost_no_stop(robot: Robot) -> None:
+    before = {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]}
+    add(robot, 300)
+    until(lambda: [hears(robot), robot.status()["problems"]][1])
+    assert "304 capabilities would run, but" in robot.status()["problems"][0]
+    assert {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]} == before
+    assert robot.line("estop")["code"] == 0
+    robot.edit("DELETE FROM capability WHERE kind = 'quiet'")
+    until(lambda: not robot.status()["problems"])
+
+
+def test_a_dozen_rows_at_once_come_in_by_one_router_and_leave_nothing_behind(robot: Robot) -> None:
+    executive = psutil.Process(robot.ready["pid"])
+    before = None
+    for _ in range(3):
+        add(robot, 12)
+        until(lambda: [hears(robot), up(robot) == 12][1], limit_s=20.0)
+        assert len(list((robot.home / "run").glob("lbr.[0-9]*.sock"))) == 1
         robot.edit("DELETE FROM capability WHERE kind = 'quiet'")
-        until(lambda: not robot.status()["problems"])
+        until(lambda: [hears(robot), up(robot) == 0][1])
+        until(lambda: not list((robot.home / "run").glob("lbr.[0-9]*")))
+        before = before or executive.num_fds()  # the first edit has files of the database opened, once for all
+    until(lambda: executive.num_fds() <= before)
 
 
-def test_a_dozen_rows_at_once_come_in_by_one_router_and_leave_nothing_behind(home: Path) -> None:
-    with running(home) as robot:
-        executive = psutil.Process(robot.ready["pid"])
-        before = None
-        for _ in range(3):
-            add(robot, 12)
-            until(lambda: [hears(robot), up(robot) == 12][1], limit_s=20.0)
-            assert len(list((home / "run").glob("lbr.[0-9]*.sock"))) == 1
-            robot.edit("DELETE FROM capability WHERE kind = 'quiet'")
-            until(lambda: [hears(robot), up(robot) == 0][1])
-            until(lambda: not list((home / "run").glob("lbr.[0-9]*")))
-            before = before or executive.num_fds()  # the first edit has files of the database opened, once for all
-        until(lambda: executive.num_fds() <= before)
-
-
-def test_sigterm_ends_it_while_rows_begin(home: Path) -> None:
-    with running(home) as robot:
-        add(robot, 40)
-        until(lambda: up(robot, "starting") > 0)
-        begun = time.monotonic()
-        os.kill(robot.ready["pid"], signal.SIGTERM)
-        assert robot.popen.wait(6.0) == 0
-        assert time.monotonic() - begun < 3.0
+def test_sigterm_ends_it_while_rows_begin(robot: Robot) -> None:
+    """The last one here: it ends the robot."""
+    add(robot, 40)
+    until(lambda: up(robot, "starting") > 0)
+    begun = time.monotonic()
+    os.kill(robot.ready["pid"], signal.SIGTERM)
+    assert robot.popen.wait(6.0) == 0
+    assert time.monotonic() - begun < 3.0
 
 
 def up(robot: Robot, phase: str = "ready") -> int:

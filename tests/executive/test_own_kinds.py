@@ -1,7 +1,6 @@
 """A file of the user's own that breaks, hangs or exits while the robot runs: one sentence, and the robot goes on."""
 
 import json
-import sqlite3
 import time
 
 import pytest
@@ -20,40 +19,48 @@ KIND = Kind(name="greeter", summary="", family="app", entry=Greeter)
 ROW = "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'greeter', 'greeter')"
 
 
-@pytest.fixture
-def file(home):
-    folder = home / "capabilities"
-    folder.mkdir(mode=0o700)
-    return folder / "greeter.py"
+@pytest.fixture(scope="module")
+def robot(shared_home):
+    (shared_home / "capabilities").mkdir(mode=0o700)
+    with running(shared_home) as started:
+        yield started
 
 
 @pytest.fixture
-def greeted(home, file):
+def file(robot):
+    """Where the kind `greeter` is to be; it and its row are gone again after the test."""
+    path = robot.home / "capabilities" / "greeter.py"
+    yield path
+    robot.edit("DELETE FROM capability WHERE name = 'greeter'")
+    path.unlink(missing_ok=True)
+    until(lambda: "greeter" not in pids(robot) and robot.status()["problems"] == [])
+
+
+@pytest.fixture
+def greeted(robot, file):
     file.write_text(GOOD)
-    with sqlite3.connect(home / "robot.db") as database:
-        database.execute(ROW)
-    database.close()
+    robot.edit(ROW)
+    until(lambda: pids(robot).get("greeter"), what="the file runs")
 
 
 def pids(robot):
     return {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]}
 
 
-def test_a_file_that_hangs_holds_up_neither_the_robot_nor_its_stops_nor_other_edits(home, file, greeted):
-    with running(home) as robot:
-        before = pids(robot)
-        file.write_text("\nwhile True: pass\n")
-        slowest, until_s = 0.0, time.monotonic() + 2.0
-        while time.monotonic() < until_s:
-            began = time.monotonic()
-            assert robot.line("s")["code"] == 0
-            slowest = max(slowest, time.monotonic() - began)
-        assert slowest < 1.0
-        words = f"{file}, line 2 is not imported within 5 s"
-        until(lambda: any(words in problem for problem in robot.status()["problems"]), limit_s=15.0)
-        assert pids(robot) == before
-        file.write_text(GOOD)
-        until(lambda: robot.status()["problems"] == [])
+def test_a_file_that_hangs_holds_up_neither_the_robot_nor_its_stops_nor_other_edits(robot, file, greeted):
+    before = pids(robot)
+    file.write_text("\nwhile True: pass\n")
+    slowest, until_s = 0.0, time.monotonic() + 2.0
+    while time.monotonic() < until_s:
+        began = time.monotonic()
+        assert robot.line("s")["code"] == 0
+        slowest = max(slowest, time.monotonic() - began)
+    assert slowest < 1.0
+    words = f"{file}, line 2 is not imported within 5 s"
+    until(lambda: any(words in problem for problem in robot.status()["problems"]), limit_s=15.0)
+    assert pids(robot) == before
+    file.write_text(GOOD)
+    until(lambda: robot.status()["problems"] == [])
 
 
 @pytest.mark.parametrize(
@@ -70,21 +77,20 @@ def test_a_file_that_hangs_holds_up_neither_the_robot_nor_its_stops_nor_other_ed
     ],
     ids=["exits", "interrupts", "odd message"],
 )
-def test_a_file_that_breaks_is_told_and_one_that_is_mended_is_seen_without_another_edit(home, file, text, words):
+def test_a_file_that_breaks_is_told_and_one_that_is_mended_is_seen_without_another_edit(robot, file, text, words):
     file.write_text(text)
-    with running(home) as robot:
-        before = pids(robot)
-        robot.edit(ROW)
-        until(lambda: any(words in problem for problem in robot.status()["problems"]))
-        assert pids(robot) == before
-        file.write_text(GOOD)
-        until(lambda: "greeter" in pids(robot))
-        assert robot.status()["problems"] == []
+    before = pids(robot)
+    robot.edit(ROW)
+    until(lambda: any(words in problem for problem in robot.status()["problems"]))
+    assert pids(robot) == before
+    file.write_text(GOOD)
+    until(lambda: "greeter" in pids(robot))
+    assert robot.status()["problems"] == []
 
 
-def test_a_check_says_each_files_fault_in_one_sentence_and_prints_nothing_else(home, file, greeted):
+def test_a_check_says_each_files_fault_in_one_sentence_and_prints_nothing_else(robot, file, greeted):
     file.write_text("print('hello')\nimport nothing_like_this\n")
-    done = lbr(home, "db", "check", "--robot", "lbr", "--json")
+    done = lbr(robot.home, "db", "check", "--robot", "lbr", "--json")
     assert done.returncode == 2
     (told,) = json.loads(done.stdout)
     why = f"{file}, line 2 does not load: ModuleNotFoundError: No module named 'nothing_like_this'"
@@ -92,23 +98,25 @@ def test_a_check_says_each_files_fault_in_one_sentence_and_prints_nothing_else(h
     assert done.stderr == ""
 
 
-def test_a_check_hints_at_a_mover_that_no_stop_reaches_and_at_a_file_that_is_not_used(home, file, greeted):
+def test_a_check_hints_at_a_mover_that_no_stop_reaches_and_at_a_file_that_is_not_used(robot, file, greeted):
     file.write_text("print('hello')\n" + GOOD.replace("entry=Greeter", "entry=Greeter, moves=True"))
     (file.parent / "drive.py").write_text("raise ValueError")
-    done = lbr(home, "db", "check", "--robot", "lbr", "--json")
+    try:
+        done = lbr(robot.home, "db", "check", "--robot", "lbr", "--json")
+    finally:
+        (file.parent / "drive.py").unlink()
     assert done.returncode == 0
     hints = " ".join(json.loads(done.stdout)[0]["hints"])
     assert "capability 'greeter' moves something, and `stop` does not reach it" in hints
     assert f"does not run {file.parent / 'drive.py'}: an installed kind has that name" in hints
 
 
-def test_who_is_locked_out_is_out_while_a_file_is_broken(home, file, greeted):
-    assert lbr(home, "token", "add", "tablet", "--role", "operate").returncode == 0
-    with running(home) as robot:
-        file.write_text("raise ValueError")
-        until(lambda: any("ValueError" in problem for problem in robot.status()["problems"]))
-        before = pids(robot)
-        assert lbr(home, "token", "revoke", "tablet").returncode == 0
-        until(lambda: "token 'tablet' has no rights any more" in robot.line("/report/events")["text"])
-        assert pids(robot)["greeter"] == before["greeter"]
-        assert any("ValueError" in problem for problem in robot.status()["problems"])
+def test_who_is_locked_out_is_out_while_a_file_is_broken(robot, file, greeted):
+    assert lbr(robot.home, "token", "add", "tablet", "--role", "operate").returncode == 0
+    file.write_text("raise ValueError")
+    until(lambda: any("ValueError" in problem for problem in robot.status()["problems"]))
+    before = pids(robot)
+    assert lbr(robot.home, "token", "revoke", "tablet").returncode == 0
+    until(lambda: "token 'tablet' has no rights any more" in robot.line("/report/events")["text"])
+    assert pids(robot)["greeter"] == before["greeter"]
+    assert any("ValueError" in problem for problem in robot.status()["problems"])

@@ -10,43 +10,42 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.support.robot import running, until
+from tests.support.robot import until
 
 pytestmark = pytest.mark.timeout(20)
 
 SHELL = "import os, time, json; print(json.dumps({k: v for k, v in os.environ.items() if k[:4] == 'LBR_'}), flush=True); time.sleep(60)"
 
 
-def test_a_program_learns_its_wiring_restarts_and_dies_with_the_executive(home):
-    with running(home) as robot:
-        settings = json.dumps({"argv": [sys.executable, "-c", SHELL], "inputs": ["ranges"], "outputs": ["noise"]})
-        robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'beep', 'exec', ?)", settings)
-        robot.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ranges.readings', 'beep.ranges')")
-        log = home / "logs" / "lbr-beep.log"
-        until(lambda: log.exists() and "ranges/readings" in log.read_text())
-        wiring = json.loads(log.read_text().splitlines()[-1])
-        assert wiring["LBR_ROBOT"] == "lbr"
-        assert Path(wiring["LBR_CONFIG"]).stat().st_mode & 0o777 == 0o600
-        assert json.loads(wiring["LBR_INPUTS"]) == {"ranges": ["lbr/ranges/readings"]}
-        assert json.loads(wiring["LBR_OUTPUTS"]) == {"noise": "lbr/beep/noise"}
-        pid = until(lambda: robot.capability("beep")["pid"])
-        executive = psutil.Process(robot.popen.pid)
-        used = sum(executive.cpu_times()[:2])
-        looked = time.monotonic()
-        until(lambda: time.monotonic() - looked > 1.0)
-        assert sum(executive.cpu_times()[:2]) - used < 0.5, "the executive spins beside a program"
-        os.kill(pid, signal.SIGKILL)
-        second = until(lambda: (now := robot.capability("beep")["pid"]) not in {None, pid} and now)
-        robot.popen.kill()
-        until(lambda: not psutil.pid_exists(second) or psutil.Process(second).status() == psutil.STATUS_ZOMBIE)
+def test_a_program_that_is_not_there_is_reported(robot):
+    settings = json.dumps({"argv": ["/no/such/program"]})
+    robot.edit(
+        "INSERT INTO capability (robot, name, kind, settings, restart) VALUES ('lbr', 'gone', 'exec', ?, 'never')",
+        settings,
+    )
+    until(lambda: any(unit["phase"] == "failed" for unit in robot.status()["capabilities"]))
+    assert "there is no such program" in robot.capability("gone")["reason"]
 
 
-def test_a_program_that_is_not_there_is_reported(home):
-    with running(home) as robot:
-        settings = json.dumps({"argv": ["/no/such/program"]})
-        robot.edit(
-            "INSERT INTO capability (robot, name, kind, settings, restart) VALUES ('lbr', 'gone', 'exec', ?, 'never')",
-            settings,
-        )
-        until(lambda: any(unit["phase"] == "failed" for unit in robot.status()["capabilities"]))
-        assert "there is no such program" in robot.capability("gone")["reason"]
+def test_a_program_learns_its_wiring_restarts_and_dies_with_the_executive(robot):
+    """The last one here: it ends the robot."""
+    settings = json.dumps({"argv": [sys.executable, "-c", SHELL], "inputs": ["ranges"], "outputs": ["noise"]})
+    robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'beep', 'exec', ?)", settings)
+    robot.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ranges.readings', 'beep.ranges')")
+    log = robot.home / "logs" / "lbr-beep.log"
+    until(lambda: log.exists() and "ranges/readings" in log.read_text())
+    wiring = json.loads(log.read_text().splitlines()[-1])
+    assert wiring["LBR_ROBOT"] == "lbr"
+    assert Path(wiring["LBR_CONFIG"]).stat().st_mode & 0o777 == 0o600
+    assert json.loads(wiring["LBR_INPUTS"]) == {"ranges": ["lbr/ranges/readings"]}
+    assert json.loads(wiring["LBR_OUTPUTS"]) == {"noise": "lbr/beep/noise"}
+    pid = until(lambda: robot.capability("beep")["pid"])
+    executive = psutil.Process(robot.popen.pid)
+    used = sum(executive.cpu_times()[:2])
+    looked = time.monotonic()
+    until(lambda: time.monotonic() - looked > 1.0)
+    assert sum(executive.cpu_times()[:2]) - used < 0.5, "the executive spins beside a program"
+    os.kill(pid, signal.SIGKILL)
+    second = until(lambda: (now := robot.capability("beep")["pid"]) not in {None, pid} and now)
+    robot.popen.kill()
+    until(lambda: not psutil.pid_exists(second) or psutil.Process(second).status() == psutil.STATUS_ZOMBIE)

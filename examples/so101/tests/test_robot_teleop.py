@@ -18,6 +18,13 @@ PATIENT = (
 """A busy machine may hold up any process for some tenths of a second; what is judged here is what comes after."""
 
 
+@pytest.fixture(scope="module")
+def robot():
+    """One for all tests: each begins by giving the follower torque, and by a new teleoperation."""
+    with arms(*PATIENT) as found:
+        yield found
+
+
 def near(robot):
     return abs(robot.at("shoulder_pan") - robot.at("leader_shoulder_pan", "leader_joints")) < 0.08
 
@@ -40,58 +47,56 @@ def begun(robot, degrees):
     robot.follow(lambda: abs(robot.at("shoulder_pan") - start) > 0.1, "the follower moves")
 
 
-def test_the_follower_goes_with_the_leader_and_ends_with_it(capsys):
-    with arms(*PATIENT) as robot:
-        until(lambda: "have no torque" in robot.hear("teleop")["text"], "a follower without torque is refused")
-        robot.torque_on()
-        robot.say("/hand/leader_shoulder_pan/-60")
-        until(lambda: robot.at("leader_shoulder_pan", "leader_joints") < -1.0, "the hand")
-        robot.torque_on()
-        robot.follow(lambda: robot.phase() == "approaching", "it approaches")
-        robot.follow(lambda: near(robot), "the follower is with the leader")
-        robot.follow(lambda: robot.phase() == "following", "it follows")
+def test_the_follower_goes_with_the_leader_and_ends_with_it(robot, capsys):
+    until(lambda: "have no torque" in robot.hear("teleop")["text"], "a follower without torque is refused")
+    robot.torque_on()
+    robot.say("/hand/leader_shoulder_pan/-60")
+    until(lambda: robot.at("leader_shoulder_pan", "leader_joints") < -1.0, "the hand")
+    robot.torque_on()
+    robot.follow(lambda: robot.phase() == "approaching", "it approaches")
+    robot.follow(lambda: near(robot), "the follower is with the leader")
+    robot.follow(lambda: robot.phase() == "following", "it follows")
 
-        windows, gaps, end = {}, [], time.monotonic() + 4.0
-        robot.say("/hand/leader_shoulder_pan/60")
-        while time.monotonic() < end:
-            state = robot.state("teleop")
-            gaps += [state["gap_rad"]] if state.get("gap_rad") is not None else []
-            if state.get("loop"):
-                windows[tuple(state["loop"].values())] = state["loop"]
-            time.sleep(0.05)
-        robot.follow(lambda: near(robot), "the follower came along")
-        rates = sorted(one["rate_hz"] for one in windows.values())
-        worst = sorted(one["period_max_ms"] for one in windows.values())
-        with capsys.disabled():
-            print(
-                f"\nteleop: {robot.state('teleop')['sent']} commands sent; in {len(windows)} windows of 1 s {median(rates):.1f}/s "
-                f"(p50), {rates[0]:.1f}/s (least), the longest gap {median(worst):.0f} ms (p50), {worst[-1]:.0f} ms "
-                f"(max); joints {median(gaps):.3f} rad behind (p50), {max(gaps):.3f} (max)"
-            )
+    windows, gaps, end = {}, [], time.monotonic() + 4.0
+    robot.say("/hand/leader_shoulder_pan/60")
+    while time.monotonic() < end:
+        state = robot.state("teleop")
+        gaps += [state["gap_rad"]] if state.get("gap_rad") is not None else []
+        if state.get("loop"):
+            windows[tuple(state["loop"].values())] = state["loop"]
+        time.sleep(0.05)
+    robot.follow(lambda: near(robot), "the follower came along")
+    rates = sorted(one["rate_hz"] for one in windows.values())
+    worst = sorted(one["period_max_ms"] for one in windows.values())
+    with capsys.disabled():
+        print(
+            f"\nteleop: {robot.state('teleop')['sent']} commands sent; in {len(windows)} windows of 1 s {median(rates):.1f}/s "
+            f"(p50), {rates[0]:.1f}/s (least), the longest gap {median(worst):.0f} ms (p50), {worst[-1]:.0f} ms "
+            f"(max); joints {median(gaps):.3f} rad behind (p50), {max(gaps):.3f} (max)"
+        )
 
-        robot.say("s")
-        assert robot.teleop("idle")["code"] in {"stopped", "not_following"}
-        assert all(robot.torques()), "a stop holds"
+    robot.say("s")
+    assert robot.teleop("idle")["code"] in {"stopped", "not_following"}
+    assert all(robot.torques()), "a stop holds"
 
-        begun(robot, -60)
-        robot.fault("leader_bus", "unplug", value=True)
-        lost = time.monotonic()
-        assert robot.teleop("idle")["code"] == "stale_sensor"
-        let_go(robot, lost)
-        robot.fault("leader_bus", "unplug", value=False)
-        until(lambda: robot.measured("leader_arm"), "the leader again")
+    begun(robot, -60)
+    robot.fault("leader_bus", "unplug", value=True)
+    lost = time.monotonic()
+    assert robot.teleop("idle")["code"] == "stale_sensor"
+    let_go(robot, lost)
+    robot.fault("leader_bus", "unplug", value=False)
+    until(lambda: robot.measured("leader_arm"), "the leader again")
 
-        begun(robot, 60)
-        robot.say("estop")
-        assert robot.teleop("idle")["code"] == "estop"
-        until(lambda: robot.state("arm")["phase"] == "holding", "the follower holds")
-        assert all(robot.torques())
-        robot.say("reset")
+    begun(robot, 60)
+    robot.say("estop")
+    assert robot.teleop("idle")["code"] == "estop"
+    until(lambda: robot.state("arm")["phase"] == "holding", "the follower holds")
+    assert all(robot.torques())
+    robot.say("reset")
 
 
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
-def test_a_teleoperation_that_dies_leaves_a_follower_that_holds_and_is_let_go(end):
-    with arms(*PATIENT) as robot:
-        begun(robot, 100)
-        os.kill(robot.pid("teleop"), end)
-        let_go(robot, time.monotonic())
+@pytest.mark.parametrize(("end", "degrees"), [(signal.SIGKILL, 100), (signal.SIGSTOP, -60)], ids=["killed", "frozen"])
+def test_a_teleoperation_that_dies_leaves_a_follower_that_holds_and_is_let_go(robot, end, degrees):
+    begun(robot, degrees)
+    os.kill(robot.pid("teleop"), end)
+    let_go(robot, time.monotonic())
