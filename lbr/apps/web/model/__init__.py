@@ -1,9 +1,9 @@
-"""The robot's body as a face: what a page draws it from, with the limits of its joints."""
+"""The robot's body as a face: what a page draws it and its motions from, with the limits of its joints."""
 
 from typing import TYPE_CHECKING
 
 from lbr.apps.web.ports import FacePorts
-from lbr.messages.joints import Joint
+from lbr.messages.joints import Joint, MotionRow, MotionStep
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from lbr.apps.web.face import Face
     from lbr.apps.web.robot import Robot
 
-PORTS = FacePorts(rows=(Joint, Wheel, RangeSensor))
+PORTS = FacePorts(rows=(Joint, Wheel, RangeSensor, MotionRow, MotionStep))
 
 
 def face(robot: "Robot") -> "Face":

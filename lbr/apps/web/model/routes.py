@@ -1,17 +1,33 @@
-"""Answers what the robot's body is made of; made once, and again when its file has changed."""
+"""Answers what the robot's body is made of, and what its motions look like; made once, and again when that has changed."""
 
 from hashlib import blake2b
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
+from msgspec import Meta, Struct
 from starlette.responses import Response
 
-from lbr.apps.web.face import Face, Request, Route, encoded
+from lbr.apps.web.face import Face, Refused, Request, Route, encoded, json
+from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.robot import Robot
 from lbr.bodies.model import body_file, model
 from lbr.bodies.parts import RobotModel
+from lbr.messages.joints import Motion
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
+
+
+class Poses(Struct, frozen=True, kw_only=True):
+    """A pose of each motion that shows what it is, in radians by joint."""
+
+    poses: dict[str, dict[str, float]]
+
+
+class MotionParams(Struct, frozen=True, kw_only=True):
+    """Which motion."""
+
+    motion: Annotated[str, Meta(max_length=40)]
 
 
 class ModelFace(Face):
@@ -22,9 +38,10 @@ class ModelFace(Face):
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self._made: tuple[object, bytes, str] | None = None
+        self._drawn: tuple[object, bytes] | None = None
 
     def routes(self) -> tuple[Route, ...]:
-        """Return the one."""
+        """Return them."""
         return (
             Route(
                 method="GET",
@@ -34,6 +51,22 @@ class ModelFace(Face):
                 description="Metres and radians; x ahead, y left, z up. With `If-None-Match` it says 304 if nothing changed.",
                 replies={200: RobotModel, 304: None},
             ),
+            Route(
+                method="GET",
+                path="/api/poses",
+                handle=self._poses,
+                summary="A pose of each motion that shows what it is",
+                replies={200: Poses},
+            ),
+            Route(
+                method="GET",
+                path="/api/motion",
+                handle=self._motion,
+                summary="A motion with all its key frames",
+                params=MotionParams,
+                replies={200: Motion},
+                refuses={404: "There is no such motion."},
+            ),
         )
 
     def _model(self, request: Request) -> Response:
@@ -41,6 +74,19 @@ class ModelFace(Face):
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers={"etag": tag, "cache-control": "no-cache"})
         return encoded(content, etag=tag, cache_control="no-cache")
+
+    async def _poses(self, _request: Request) -> Response:
+        motions = self._robot.motions
+        if self._drawn is None or self._drawn[0] is not motions:
+            poses = Poses(poses={one.name: pose for one in motions if (pose := key_pose(one))})
+            self._drawn = motions, msgspec.json.encode(poses)
+        return encoded(self._drawn[1])
+
+    async def _motion(self, request: Request) -> Response:
+        found = next((one for one in self._robot.motions if one.name == request.params.motion), None)
+        if found is None:
+            raise Refused(404, f"there is no motion '{request.params.motion}'")
+        return json(found)
 
     def _newest(self) -> tuple[bytes, str]:
         robot = self._robot

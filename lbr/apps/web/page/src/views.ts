@@ -15,5 +15,7 @@ export interface View {
 
 export const VIEWS: View[] = [
   { id: "drive", word: "view.drive", icon: "drive", shows: () => streamOfType("DriveState") !== "", load: () => import("./views/drive/Drive") },
+  { id: "joints", word: "view.joints", icon: "joints", shows: (robot) => robot.joints.length > 0, load: () => import("./views/joints/Joints") },
+  { id: "motions", word: "view.motions", icon: "motions", shows: (robot) => robot.motions.length > 0, load: () => import("./views/motions/Motions") },
   { id: "system", word: "view.system", icon: "system", shows: () => true, load: () => import("./views/system/System") },
 ];

@@ -1,11 +1,13 @@
 // All text of the page: one table, English and German side by side. A view's own words stand in `words/`.
 import { signal } from "@preact/signals";
 import { drive } from "./words/drive";
+import { joints } from "./words/joints";
+import { motions } from "./words/motions";
 import { shell } from "./words/shell";
 import { system } from "./words/system";
 import { remembered } from "./kept";
 
-const TABLE = { ...shell, ...drive, ...system } as const;
+const TABLE = { ...shell, ...drive, ...joints, ...motions, ...system } as const;
 export type WordKey = keyof typeof TABLE;
 export type Language = "en" | "de";
 const PLACE: Record<Language, 0 | 1> = { en: 0, de: 1 };

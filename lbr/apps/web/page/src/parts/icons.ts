@@ -40,5 +40,8 @@ export const ICONS = {
   key: "M8 11.5a3.5 3.5 0 1 0 .01 0M11 13l8-8M15.8 8.2l2.6 2.6M13.4 10.6l1.8 1.8",
   more: "M6 12h.1M12 12h.1M18 12h.1",
   down: "M6 9.5l6 6 6-6",
+  lock: "M6 11h12v9H6zM8.5 11V8a3.5 3.5 0 0 1 7 0v3M12 14.6v2",
+  unlock: "M6 11h12v9H6zM8.5 11V7.6a3.5 3.5 0 0 1 6.8-1.2M12 14.6v2",
+  heat: "M10 14.6V5.5a2 2 0 0 1 4 0v9.1a3.8 3.8 0 1 1-4 0zM12 9v8",
 } as const;
 export type IconName = keyof typeof ICONS;

@@ -1,0 +1,104 @@
+// The body on a canvas: three is loaded when this is first shown; without WebGL the same body is drawn flat.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { listen } from "../../live";
+import { Button, Segments } from "../../parts";
+import { streamOfType } from "../../robot";
+import { t } from "../../words";
+import type { AttitudeState } from "../../messages";
+import { Flat } from "./Flat";
+import type { BodyModel, JointsState } from "./model";
+import { aims } from "./mover";
+import type { Colours, Stage } from "./stage";
+import { goals, positions, tones } from "./state";
+
+interface Props {
+  model: BodyModel;
+  stream: string;
+  selected: string;
+  may: boolean;
+  onPick: (joint: string) => void;
+  onDrag: (joint: string, rad: number) => boolean;
+  onDrop: (joint: string) => void;
+}
+
+const coarse = (): boolean => matchMedia("(pointer: coarse)").matches;
+
+function colours(): Colours {
+  const style = getComputedStyle(document.documentElement);
+  const read = (name: string): string => style.getPropertyValue(name).trim() || "#888888";
+  return { accent: read("--accent"), good: read("--good"), warn: read("--warn"), bad: read("--bad"), muted: read("--muted"), line: read("--line"), dark: style.colorScheme !== "light" };
+}
+
+export function Body3d(props: Props) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const stage = useRef<Stage | null>(null);
+  const newest = useRef(props);
+  newest.current = props;
+  const [flat, goFlat] = useState(false);
+  const [ready, setReady] = useState(false);
+  const [mode, setMode] = useState<"look" | "pose">(() => (coarse() ? "look" : "pose"));
+  const { model, stream, selected, may } = props;
+  const drags = may && mode === "pose";
+
+  useEffect(() => {
+    let ended = false;
+    const ends: (() => void)[] = [];
+    void import("./stage").then(({ Stage: Made, drawable }) => {
+      if (ended || !canvas.current) return;
+      if (!drawable()) return goFlat(true);
+      const made = new Made(canvas.current, model, colours(), {
+        onPick: (joint) => newest.current.onPick(joint),
+        onDrag: (joint, rad) => newest.current.onDrag(joint, rad),
+        onDrop: (joint) => newest.current.onDrop(joint),
+      });
+      stage.current = made;
+      (canvas.current as HTMLCanvasElement & { stage?: Stage }).stage = made;
+      setReady(true);
+      let measured: JointsState | null = null;
+      const pose = (): void => {
+        if (!measured) return;
+        made.setPose(positions(measured), goals(measured, aims.value));
+        made.setTones(tones(measured));
+      };
+      ends.push(listen(stream, (sample) => { measured = sample.message as JointsState; pose(); }));
+      ends.push(aims.subscribe(pose));
+      const tilt = streamOfType("AttitudeState");
+      if (tilt) ends.push(listen(tilt, (sample) => lean(made, sample.message as AttitudeState)));
+      const look = new MutationObserver(() => made.setColours(colours()));
+      look.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
+      const scheme = matchMedia("(prefers-color-scheme: dark)");
+      const changed = (): void => made.setColours(colours());
+      scheme.addEventListener("change", changed);
+      ends.push(() => look.disconnect(), () => scheme.removeEventListener("change", changed), () => made.dispose());
+    }, () => goFlat(true)).catch(() => goFlat(true));
+    return () => {
+      ended = true;
+      ends.forEach((end) => end());
+      stage.current = null;
+    };
+  }, [model, stream]);
+  useEffect(() => stage.current?.select(selected), [selected, ready]);
+  useEffect(() => stage.current?.setDrag(drags), [drags, ready]);
+
+  if (flat) return <Flat model={model} stream={stream} selected={selected} onPick={props.onPick} />;
+  return (
+    <div class="joints-stage" data-ready={ready}>
+      <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("joints.body", { robot: model.robot })} />
+      {!ready && <div class="joints-loading pulse" />}
+      <div class="joints-stage-top">
+        {may && <Segments
+          label={t("joints.mode")} value={mode} onChange={setMode}
+          options={[{ value: "look", text: t("joints.look"), icon: "turn" }, { value: "pose", text: t("joints.pose"), icon: "joints" }]}
+        />}
+      </div>
+      <div class="joints-stage-side" role="group" aria-label={t("joints.sides")}>
+        {(["front", "left", "back"] as const).map((side) => <Button key={side} kind="quiet" onClick={() => stage.current?.look(side)}>{t(`joints.from.${side}`)}</Button>)}
+      </div>
+      <p class="joints-stage-hint">{drags ? t("joints.hint.pose") : t("joints.hint.look")}</p>
+    </div>
+  );
+}
+
+function lean(stage: Stage, state: AttitudeState): void {
+  if (state.valid) stage.setTilt(state.roll_rad ?? null, state.pitch_rad ?? null);
+}

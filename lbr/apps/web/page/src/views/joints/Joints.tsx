@@ -1,0 +1,169 @@
+// The joints: the body in three dimensions, each joint's angle and torque, and what else tells how the robot is.
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { holding } from "../../holding";
+import { Badge, Button, Card, Dialog, Empty, Icon, Segments, Stale, Toggle } from "../../parts";
+import { command, may, robot } from "../../robot";
+import { estop } from "../../stopping";
+import { maybe, t } from "../../words";
+import { Body3d } from "./Body3d";
+import { Boxes } from "./boxes";
+import { jointsStream, ownerOf, useCalm } from "./hooks";
+import "./Joints.css";
+import { body, jointNames, loadBody, mirrored, type BodyModel, type JointsState, type Side } from "./model";
+import { aims, moverOf, speed, SPEEDS, type Speed } from "./mover";
+import { Row } from "./Row";
+import { positions } from "./state";
+import { BAD, toneOf } from "./tone";
+
+const SIDES: Side[] = ["right", "left", "centre"];
+
+export default function Joints() {
+  const revision = String(robot.value?.revision ?? 0);
+  useEffect(() => void loadBody(revision), [revision]);
+  const model = body.value;
+  if (!model) return <div class="loading" role="status"><div class="pulse" />{t("shell.loading")}</div>;
+  return <Shown model={withRows(model)} />;
+}
+
+let kept: [BodyModel, unknown, BodyModel] | null = null;
+
+/** The model, with joints of the robot's rows where the body could not be had: the list works without it. */
+function withRows(model: BodyModel): BodyModel {
+  const rows = (robot.value?.joints ?? []) as { name: string; side?: Side; lower_rad: number; upper_rad: number; speed_rps?: number }[];
+  if (kept && kept[0] === model && kept[1] === rows) return kept[2];
+  const missing = rows.filter((row) => !(row.name in model.joints));
+  const joints = Object.fromEntries(missing.map((row) => [row.name, { lower: row.lower_rad, upper: row.upper_rad, kind: "hinge" as const, side: row.side ?? "centre", speed_rps: row.speed_rps ?? null, drawn: false }]));
+  const whole = missing.length ? { ...model, joints: { ...model.joints, ...joints } } : model;
+  kept = [model, rows, whole];
+  return whole;
+}
+
+function Shown({ model }: { model: BodyModel }) {
+  const stream = jointsStream();
+  const owner = ownerOf(stream);
+  const sample = useCalm<JointsState>(stream);
+  const state = sample?.message;
+  const [selected, select] = useState("");
+  const [both, setBoth] = useState(false);
+  const mover = useMemo(() => moverOf(owner), [owner]);
+  const names = jointNames(model);
+  const operates = may("operate");
+
+  useEffect(() => { if (state) mover.seen(positions(state)); }, [sample]);
+  useEffect(() => holding.state.subscribe((now) => { if (!now.moving) mover.forget(); }), [mover]);
+  useEffect(() => () => { holding.release(); mover.forget(); }, [mover]);
+
+  const aim = (joint: string, rad: number, held: boolean): boolean => {
+    const range = model.joints[joint];
+    const from = state?.joints[joint]?.position_rad ?? null;
+    const rps = Math.min(SPEEDS[speed.value], range?.speed_rps ?? Infinity);
+    const within = (name: string): number => Math.min(model.joints[name]?.upper ?? rad, Math.max(model.joints[name]?.lower ?? rad, rad));
+    if (!mover.aim(joint, within(joint), from, rps, held)) return false;
+    const other = both ? mirrored(joint, names) : "";
+    return other ? mover.aim(other, within(other), state?.joints[other]?.position_rad ?? null, rps, false) : true;
+  };
+  const torque = (joints: string[], on: boolean): void => void command(owner, "torque", { on, joints });
+  const pick = (joint: string): void => {
+    select(joint);
+    if (joint) requestAnimationFrame(() => document.querySelector(`.joints-row[data-joint="${joint}"]`)?.scrollIntoView({ block: "nearest", behavior: "smooth" }));
+  };
+
+  if (names.length === 0) return <Empty icon="joints" title={t("joints.none")}>{model.reason && <p>{model.reason}</p>}</Empty>;
+  const why = state && !estop.value.engaged ? whyNot(state) : "";
+  return (
+    <div class="joints">
+      <div class="joints-left">
+        {model.links.length > 0
+          ? <Body3d model={model} stream={stream} selected={selected} may={operates} onPick={pick} onDrag={(joint, rad) => aim(joint, rad, true)} onDrop={() => mover.drop()} />
+          : <div class="joints-stage"><Empty icon="joints" title={t("joints.nobody")}><p>{model.reason}</p></Empty></div>}
+        {why && <p class="joints-why" role="status"><Icon name="info" />{why}</p>}
+        <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
+      </div>
+      <div class="joints-right">
+        <Torque names={names} model={model} state={state} owner={owner} sample={sample} />
+        <div class="joints-groups">
+          {SIDES.map((side) => {
+            const group = names.filter((name) => model.joints[name]!.side === side);
+            if (group.length === 0) return null;
+            return (
+              <Card key={side} class="joints-group" title={t(`joints.side.${side}`)} actions={<Locks group={group} state={state} may={operates} onTorque={torque} side={side} />}>
+                <ul class="joints-list">
+                  {group.map((name) => (
+                    <Row
+                      key={name} name={name} range={model.joints[name]!} state={state?.joints[name]} aim={aims.value[name]} selected={name === selected} may={operates && !estop.value.engaged}
+                      onPick={pick} onMove={aim} onTorque={(joint, on) => torque([joint], on)} onRecover={(joint) => void command(owner, "recover", { joints: [joint] })}
+                    />
+                  ))}
+                </ul>
+              </Card>
+            );
+          })}
+        </div>
+        <div class="joints-boxes"><Boxes /></div>
+      </div>
+    </div>
+  );
+}
+
+/** Why the joints do not move, by the code and sentence of the robot; empty while nothing is wrong. */
+function whyNot(state: JointsState): string {
+  if (!state.code || ["done", "idle", "superseded", "released"].includes(state.code)) return "";
+  return [maybe(`code.${state.code}`), state.reason].filter(Boolean).join(": ");
+}
+
+function Moving({ both, onBoth, may: operates, pairs }: { both: boolean; onBoth: (on: boolean) => void; may: boolean; pairs: boolean }) {
+  if (!operates) return <p class="joints-why"><Icon name="info" />{t("joints.look.only")}</p>;
+  return (
+    <div class="joints-moving">
+      <Segments<Speed> label={t("joints.speed")} value={speed.value} onChange={(value) => { speed.value = value; }} options={(["slow", "normal", "fast"] as const).map((value) => ({ value, text: t(`joints.speed.${value}`) }))} />
+      {pairs && <Toggle label={t("joints.both")} checked={both} onChange={onBoth} />}
+    </div>
+  );
+}
+
+function Locks({ group, state, may: operates, onTorque, side }: { group: string[]; state?: JointsState; may: boolean; onTorque: (joints: string[], on: boolean) => void; side: Side }) {
+  const limp = group.filter((name) => state?.joints[name]?.torque === 0).length;
+  const where = t(`joints.side.${side}`);
+  return (
+    <>
+      <Button kind="quiet" icon="lock" label={t("joints.lock.side", { side: where })} disabled={!operates || !state || limp === 0} onClick={() => onTorque(group, true)} />
+      <Button kind="quiet" icon="unlock" label={t("joints.release.side", { side: where })} disabled={!operates || !state || limp === group.length} onClick={() => onTorque(group, false)} />
+    </>
+  );
+}
+
+function Torque({ names, model, state, owner, sample }: { names: string[]; model: BodyModel; state?: JointsState; owner: string; sample: ReturnType<typeof useCalm<JointsState>> }) {
+  const [asks, ask] = useState(false);
+  const limp = names.filter((name) => state?.joints[name]?.torque === 0).length;
+  const bad = names.filter((name) => BAD.has(toneOf(state?.joints[name]))).length;
+  const latched = names.filter((name) => state?.joints[name]?.latched?.length);
+  const operates = may("operate") && state !== undefined;
+  const all = (on: boolean): void => {
+    ask(false);
+    void command(owner, "torque", on ? { on } : { on, confirmed: true });
+  };
+  return (
+    <section class="joints-summary" aria-label={t("joints.torque")}>
+      <p class="joints-badges">
+        {state && bad === 0 && limp === 0 && <Badge tone="good" icon="check">{t("joints.all.held", { count: names.length })}</Badge>}
+        {limp > 0 && <Badge tone="warn" icon="unlock">{t("joints.some.limp", { count: limp, of: names.length })}</Badge>}
+        {bad > 0 && <Badge tone="bad" icon="warn">{t("joints.some.bad", { count: bad })}</Badge>}
+        <Stale sample={sample} />
+      </p>
+      <div class="joints-actions">
+        {latched.length > 0 && <Button icon="restart" disabled={!operates} onClick={() => void command(owner, "recover", {})}>{t("joints.recover.all")}</Button>}
+        <Button icon="lock" disabled={!operates || limp === 0} onClick={() => all(true)}>{t("joints.lock.all")}</Button>
+        <Button kind="danger" icon="unlock" disabled={!operates || limp === names.length} onClick={() => ask(true)}>{t("joints.release.all")}</Button>
+      </div>
+      <Dialog
+        title={t("joints.release.title")} open={asks} onClose={() => ask(false)}
+        actions={<>
+          <Button kind="quiet" autofocus onClick={() => ask(false)}>{t("dialog.cancel")}</Button>
+          <Button kind="danger" icon="unlock" onClick={() => all(false)}>{t("joints.release.yes")}</Button>
+        </>}
+      >
+        <p>{t("joints.release.text", { robot: model.robot })}</p>
+      </Dialog>
+    </section>
+  );
+}

@@ -1,0 +1,158 @@
+// The motions: a picture of each, played with speed and mirrored where the robot offers that; the remote control's keys; poses
+// kept by hand.
+import { signal } from "@preact/signals";
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { number, plain } from "../../format";
+import { holding } from "../../holding";
+import { Badge, Button, Card, Empty, Field, Icon, Segments, Slider, Toggle } from "../../parts";
+import { capabilities, command, may, robot, streamOfType } from "../../robot";
+import { estop } from "../../stopping";
+import { maybe, t } from "../../words";
+import { ownerOf, useCalm } from "../joints/hooks";
+import { body, loadBody, type BodyModel } from "../joints/model";
+import { buttons, hasPad, keycap, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
+import { Figure } from "./Figure";
+import "./Motions.css";
+
+const speed = signal(1);
+const mirror = signal(false);
+const times = signal(1);
+const TIMES = ["1", "2", "3", "5", "10"] as const;
+
+export default function Motions() {
+  const revision = String(robot.value?.revision ?? 0);
+  useEffect(() => {
+    void loadBody(revision);
+    void loadPoses(revision);
+  }, [revision]);
+  const stream = streamOfType("MotionsState");
+  const owner = ownerOf(stream) || capabilities("motions")[0]?.name || "motions";
+  const state = useCalm<MotionsState>(stream)?.message;
+  const progress = useMemo(() => new Progress(), []);
+  const all = rows();
+  const keys = buttons();
+  const can = may("operate") && !estop.value.engaged;
+  const play = (motion: string): void => {
+    const row = all.find((one) => one.name === motion);
+    const stored = row?.slot != null;
+    holding.play(`${owner}/play`, { motion, times: times.value, ...(stored ? {} : { speed: speed.value, mirror: mirror.value }) });
+  };
+  const end = (): void => {
+    holding.release();
+    void command(owner, "stop", { reason: "from the page" }, { quiet: true });
+  };
+  const part = progress.part(state);
+  if (all.length === 0) return <Empty icon="motions" title={t("motions.none")} />;
+  const own = all.filter((one) => one.slot == null);
+  return (
+    <div class="motions">
+      <div class="motions-main">
+        <Playing state={state} part={part} onStop={end} />
+        <Card class="motions-options">
+          {own.length > 0 && <Slider label={t("motions.speed")} min={0.3} max={2} step={0.1} value={speed.value} show={(value) => `${number(value, 1)} ×`} onInput={(value) => { speed.value = value; }} />}
+          {own.length > 0 && <Toggle label={t("motions.mirror")} checked={mirror.value} onChange={(on) => { mirror.value = on; }} />}
+          <div class="motions-times">
+            <span class="motions-label">{t("motions.times")}</span>
+            <Segments label={t("motions.times")} value={String(times.value) as (typeof TIMES)[number]} onChange={(value) => { times.value = Number(value); }} options={TIMES.map((value) => ({ value, text: value }))} />
+          </div>
+        </Card>
+        <ul class="motions-list">
+          {all.map((row) => <One key={row.name} row={row} model={body.value} can={can} now={state?.playing && state.motion === row.name ? part : null} onPlay={() => play(row.name)} onStop={end} />)}
+        </ul>
+      </div>
+      <div class="motions-side">
+        {keys.length > 0 && <Remote all={keys} can={can} now={state?.playing ? state.motion ?? "" : ""} onPlay={play} />}
+        {capabilities("motions").some((one) => "capture" in one.commands) && <Keep owner={owner} />}
+      </div>
+    </div>
+  );
+}
+
+function Playing({ state, part, onStop }: { state?: MotionsState; part: number; onStop: () => void }) {
+  if (!state?.playing) {
+    const why = state?.reason && state.code && !["done", "idle", "", "cancelled"].includes(state.code) ? [maybe(`code.${state.code}`), state.reason].filter(Boolean).join(": ") : "";
+    return why ? <p class="motions-why" role="status"><Icon name="info" />{why}</p> : null;
+  }
+  return (
+    <section class="motions-playing" aria-label={t("motions.playing", { motion: plain(state.motion ?? "") })}>
+      <div class="motions-bar" role="progressbar" aria-valuemin={0} aria-valuemax={100} aria-valuenow={Math.round(100 * part)}><span style={{ width: `${100 * part}%` }} /></div>
+      <p><strong class="motions-name">{plain(state.motion ?? "")}</strong>
+        <span>{[
+          state.frames ? t("motions.frame", { frame: state.frame ?? 0, of: state.frames }) : "",
+          (state.times ?? 1) > 1 ? t("motions.round", { round: state.round ?? 1, of: state.times ?? 1 }) : "",
+          state.left_s != null ? t("motions.left", { s: number(state.left_s, 1) }) : "",
+        ].filter(Boolean).join(" · ")}</span>
+      </p>
+      <Button kind="danger" icon="stop" onClick={onStop}>{t("motions.end")}</Button>
+    </section>
+  );
+}
+
+function One({ row, model, can, now, onPlay, onStop }: { row: MotionRow; model: BodyModel | null; can: boolean; now: number | null; onPlay: () => void; onStop: () => void }) {
+  const pose = poses.value[row.name];
+  const playing = now !== null;
+  return (
+    <li class="motions-one" data-playing={playing || undefined} data-motion={row.name}>
+      <div class="motions-picture">{model && model.links.length > 0 && pose ? <Figure model={model} pose={pose} /> : <Icon name="motions" />}</div>
+      <div class="motions-text">
+        <h3 class="motions-name">{plain(row.name)}</h3>
+        <p>{row.help}</p>
+      </div>
+      <p class="motions-facts">
+        {row.duration_s != null && <span>{number(row.duration_s, row.duration_s < 10 ? 1 : 0)} s</span>}
+        {row.slot != null ? <Badge>{t("motions.slot", { slot: row.slot })}</Badge> : row.frames != null && <span>{t("motions.frames", { count: row.frames })}</span>}
+      </p>
+      {playing
+        ? <Button class="motions-go" kind="danger" icon="stop" label={t("motions.end.one", { motion: plain(row.name) })} onClick={onStop} />
+        : <Button class="motions-go" kind="primary" icon="play" label={t("motions.play.one", { motion: plain(row.name) })} disabled={!can} onClick={onPlay} />}
+      {playing && <div class="motions-bar"><span style={{ width: `${100 * now}%` }} /></div>}
+    </li>
+  );
+}
+
+function Remote({ all, can, now, onPlay }: { all: ButtonRow[]; can: boolean; now: string; onPlay: (motion: string) => void }) {
+  const pad = hasPad(all);
+  const on = pad ? new Set<string>(PAD.flat()) : new Set<string>();
+  const rest = all.filter((one) => !on.has(one.button ?? ""));
+  const key = (one: ButtonRow) => (
+    <button key={one.id} type="button" class="motions-key" data-red={one.button === "S" || undefined} aria-pressed={one.motion === now} disabled={!can} title={plain(one.motion ?? "")} onClick={() => onPlay(one.motion ?? "")}>
+      <span class="motions-cap" aria-hidden="true">{keycap(one.button || String(one.id))}</span>
+      <span class="motions-key-name">{plain(one.name)}</span>
+    </button>
+  );
+  return (
+    <Card title={t("motions.remote")} icon="gamepad">
+      {pad && (
+        <div class="motions-pad">
+          {PAD.flat().map((code) => {
+            const one = all.find((each) => each.button === code);
+            return one ? key(one) : <span key={code} />;
+          })}
+        </div>
+      )}
+      <div class="motions-keys">{rest.map(key)}</div>
+    </Card>
+  );
+}
+
+/** Keeps the pose that the joints have now, as the next key frame of a motion. */
+function Keep({ owner }: { owner: string }) {
+  const [name, setName] = useState("");
+  const [lasts, setLasts] = useState(1);
+  const [kept, count] = useState(0);
+  const clean = name.trim().toLowerCase().replaceAll(" ", "_");
+  const good = /^[a-z][a-z0-9_]{0,39}$/.test(clean);
+  const keep = async (): Promise<void> => {
+    const answer = await command(owner, "capture", { motion: clean, duration_s: lasts });
+    if (answer.ok) count(kept + 1);
+  };
+  return (
+    <Card title={t("motions.keep")} icon="camera">
+      <p class="motions-hint">{t("motions.keep.text")}</p>
+      <Field label={t("motions.keep.name")} value={name} maxLength={40} placeholder="bow" autocomplete="off" onInput={(event) => { setName(event.currentTarget.value); count(0); }} />
+      <Slider label={t("motions.keep.lasts")} min={0.2} max={5} step={0.1} value={lasts} show={(value) => `${number(value, 1)} s`} onInput={setLasts} />
+      <Button kind="primary" icon="save" disabled={!good || !may("admin")} onClick={() => void keep()}>{t("motions.keep.do")}</Button>
+      {kept > 0 && <p role="status"><Badge tone="good" icon="check">{t("motions.keep.done", { count: kept, motion: plain(clean) })}</Badge></p>}
+    </Card>
+  );
+}

@@ -1,0 +1,50 @@
+// The robot's motions as the page has them: rows of GET /api, and a picture of each.
+import { signal } from "@preact/signals";
+import { fetchJson, robot } from "../../robot";
+
+export interface MotionRow { name: string; help: string; slot?: number | null; builtin?: boolean; frames?: number; duration_s?: number }
+export interface ButtonRow { id: number; name: string; button?: string; motion?: string }
+export interface MotionsState {
+  playing: boolean; motion?: string; frame?: number; frames?: number; round?: number; times?: number; left_s?: number | null; holder?: string | null; reason?: string; code?: string;
+}
+export interface KeyFrame { positions: Record<string, number>; duration_s: number }
+export interface Motion { name: string; help?: string; frames: KeyFrame[]; lead_in?: string; lead_out?: string; slot?: number | null }
+
+export const poses = signal<Record<string, Record<string, number>>>({});
+let of = "";
+
+export async function loadPoses(revision: string): Promise<void> {
+  if (of === revision) return;
+  of = revision;
+  const answer = await fetchJson<{ poses: Record<string, Record<string, number>> }>("api/poses", { quiet: true });
+  if (answer.ok && answer.data && of === revision) poses.value = answer.data.poses;
+}
+
+export const rows = (): MotionRow[] => (robot.value?.motions ?? []) as unknown as MotionRow[];
+export const buttons = (): ButtonRow[] => ((robot.value?.buttons ?? []) as unknown as ButtonRow[]).filter((one) => one.motion);
+
+/** Where the keys of a remote control stand: its pad, and what is below. */
+export const PAD = [["LR", "U", "RR"], ["L", "S", "R"], ["LA", "D", "RA"]] as const;
+const ARROWS: Record<string, string> = { U: "↑", D: "↓", L: "←", R: "→", LR: "⟲", RR: "⟳", S: "■", LA: "⇈", RA: "⇈⇈" };
+export const keycap = (button: string): string => ARROWS[button] ?? button;
+/** Whether buttons are laid out as on a remote control. */
+export const hasPad = (all: ButtonRow[]): boolean => PAD.flat().filter((key) => all.some((one) => one.button === key)).length >= 4;
+
+/** How much of a motion is over, by what was left when it was first heard. */
+export class Progress {
+  private key = "";
+  private whole = 0;
+
+  part(state: MotionsState | undefined): number {
+    if (!state?.playing || state.left_s == null) {
+      this.key = "";
+      return 0;
+    }
+    const key = `${state.holder ?? ""}/${state.times ?? 1}`;
+    if (key !== this.key || state.left_s > this.whole) {
+      this.key = key;
+      this.whole = Math.max(state.left_s, 0.1);
+    }
+    return Math.min(1, Math.max(0, 1 - state.left_s / this.whole));
+  }
+}

@@ -1,0 +1,83 @@
+"""The face `model`: the body of this robot and the poses of its motions, as answers."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import msgspec
+import pytest
+
+from lbr.apps.web.face import Client, Refused, Request
+from lbr.apps.web.model import PORTS, face
+from lbr.apps.web.model.poses import key_pose
+from lbr.apps.web.model.routes import MotionParams
+from lbr.messages.joints import Joint, KeyFrame, Motion
+
+ELBOW = Joint(name="left_elbow", device_id=6, side="left", lower_rad=-1.9, upper_rad=0.1, speed_rps=3.0)
+
+
+def frame(**positions: float) -> KeyFrame:
+    return KeyFrame(positions=positions, duration_s=0.5)
+
+
+WAVE = Motion(
+    name="wave", frames=(frame(arm=0.1), frame(arm=1.5, hand=0.2), frame(hand=-0.4), frame(arm=0.0, hand=0.0))
+)
+
+
+@pytest.fixture
+def routes(tmp_path) -> dict[str, Any]:
+    ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
+    robot: Any = SimpleNamespace(name="bioloid", ctx=ctx, joints=(ELBOW,), motions=(WAVE,))
+    return {route.path: route.handle for route in face(robot).routes()}
+
+
+def request(**more: Any) -> Request:
+    return Request(method="GET", path="", client=Client("127.0.0.1", role="view"), **more)
+
+
+def test_the_body_is_answered_with_limits_and_told_once(routes):
+    first = routes["/api/model"](request())
+    told = msgspec.json.decode(first.body)
+    assert (told["robot"], told["joints"]["left_elbow"]["lower"]) == ("bioloid", -1.9)
+    assert len(told["links"]) == 19
+    again = routes["/api/model"](request(headers={"if-none-match": first.headers["etag"]}))
+    assert (again.status_code, again.body) == (304, b"")
+
+
+def test_a_body_of_the_owners_own_is_read_again_when_it_changed(routes, tmp_path):
+    before = routes["/api/model"](request()).headers["etag"]
+    own = tmp_path / "models" / "bioloid.xml"
+    own.parent.mkdir()
+    own.write_text("<mujoco/>")
+    told = msgspec.json.decode(routes["/api/model"](request()).body)
+    assert str(own) in told["reason"]
+    assert told["joints"]["left_elbow"]["drawn"] is False
+    own.unlink()
+    assert routes["/api/model"](request()).headers["etag"] == before
+
+
+def run(work: Any) -> Any:
+    """Run a handler that waits for nothing."""
+    with pytest.raises(StopIteration) as ended:
+        work.send(None)
+    return ended.value.value
+
+
+def test_a_motion_is_shown_by_the_pose_that_is_furthest_from_its_ends(routes):
+    answer = run(routes["/api/poses"](request()))
+    assert msgspec.json.decode(answer.body) == {"poses": {"wave": {"arm": 1.5, "hand": -0.4}}}
+    assert key_pose(Motion(name="still", frames=())) == {}
+    assert key_pose(Motion(name="sit", frames=(frame(arm=1.0), frame(hand=0.3)))) == {"arm": 1.0, "hand": 0.3}
+
+
+def test_a_motion_is_answered_with_its_key_frames(routes):
+    answer = run(routes["/api/motion"](request(params=MotionParams(motion="wave"))))
+    assert msgspec.json.decode(answer.body, type=Motion) == WAVE
+    handler = routes["/api/motion"](request(params=MotionParams(motion="nod")))
+    with pytest.raises(Refused, match="no motion 'nod'"):
+        handler.send(None)
+
+
+def test_it_reads_what_a_body_is_made_of_and_writes_nothing():
+    assert {row.TABLE for row in PORTS.rows} == {"joint", "wheel", "range_sensor", "motion", "motion_step"}
+    assert PORTS.edits == ()
