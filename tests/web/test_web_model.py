@@ -9,7 +9,8 @@ import pytest
 from lbr.apps.web.face import Client, Refused, Request
 from lbr.apps.web.model import PORTS, face
 from lbr.apps.web.model.poses import key_pose
-from lbr.apps.web.model.routes import MotionParams
+from lbr.apps.web.model.routes import MotionBody, MotionParams
+from lbr.messages.faces import EditReply
 from lbr.messages.joints import Joint, KeyFrame, Motion
 
 ELBOW = Joint(name="left_elbow", device_id=6, side="left", lower_rad=-1.9, upper_rad=0.1, speed_rps=3.0)
@@ -28,7 +29,7 @@ WAVE = Motion(
 def routes(tmp_path) -> dict[str, Any]:
     ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
     robot: Any = SimpleNamespace(name="bioloid", ctx=ctx, joints=(ELBOW,), motions=(WAVE,))
-    return {route.path: route.handle for route in face(robot).routes()}
+    return {route.path: route.handle for route in face(robot).routes() if route.method == "GET"}
 
 
 def request(**more: Any) -> Request:
@@ -78,6 +79,49 @@ def test_a_motion_is_answered_with_its_key_frames(routes):
         handler.send(None)
 
 
-def test_it_reads_what_a_body_is_made_of_and_writes_nothing():
+class Editor:
+    """Takes rows as the executive does, or refuses them."""
+
+    def __init__(self, reply: EditReply) -> None:
+        self.reply = reply
+        self.edits: list[tuple[Any, bool]] = []
+
+    async def edit(self, rows: Any, *, create: bool, by: str) -> EditReply:
+        self.edits.append((rows, create))
+        return self.reply
+
+
+def kept(tmp_path, reply: EditReply, **given: Any) -> tuple[Editor, Any]:
+    """Post a motion to a robot that answers edits like this."""
+    editor = Editor(reply)
+    ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
+    robot: Any = SimpleNamespace(name="bioloid", ctx=ctx, joints=(ELBOW,), motions=(WAVE,), edit=editor.edit)
+    post = next(route.handle for route in face(robot).routes() if route.method == "POST")
+    return editor, post(request(data=MotionBody(frames=(frame(left_elbow=-0.5),), **given)))
+
+
+def test_a_motion_is_kept_as_rows(tmp_path):
+    editor, answer = kept(tmp_path, EditReply(accepted=True), name="bow")
+    assert run(answer).status_code == 200
+    rows, create = editor.edits[0]
+    assert create
+    assert [row.TABLE for row in rows] == ["motion", "motion_step"]
+
+
+def test_one_that_is_there_is_replaced_only_when_that_is_said(tmp_path):
+    editor, answer = kept(tmp_path, EditReply(accepted=True), name="wave", replace=True)
+    run(answer)
+    assert editor.edits[0][1] is False
+
+
+def test_what_the_robot_refuses_is_told_with_its_code(tmp_path):
+    reply = EditReply(accepted=False, reason="left_elbow: 9 is outside", code="bad_value")
+    _, answer = kept(tmp_path, reply, name="bow")
+    with pytest.raises(Refused, match="left_elbow: 9") as refused:
+        answer.send(None)
+    assert (refused.value.status, refused.value.code) == (409, "bad_value")
+
+
+def test_it_reads_what_a_body_is_made_of_and_writes_motions_alone():
     assert {row.TABLE for row in PORTS.rows} == {"joint", "wheel", "range_sensor", "motion", "motion_step"}
-    assert PORTS.edits == ()
+    assert {row.TABLE for row in PORTS.edits} == {"motion", "motion_step"}

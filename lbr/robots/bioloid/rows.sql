@@ -54,6 +54,7 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'motions.state', 'web.motions', 1),
     ('bioloid', 'web.halt', 'joints.stop', 1),
     ('bioloid', 'web.stop_motion', 'motions.stop', 1),
+    ('bioloid', 'web.edit', 'executive.edit', 1),
     ('bioloid', 'web.estop_reset', 'executive.estop_reset', 1);
 
 -- Ids as on the robot's drawing. Signs and zeros follow published descriptions of the Type A; limits are what the

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from lbr.apps.web.face import Face
     from lbr.apps.web.robot import Robot
 
-PORTS = FacePorts(rows=(Joint, Wheel, RangeSensor, MotionRow, MotionStep))
+PORTS = FacePorts(rows=(Joint, Wheel, RangeSensor, MotionRow, MotionStep), edits=(MotionRow, MotionStep))
 
 
 def face(robot: "Robot") -> "Face":

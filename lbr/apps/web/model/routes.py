@@ -6,16 +6,18 @@ from typing import Annotated
 
 import msgspec
 from msgspec import Meta, Struct
+from msgspec.structs import replace
 from starlette.responses import Response
 
-from lbr.apps.web.face import Face, Refused, Request, Route, encoded, json
+from lbr.apps.web.face import Face, Message, Refused, Request, Route, encoded, json
 from lbr.apps.web.model.poses import key_pose
-from lbr.apps.web.robot import Robot
+from lbr.apps.web.robot import EDIT_S, Robot
 from lbr.bodies.model import body_file, model
 from lbr.bodies.parts import RobotModel
-from lbr.messages.joints import Motion
+from lbr.messages.joints import MAX_FRAMES, KeyFrame, Motion
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
+from lbr.messages.units import Name
 
 
 class Poses(Struct, frozen=True, kw_only=True):
@@ -28,6 +30,15 @@ class MotionParams(Struct, frozen=True, kw_only=True):
     """Which motion."""
 
     motion: Annotated[str, Meta(max_length=40)]
+
+
+class MotionBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A motion to keep; with `replace` it takes the place of the one that has its name."""
+
+    name: Name
+    frames: Annotated[tuple[KeyFrame, ...], Meta(min_length=1, max_length=MAX_FRAMES)]
+    help: Annotated[str, Meta(max_length=200)] = ""
+    replace: bool = False
 
 
 class ModelFace(Face):
@@ -67,6 +78,17 @@ class ModelFace(Face):
                 replies={200: Motion},
                 refuses={404: "There is no such motion."},
             ),
+            Route(
+                method="POST",
+                path="/api/motion",
+                handle=self._keep,
+                summary="Keep a motion in the robot's rows",
+                body=MotionBody,
+                replies={200: Message},
+                role="admin",
+                refuses={409: "It does not fit the robot, or there is one of this name."},
+                within_s=EDIT_S + 1.0,
+            ),
         )
 
     def _model(self, request: Request) -> Response:
@@ -87,6 +109,18 @@ class ModelFace(Face):
         if found is None:
             raise Refused(404, f"there is no motion '{request.params.motion}'")
         return json(found)
+
+    async def _keep(self, request: Request) -> Response:
+        given: MotionBody = request.data
+        before = next((one for one in self._robot.motions if one.name == given.name), None)
+        kept = Motion(name=given.name, frames=given.frames, help=given.help)
+        if before is not None and given.replace:
+            kept = replace(kept, lead_in=before.lead_in, lead_out=before.lead_out, help=given.help or before.help)
+        who = str(request.client)[:80]
+        reply = await self._robot.edit(kept.rows, create=not given.replace, by=who)
+        if not reply.accepted:
+            raise Refused(409, reply.reason, code=reply.code or None)
+        return json(Message(message=f"motion '{kept.name}' is kept"))
 
     def _newest(self) -> tuple[bytes, str]:
         robot = self._robot

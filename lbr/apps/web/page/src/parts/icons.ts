@@ -42,6 +42,7 @@ export const ICONS = {
   down: "M6 9.5l6 6 6-6",
   lock: "M6 11h12v9H6zM8.5 11V8a3.5 3.5 0 0 1 7 0v3M12 14.6v2",
   unlock: "M6 11h12v9H6zM8.5 11V7.6a3.5 3.5 0 0 1 6.8-1.2M12 14.6v2",
+  mirror: "M12 3.5v17M9 7 3.5 17H9zM15 7l5.5 10H15z",
   heat: "M10 14.6V5.5a2 2 0 0 1 4 0v9.1a3.8 3.8 0 1 1-4 0zM12 9v8",
 } as const;
 export type IconName = keyof typeof ICONS;

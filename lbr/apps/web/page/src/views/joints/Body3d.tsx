@@ -6,6 +6,7 @@ import { streamOfType } from "../../robot";
 import { t } from "../../words";
 import type { AttitudeState } from "../../messages";
 import { Flat } from "./Flat";
+import { listenJoints } from "./hooks";
 import type { BodyModel, JointsState } from "./model";
 import { aims } from "./mover";
 import type { Colours, Stage } from "./stage";
@@ -13,7 +14,7 @@ import { goals, positions, tones } from "./state";
 
 interface Props {
   model: BodyModel;
-  stream: string;
+  streams: readonly string[];
   selected: string;
   may: boolean;
   onPick: (joint: string) => void;
@@ -23,7 +24,8 @@ interface Props {
 
 const coarse = (): boolean => matchMedia("(pointer: coarse)").matches;
 
-function colours(): Colours {
+/** The page's colours, for what is drawn on a canvas. */
+export function stageColours(): Colours {
   const style = getComputedStyle(document.documentElement);
   const read = (name: string): string => style.getPropertyValue(name).trim() || "#888888";
   return { accent: read("--accent"), good: read("--good"), warn: read("--warn"), bad: read("--bad"), muted: read("--muted"), line: read("--line"), dark: style.colorScheme !== "light" };
@@ -37,7 +39,8 @@ export function Body3d(props: Props) {
   const [flat, goFlat] = useState(false);
   const [ready, setReady] = useState(false);
   const [mode, setMode] = useState<"look" | "pose">(() => (coarse() ? "look" : "pose"));
-  const { model, stream, selected, may } = props;
+  const { model, streams, selected, may } = props;
+  const key = streams.join(" ");
   const drags = may && mode === "pose";
 
   useEffect(() => {
@@ -46,7 +49,7 @@ export function Body3d(props: Props) {
     void import("./stage").then(({ Stage: Made, drawable }) => {
       if (ended || !canvas.current) return;
       if (!drawable()) return goFlat(true);
-      const made = new Made(canvas.current, model, colours(), {
+      const made = new Made(canvas.current, model, stageColours(), {
         onPick: (joint) => newest.current.onPick(joint),
         onDrag: (joint, rad) => newest.current.onDrag(joint, rad),
         onDrop: (joint) => newest.current.onDrop(joint),
@@ -60,14 +63,14 @@ export function Body3d(props: Props) {
         made.setPose(positions(measured), goals(measured, aims.value));
         made.setTones(tones(measured));
       };
-      ends.push(listen(stream, (sample) => { measured = sample.message as JointsState; pose(); }));
+      ends.push(listenJoints(streams, ({ state }) => { measured = state; pose(); }));
       ends.push(aims.subscribe(pose));
       const tilt = streamOfType("AttitudeState");
       if (tilt) ends.push(listen(tilt, (sample) => lean(made, sample.message as AttitudeState)));
-      const look = new MutationObserver(() => made.setColours(colours()));
+      const look = new MutationObserver(() => made.setColours(stageColours()));
       look.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
       const scheme = matchMedia("(prefers-color-scheme: dark)");
-      const changed = (): void => made.setColours(colours());
+      const changed = (): void => made.setColours(stageColours());
       scheme.addEventListener("change", changed);
       ends.push(() => look.disconnect(), () => scheme.removeEventListener("change", changed), () => made.dispose());
     }, () => goFlat(true)).catch(() => goFlat(true));
@@ -76,11 +79,11 @@ export function Body3d(props: Props) {
       ends.forEach((end) => end());
       stage.current = null;
     };
-  }, [model, stream]);
+  }, [model, key]);
   useEffect(() => stage.current?.select(selected), [selected, ready]);
   useEffect(() => stage.current?.setDrag(drags), [drags, ready]);
 
-  if (flat) return <Flat model={model} stream={stream} selected={selected} onPick={props.onPick} />;
+  if (flat) return <Flat model={model} streams={streams} selected={selected} onPick={props.onPick} />;
   return (
     <div class="joints-stage" data-ready={ready}>
       <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("joints.body", { robot: model.robot })} />

@@ -1,13 +1,13 @@
 // The body drawn flat, from the same model: for browsers without WebGL.
 import { t } from "../../words";
-import { useCalm } from "./hooks";
-import type { BodyModel, JointsState } from "./model";
+import { useJoints } from "./hooks";
+import type { BodyModel } from "./model";
 import { positions, tones } from "./state";
 import { sketch } from "./sketch";
 import { BAD } from "./tone";
 
-export function Flat({ model, stream, selected, onPick }: { model: BodyModel; stream: string; selected: string; onPick: (joint: string) => void }) {
-  const state = useCalm<JointsState>(stream)?.message;
+export function Flat({ model, streams, selected, onPick }: { model: BodyModel; streams: readonly string[]; selected: string; onPick: (joint: string) => void }) {
+  const state = useJoints(streams)?.state;
   const all = state ? tones(state) : {};
   const { patches, box } = sketch(model, state ? positions(state) : {});
   return (

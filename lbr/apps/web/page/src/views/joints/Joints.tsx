@@ -7,10 +7,10 @@ import { estop } from "../../stopping";
 import { maybe, t } from "../../words";
 import { Body3d } from "./Body3d";
 import { Boxes } from "./boxes";
-import { jointsStream, ownerOf, useCalm } from "./hooks";
+import { jointStreams, useJoints, type Joints as AllJoints } from "./hooks";
 import "./Joints.css";
 import { body, jointNames, loadBody, mirrored, type BodyModel, type JointsState, type Side } from "./model";
-import { aims, moverOf, speed, SPEEDS, type Speed } from "./mover";
+import { aims, Movers, speed, SPEEDS, type Speed } from "./mover";
 import { Row } from "./Row";
 import { positions } from "./state";
 import { BAD, toneOf } from "./tone";
@@ -39,30 +39,35 @@ function withRows(model: BodyModel): BodyModel {
 }
 
 function Shown({ model }: { model: BodyModel }) {
-  const stream = jointsStream();
-  const owner = ownerOf(stream);
-  const sample = useCalm<JointsState>(stream);
-  const state = sample?.message;
+  const streams = jointStreams();
+  const joints = useJoints(streams);
+  const state = joints?.state;
   const [selected, select] = useState("");
   const [both, setBoth] = useState(false);
-  const mover = useMemo(() => moverOf(owner), [owner]);
+  const mover = useMemo(() => new Movers(), []);
   const names = jointNames(model);
   const operates = may("operate");
 
-  useEffect(() => { if (state) mover.seen(positions(state)); }, [sample]);
+  useEffect(() => { if (state) mover.seen(positions(state)); }, [state]);
   useEffect(() => holding.state.subscribe((now) => { if (!now.moving) mover.forget(); }), [mover]);
   useEffect(() => () => { holding.release(); mover.forget(); }, [mover]);
 
   const aim = (joint: string, rad: number, held: boolean): boolean => {
     const range = model.joints[joint];
     const from = state?.joints[joint]?.position_rad ?? null;
+    const owner = joints?.owners[joint] ?? "";
     const rps = Math.min(SPEEDS[speed.value], range?.speed_rps ?? Infinity);
     const within = (name: string): number => Math.min(model.joints[name]?.upper ?? rad, Math.max(model.joints[name]?.lower ?? rad, rad));
-    if (!mover.aim(joint, within(joint), from, rps, held)) return false;
+    if (!owner || !mover.aim(owner, joint, within(joint), from, rps, held)) return false;
     const other = both ? mirrored(joint, names) : "";
-    return other ? mover.aim(other, within(other), state?.joints[other]?.position_rad ?? null, rps, false) : true;
+    return other && joints?.owners[other] === owner ? mover.aim(owner, other, within(other), state?.joints[other]?.position_rad ?? null, rps, false) : true;
   };
-  const torque = (joints: string[], on: boolean): void => void command(owner, "torque", { on, joints });
+  const torque = (named: string[], on: boolean): void => {
+    for (const [owner, group] of byOwner(joints, named)) void command(owner, "torque", { on, joints: group });
+  };
+  const recover = (named: string[]): void => {
+    for (const [owner, group] of byOwner(joints, named)) void command(owner, "recover", { joints: group });
+  };
   const pick = (joint: string): void => {
     select(joint);
     if (joint) requestAnimationFrame(() => document.querySelector(`.joints-row[data-joint="${joint}"]`)?.scrollIntoView({ block: "nearest", behavior: "smooth" }));
@@ -74,13 +79,13 @@ function Shown({ model }: { model: BodyModel }) {
     <div class="joints">
       <div class="joints-left">
         {model.links.length > 0
-          ? <Body3d model={model} stream={stream} selected={selected} may={operates} onPick={pick} onDrag={(joint, rad) => aim(joint, rad, true)} onDrop={() => mover.drop()} />
+          ? <Body3d model={model} streams={streams} selected={selected} may={operates} onPick={pick} onDrag={(joint, rad) => aim(joint, rad, true)} onDrop={() => mover.drop()} />
           : <div class="joints-stage"><Empty icon="joints" title={t("joints.nobody")}><p>{model.reason}</p></Empty></div>}
         {why && <p class="joints-why" role="status"><Icon name="info" />{why}</p>}
         <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
       </div>
       <div class="joints-right">
-        <Torque names={names} model={model} state={state} owner={owner} sample={sample} />
+        <Torque names={names} model={model} joints={joints} onRecover={recover} />
         <div class="joints-groups">
           {SIDES.map((side) => {
             const group = names.filter((name) => model.joints[name]!.side === side);
@@ -91,7 +96,7 @@ function Shown({ model }: { model: BodyModel }) {
                   {group.map((name) => (
                     <Row
                       key={name} name={name} range={model.joints[name]!} state={state?.joints[name]} aim={aims.value[name]} selected={name === selected} may={operates && !estop.value.engaged}
-                      onPick={pick} onMove={aim} onTorque={(joint, on) => torque([joint], on)} onRecover={(joint) => void command(owner, "recover", { joints: [joint] })}
+                      onPick={pick} onMove={aim} onTorque={(joint, on) => torque([joint], on)} onRecover={(joint) => recover([joint])}
                     />
                   ))}
                 </ul>
@@ -105,9 +110,19 @@ function Shown({ model }: { model: BodyModel }) {
   );
 }
 
+/** Joints by the capability that moves them. */
+function byOwner(joints: AllJoints | null, named: string[]): Map<string, string[]> {
+  const found = new Map<string, string[]>();
+  for (const name of named) {
+    const owner = joints?.owners[name];
+    if (owner) found.set(owner, [...(found.get(owner) ?? []), name]);
+  }
+  return found;
+}
+
 /** Why the joints do not move, by the code and sentence of the robot; empty while nothing is wrong. */
 function whyNot(state: JointsState): string {
-  if (!state.code || ["done", "idle", "superseded", "released"].includes(state.code)) return "";
+  if (!state.code || ["done", "idle", "superseded", "cancelled", "released"].includes(state.code)) return "";
   return [maybe(`code.${state.code}`), state.reason].filter(Boolean).join(": ");
 }
 
@@ -132,15 +147,16 @@ function Locks({ group, state, may: operates, onTorque, side }: { group: string[
   );
 }
 
-function Torque({ names, model, state, owner, sample }: { names: string[]; model: BodyModel; state?: JointsState; owner: string; sample: ReturnType<typeof useCalm<JointsState>> }) {
+function Torque({ names, model, joints, onRecover }: { names: string[]; model: BodyModel; joints: ReturnType<typeof useJoints>; onRecover: (joints: string[]) => void }) {
   const [asks, ask] = useState(false);
+  const state = joints?.state;
   const limp = names.filter((name) => state?.joints[name]?.torque === 0).length;
   const bad = names.filter((name) => BAD.has(toneOf(state?.joints[name]))).length;
   const latched = names.filter((name) => state?.joints[name]?.latched?.length);
   const operates = may("operate") && state !== undefined;
   const all = (on: boolean): void => {
     ask(false);
-    void command(owner, "torque", on ? { on } : { on, confirmed: true });
+    for (const owner of new Set(Object.values(joints?.owners ?? {}))) void command(owner, "torque", on ? { on } : { on, confirmed: true });
   };
   return (
     <section class="joints-summary" aria-label={t("joints.torque")}>
@@ -148,10 +164,10 @@ function Torque({ names, model, state, owner, sample }: { names: string[]; model
         {state && bad === 0 && limp === 0 && <Badge tone="good" icon="check">{t("joints.all.held", { count: names.length })}</Badge>}
         {limp > 0 && <Badge tone="warn" icon="unlock">{t("joints.some.limp", { count: limp, of: names.length })}</Badge>}
         {bad > 0 && <Badge tone="bad" icon="warn">{t("joints.some.bad", { count: bad })}</Badge>}
-        <Stale sample={sample} />
+        <Stale sample={joints?.sample ?? null} />
       </p>
       <div class="joints-actions">
-        {latched.length > 0 && <Button icon="restart" disabled={!operates} onClick={() => void command(owner, "recover", {})}>{t("joints.recover.all")}</Button>}
+        {latched.length > 0 && <Button icon="restart" disabled={!operates} onClick={() => onRecover(latched)}>{t("joints.recover.all")}</Button>}
         <Button icon="lock" disabled={!operates || limp === 0} onClick={() => all(true)}>{t("joints.lock.all")}</Button>
         <Button kind="danger" icon="unlock" disabled={!operates || limp === names.length} onClick={() => ask(true)}>{t("joints.release.all")}</Button>
       </div>

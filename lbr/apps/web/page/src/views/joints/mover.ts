@@ -74,9 +74,21 @@ export class Mover {
   }
 }
 
-/** A mover of the joints of a capability: they join what moves already, and stay held until all have arrived. */
-export const moverOf = (capability: string): Mover =>
-  new Mover(
-    (positions) => holding.move(`${capability}/command`, { positions, speed_rps: SPEEDS[speed.value], join: true, stay: true }),
+/** Moves the joints of all capabilities, those of one at a time: they join what moves already, and stay held until all have arrived. */
+export class Movers {
+  private owner = "";
+  private readonly mover = new Mover(
+    (positions) => holding.move(`${this.owner}/command`, { positions, speed_rps: SPEEDS[speed.value], join: true, stay: true }),
     () => holding.release(),
   );
+
+  aim(owner: string, joint: string, rad: number, from: number | null, rps: number, held: boolean): boolean {
+    if (owner !== this.owner) this.mover.forget();
+    this.owner = owner;
+    return this.mover.aim(joint, rad, from, rps, held);
+  }
+
+  drop(): void { this.mover.drop(); }
+  seen(positions: Record<string, number | null | undefined>): void { this.mover.seen(positions); }
+  forget(): void { this.mover.forget(); }
+}

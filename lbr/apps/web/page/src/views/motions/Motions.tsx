@@ -10,8 +10,10 @@ import { estop } from "../../stopping";
 import { maybe, t } from "../../words";
 import { ownerOf, useCalm } from "../joints/hooks";
 import { body, loadBody, type BodyModel } from "../joints/model";
+import { Builder } from "./Builder";
 import { buttons, hasPad, keycap, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
 import { Figure } from "./Figure";
+import "../joints/Joints.css";
 import "./Motions.css";
 
 const speed = signal(1);
@@ -28,6 +30,7 @@ export default function Motions() {
   const stream = streamOfType("MotionsState");
   const owner = ownerOf(stream) || capabilities("motions")[0]?.name || "motions";
   const state = useCalm<MotionsState>(stream)?.message;
+  const [what, show] = useState<"play" | "build">("play");
   const progress = useMemo(() => new Progress(), []);
   const all = rows();
   const keys = buttons();
@@ -42,9 +45,21 @@ export default function Motions() {
     void command(owner, "stop", { reason: "from the page" }, { quiet: true });
   };
   const part = progress.part(state);
-  if (all.length === 0) return <Empty icon="motions" title={t("motions.none")} />;
+  if (all.length === 0 && !body.value?.links.length) return <Empty icon="motions" title={t("motions.none")} />;
   const own = all.filter((one) => one.slot == null);
+  const model = body.value;
+  const tabs = model && model.links.length > 0 && (
+    <Segments
+      label={t("motions.what")} value={what} onChange={show}
+      options={[{ value: "play", text: t("motions.play"), icon: "play" }, { value: "build", text: t("motions.build"), icon: "joints" }]}
+    />
+  );
+  if (what === "build" && model) {
+    return <div class="motions-both">{tabs}<Playing state={state} part={part} onStop={end} /><Builder model={model} motions={all} /></div>;
+  }
   return (
+    <div class="motions-both">
+    {tabs}
     <div class="motions">
       <div class="motions-main">
         <Playing state={state} part={part} onStop={end} />
@@ -64,6 +79,7 @@ export default function Motions() {
         {keys.length > 0 && <Remote all={keys} can={can} now={state?.playing ? state.motion ?? "" : ""} onPlay={play} />}
         {capabilities("motions").some((one) => "capture" in one.commands) && <Keep owner={owner} />}
       </div>
+    </div>
     </div>
   );
 }
