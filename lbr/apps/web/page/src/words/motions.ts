@@ -13,6 +13,7 @@ export const motions = {
   "motions.end.one": ["End {motion}", "{motion} beenden"],
   "motions.play.one": ["Play {motion}", "{motion} abspielen"],
   "motions.frames": ["{count} key frames", "{count} Schlüsselbilder"],
+  "motions.frames.one": ["a pose", "eine Stellung"],
   "motions.slot": ["slot {slot}", "Platz {slot}"],
   "motions.remote": ["Remote control", "Fernbedienung"],
   "motions.keep": ["Make a motion by hand", "Bewegung von Hand machen"],

@@ -10,6 +10,9 @@ const ICON: Record<Tone, IconName> = { near: "check", held: "check", moving: "pl
 const STEP_RAD = Math.PI / 360;
 const inDegrees = (rad: number): number => Math.round((1800 * rad) / Math.PI) / 10;
 
+/** A name without the side that stands above it. */
+const within = (name: string, side: string): string => (name.startsWith(`${side}_`) ? name.slice(side.length + 1) : name);
+
 export interface RowProps {
   name: string;
   range: JointRange;
@@ -35,7 +38,7 @@ export function Row({ name, range, state, aim, selected, may, onPick, onMove, on
       <div class="joints-row-head">
         <button type="button" class="joints-name" aria-expanded={selected} onClick={() => onPick(selected ? "" : name)}>
           <span class="joints-dot" title={word}><Icon name={ICON[tone]} /></span>
-          <span class="joints-name-text">{plain(name)}</span>
+          <span class="joints-name-text">{plain(within(name, range.side))}</span>
           <span class="sr">{word}</span>
         </button>
         <Angle name={name} at={aim ?? at} lower={lower} upper={upper} disabled={!can} onMove={onMove} />

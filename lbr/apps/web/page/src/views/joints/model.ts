@@ -38,8 +38,12 @@ export async function loadBody(revision: string): Promise<void> {
   }
 }
 
-/** The joints that a page lists: those of the model's rows, by side and from the head down as the rows have them. */
-export const jointNames = (model: BodyModel): string[] => Object.keys(model.joints).filter((name) => model.joints[name]!.kind !== "wheel");
+/** The joints that a page lists, from the head of the body's tree down, those that are not drawn last. */
+export function jointNames(model: BodyModel): string[] {
+  const order = new Map(model.links.map((link, at) => [link.joint, at]));
+  const names = Object.keys(model.joints).filter((name) => model.joints[name]!.kind !== "wheel");
+  return names.sort((a, b) => (order.get(a) ?? Infinity) - (order.get(b) ?? Infinity) || 0);
+}
 
 /** The name of the same joint on the other side; empty if there is none. */
 export function mirrored(name: string, names: readonly string[]): string {

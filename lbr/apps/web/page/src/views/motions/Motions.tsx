@@ -116,7 +116,7 @@ function One({ row, model, can, now, onPlay, onStop }: { row: MotionRow; model: 
       </div>
       <p class="motions-facts">
         {row.duration_s != null && <span>{number(row.duration_s, row.duration_s < 10 ? 1 : 0)} s</span>}
-        {row.slot != null ? <Badge>{t("motions.slot", { slot: row.slot })}</Badge> : row.frames != null && <span>{t("motions.frames", { count: row.frames })}</span>}
+        {row.slot != null ? <Badge>{t("motions.slot", { slot: row.slot })}</Badge> : row.frames != null && <span>{row.frames === 1 ? t("motions.frames.one") : t("motions.frames", { count: row.frames })}</span>}
       </p>
       {playing
         ? <Button class="motions-go" kind="danger" icon="stop" label={t("motions.end.one", { motion: plain(row.name) })} onClick={onStop} />
