@@ -14,6 +14,7 @@ from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.robot import EDIT_S, Robot
 from lbr.bodies.model import body_file, model
 from lbr.bodies.parts import RobotModel
+from lbr.messages.codes import heard
 from lbr.messages.joints import MAX_FRAMES, KeyFrame, Motion
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
@@ -119,7 +120,7 @@ class ModelFace(Face):
         who = str(request.client)[:80]
         reply = await self._robot.edit(kept.rows, create=not given.replace, by=who)
         if not reply.accepted:
-            raise Refused(409, reply.reason, code=reply.code or None)
+            raise Refused(409, heard(reply.code, reply.reason))
         return json(Message(message=f"motion '{kept.name}' is kept"))
 
     def _newest(self) -> tuple[bytes, str]:

@@ -1,6 +1,7 @@
 // The joints: the body in three dimensions, each joint's angle and torque, and what else tells how the robot is.
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { holding } from "../../holding";
+import { plain } from "../../format";
 import { Badge, Button, Card, Dialog, Empty, Icon, Segments, Stale, Toggle } from "../../parts";
 import { command, may, robot } from "../../robot";
 import { estop } from "../../stopping";
@@ -74,6 +75,7 @@ function Shown({ model }: { model: BodyModel }) {
   };
 
   if (names.length === 0) return <Empty icon="joints" title={t("joints.none")}>{model.reason && <p>{model.reason}</p>}</Empty>;
+  const groups = grouped(names, model, joints?.owners ?? {});
   const why = state && !estop.value.engaged ? whyNot(state) : "";
   return (
     <div class="joints">
@@ -82,32 +84,35 @@ function Shown({ model }: { model: BodyModel }) {
           ? <Body3d model={model} streams={streams} selected={selected} may={operates} onPick={pick} onDrag={(joint, rad) => aim(joint, rad, true)} onDrop={() => mover.drop()} />
           : <div class="joints-stage"><Empty icon="joints" title={t("joints.nobody")}><p>{model.reason}</p></Empty></div>}
         {why && <p class="joints-why" role="status"><Icon name="info" />{why}</p>}
-        <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
       </div>
       <div class="joints-right">
         <Torque names={names} model={model} joints={joints} onRecover={recover} />
+        <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
         <div class="joints-groups">
-          {SIDES.map((side) => {
-            const group = names.filter((name) => model.joints[name]!.side === side);
-            if (group.length === 0) return null;
-            return (
-              <Card key={side} class="joints-group" title={t(`joints.side.${side}`)} actions={<Locks group={group} state={state} may={operates} onTorque={torque} side={side} />}>
-                <ul class="joints-list">
-                  {group.map((name) => (
-                    <Row
-                      key={name} name={name} range={model.joints[name]!} state={state?.joints[name]} aim={aims.value[name]} selected={name === selected} may={operates && !estop.value.engaged}
-                      onPick={pick} onMove={aim} onTorque={(joint, on) => torque([joint], on)} onRecover={(joint) => recover([joint])}
-                    />
-                  ))}
-                </ul>
-              </Card>
-            );
-          })}
+          {groups.map(([title, group]) => (
+            <Card key={title} class="joints-group" title={title} actions={<Locks group={group} state={state} may={operates} onTorque={torque} title={title} />}>
+              <ul class="joints-list">
+                {group.map((name) => (
+                  <Row
+                    key={name} name={name} range={model.joints[name]!} state={state?.joints[name]} aim={aims.value[name]} selected={name === selected} may={operates && !estop.value.engaged}
+                    onPick={pick} onMove={aim} onTorque={(joint, on) => torque([joint], on)} onRecover={(joint) => recover([joint])}
+                  />
+                ))}
+              </ul>
+            </Card>
+          ))}
         </div>
         <div class="joints-boxes"><Boxes /></div>
       </div>
     </div>
   );
+}
+
+/** By side; where all are in the middle, by the capability that moves them. */
+function grouped(names: string[], model: BodyModel, owners: Record<string, string>): [string, string[]][] {
+  const several = new Set(Object.values(owners)).size > 1 && names.every((name) => model.joints[name]!.side === "centre");
+  if (several) return [...new Set(Object.values(owners))].map((owner) => [plain(owner), names.filter((name) => owners[name] === owner)]);
+  return SIDES.map((side): [string, string[]] => [t(`joints.side.${side}`), names.filter((name) => model.joints[name]!.side === side)]).filter(([, group]) => group.length > 0);
 }
 
 /** Joints by the capability that moves them. */
@@ -136,13 +141,12 @@ function Moving({ both, onBoth, may: operates, pairs }: { both: boolean; onBoth:
   );
 }
 
-function Locks({ group, state, may: operates, onTorque, side }: { group: string[]; state?: JointsState; may: boolean; onTorque: (joints: string[], on: boolean) => void; side: Side }) {
+function Locks({ group, state, may: operates, onTorque, title }: { group: string[]; state?: JointsState; may: boolean; onTorque: (joints: string[], on: boolean) => void; title: string }) {
   const limp = group.filter((name) => state?.joints[name]?.torque === 0).length;
-  const where = t(`joints.side.${side}`);
   return (
     <>
-      <Button kind="quiet" icon="lock" label={t("joints.lock.side", { side: where })} disabled={!operates || !state || limp === 0} onClick={() => onTorque(group, true)} />
-      <Button kind="quiet" icon="unlock" label={t("joints.release.side", { side: where })} disabled={!operates || !state || limp === group.length} onClick={() => onTorque(group, false)} />
+      <Button kind="quiet" icon="lock" label={t("joints.lock.side", { side: title })} disabled={!operates || !state || limp === 0} onClick={() => onTorque(group, true)} />
+      <Button kind="quiet" icon="unlock" label={t("joints.release.side", { side: title })} disabled={!operates || !state || limp === group.length} onClick={() => onTorque(group, false)} />
     </>
   );
 }

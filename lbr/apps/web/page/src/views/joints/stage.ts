@@ -113,7 +113,8 @@ export class Stage {
     this.upright.add(this.lifted);
     this.upright.rotation.x = -Math.PI / 2;
     this.scene.add(this.upright);
-    const { low, high } = extent(model, placed(model, {}));
+    for (const bone of this.body.bones.values()) for (const mesh of bone.meshes) mesh.userData["colour"] = (mesh.material as MeshStandardMaterial).color.clone();
+    const { low, high } = this.seen({});
     this.size = Math.max(high[2] - low[2], high[0] - low[0], high[1] - low[1], 0.1);
     this.addRings();
     this.addFloor();
@@ -187,9 +188,11 @@ export class Stage {
 
   /** Looks at all of it from a side. */
   look(from: "front" | "left" | "back"): void {
-    const { low, high } = extent(this.model, placed(this.model, Object.fromEntries(this.shown)));
+    const angles = Object.fromEntries(this.shown);
+    const { low, high } = this.seen(angles);
     const ground = low[2];
-    const middle = new Vector3((low[0] + high[0]) / 2, (high[2] - ground) * 0.49, -(low[1] + high[1]) / 2);
+    const floor = extent(this.model, placed(this.model, angles)).low[2];
+    const middle = new Vector3((low[0] + high[0]) / 2, ground - floor + (high[2] - ground) * 0.49, -(low[1] + high[1]) / 2);
     const yaw = { front: 0.5, left: Math.PI / 2, back: Math.PI - 0.5 }[from];
     const aspect = this.camera.aspect || 1;
     const tall = Math.max(high[2] - ground, 0.1);
@@ -200,6 +203,15 @@ export class Stage {
     this.controls.target.copy(middle);
     this.controls.update();
     this.stale = true;
+  }
+
+  /** The box around what there is to look at: all of it, or what moves if that is a small part of it. */
+  private seen(angles: Record<string, number>): { low: Vec; high: Vec } {
+    const places = placed(this.model, angles);
+    const whole = extent(this.model, places);
+    const links = this.model.links.filter((link) => this.body.bones.get(link.name)?.joint);
+    const moving = extent({ ...this.model, links }, places);
+    return links.length > 0 && moving.high[2] - moving.low[2] < 0.5 * (whole.high[2] - whole.low[2]) ? moving : whole;
   }
 
   dispose(): void {
@@ -287,8 +299,11 @@ export class Stage {
       if (bone.joint !== joint) continue;
       for (const mesh of bone.meshes) {
         const material = mesh.material as MeshStandardMaterial;
+        const own = mesh.userData["colour"] as Color;
+        material.color.copy(own);
+        if (red) material.color.lerp(new Color(bad), 0.7);
         material.emissive.set(red ? bad : picked ? accent : "#000000");
-        material.emissiveIntensity = red ? 0.5 : picked ? 0.16 : 0;
+        material.emissiveIntensity = red ? 0.22 : picked ? 0.16 : 0;
       }
     }
     this.stale = true;
