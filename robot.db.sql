@@ -20,7 +20,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0010');
+INSERT INTO alembic_version (version_num) VALUES ('0011');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -343,7 +343,9 @@ CREATE TABLE user_token (
     revoked_at TEXT,                      -- NULL: valid
     expires_at TEXT,                      -- NULL: never
     good_for   TEXT NOT NULL DEFAULT 'both'  -- where it lets in: the bus, the web server, or both
-        CHECK (good_for IN ('bus', 'web', 'both'))
+        CHECK (good_for IN ('bus', 'web', 'both')),
+    paired_from TEXT                      -- the address that was given it for a code; NULL: made by hand
+        CHECK (paired_from IS NULL OR length(paired_from) BETWEEN 1 AND 64)
 ) STRICT;
 
 -- Every change of the rows above that make the robot, kept by the triggers at the end of this file.

@@ -40,18 +40,19 @@ FLOORS = {
     "surroundings": {"errors"},
     "plugins": {"errors"},
     "resources": {"errors"},
+    "qr": set(),
     "robots": ROBOTS,
     "bodies": ROBOTS | {"bodies"},
     "bus": BUS,
     "capability": CAPABILITY,
     "drivers": CAPABILITY | {"drivers"},
     "operations": CAPABILITY | {"operations"},
-    "apps": CAPABILITY | {"apps", "bodies", "home"},
+    "apps": CAPABILITY | {"apps", "bodies", "home", "qr"},
     "testing": CAPABILITY | {"database", "simulation", "testing"},
     "simulation": CAPABILITY | ROBOTS | {"simulation"},
     "database": GROUND | ROBOTS | {"database", "ownership"},
     "console": BUS | {"console", "database", "home", "ownership"},
-    "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home"},
+    "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home", "qr"},
 }
 TOP = {"cli", "commands"}
 """What people start: may import everything below."""
@@ -78,7 +79,7 @@ OWNERS = {
     "starlette": {"apps"},
     "uvicorn": {"apps"},
     "websockets": {"apps"},
-    "segno": {"apps"},
+    "segno": {"qr"},
     "zeroconf": {"apps"},
     "ifaddr": {"apps"},
     "PIL": {"simulation"},
@@ -304,6 +305,12 @@ def test_the_console_uses_of_the_database_only_its_light_rows_and_patterns(path)
     used = {name for name in imports(path.read_text(), dotted(path)) if name.startswith("lbr.database")}
     light = ("lbr.database.rows", "lbr.database.patterns", "lbr.database.arguments", "lbr.database.builtin")
     assert all(name.startswith(light) for name in used), used
+
+
+@pytest.mark.parametrize("path", [p for p in MODULES if dotted(p).startswith("lbr.apps.web")], ids=dotted)
+def test_the_server_for_people_says_lines_on_keys_of_its_own(path):
+    """By the console's own keys it could ask for the codes that let phones in, and give itself any token."""
+    assert not re.search(r"keys\.console\(", path.read_text()), "use keys.console_of_pages, here and in its rights"
 
 
 def loaded_after(*modules: str) -> list[str]:

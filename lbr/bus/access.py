@@ -70,7 +70,7 @@ _ANNOUNCED = tuple(message for message in _EVERYTHING if message not in _GIVEN)
 
 def everything(robot: str) -> tuple[str, ...]:
     """Return the whole key space; `**` passes by the chunks that begin with `@`."""
-    system = ("console", "estop", "status", "event", "alive", "schema", "host", "edit")
+    system = ("console", "estop", "status", "event", "alive", "schema", "host", "edit", "pair")
     return (f"{robot}/**", *(f"{robot}/@{name}/**" for name in system), keys.ANY_STATUS)
 
 

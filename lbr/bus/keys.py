@@ -14,6 +14,11 @@ def console(robot: str, role: str = "operate") -> str:
     return f"{robot}/@console" if role == "operate" else f"{robot}/@console/{role}"
 
 
+def console_of_pages(robot: str, role: str = "operate") -> str:
+    """Return the key that takes console lines of a role from who serves people by pages; they let in no one by it."""
+    return f"{robot}/@console/page/{role}"
+
+
 def estop(robot: str) -> str:
     """Return the key that latches the emergency stop."""
     return f"{robot}/@estop"
@@ -37,6 +42,11 @@ def estop_acknowledgement(robot: str, capability: str) -> str:
 def edit(robot: str) -> str:
     """Return the key on which the executive takes edits of rows, from those that are wired to `executive.edit`."""
     return f"{robot}/@edit"
+
+
+def pair(robot: str) -> str:
+    """Return the key on which the executive takes the digits of a code, for a token, from kinds that pair."""
+    return f"{robot}/@pair"
 
 
 def status(robot: str) -> str:

@@ -32,6 +32,7 @@ def _found(kind: Kind) -> Iterator[str]:
     yield from _optional(kind)
     yield from _choices(kind)
     yield from _settings(kind)
+    yield from _pairing(kind)
     yield from _answers(kind)
     yield from _devices(kind)
     yield from _said(kind)
@@ -41,7 +42,7 @@ def _words(kind: Kind) -> Iterator[str]:
     for field in ("summary", "device", "extra", "package"):
         if not isinstance(getattr(kind, field), str):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
-    for field in ("moves", "serves", "emulates"):
+    for field in ("moves", "serves", "pairs", "emulates"):
         if not isinstance(getattr(kind, field), bool):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be True or False"
     if kind.family not in FAMILIES and not _is_struct(kind.settings, ProgramSettings):
@@ -169,6 +170,19 @@ def _settings(kind: Kind) -> Iterator[str]:
         yield f"'device' needs a field 'device' in {kind.settings.__name__}, which names the device row"
 
 
+def _pairing(kind: Kind) -> Iterator[str]:
+    if not kind.pairs:
+        return
+    if "host" not in getattr(kind.settings, "__struct_fields__", ()):
+        yield "'pairs' needs a setting 'host', which the words `open` and `close` change"
+    if not _has(kind.commands, "address") or not _has(kind.requests, "pair"):
+        yield "'pairs' needs a command 'address', which says where it is, and a request 'pair'"
+
+
+def _has(ports: object, name: str) -> bool:
+    return isinstance(ports, Mapping) and name in ports
+
+
 def _answers(kind: Kind) -> Iterator[str]:
     asked = {name for group in (kind.commands, kind.requests) if isinstance(group, Mapping) for name in group}
     for name in kind.replies if isinstance(kind.replies, Mapping) else ():
@@ -207,7 +221,7 @@ def _said(kind: Kind) -> Iterator[str]:
     for one in words:
         if not (isinstance(one.pattern, str) and isinstance(one.help, str) and isinstance(one.fixed, dict)):
             yield f"'words' has {_shown(one)}: its pattern and help must be texts, and 'fixed' a dict"
-        elif one.command not in commands:
+        elif not one.executive and one.command not in commands:
             yield f"'words' has {_shown(one.pattern)}, which asks for {_shown(one.command)}, none of its commands"
         elif one.role not in get_args(Role):
             yield f"'words' gives {_shown(one.pattern)} {_shown(one.role)}, and must give one of {', '.join(get_args(Role))}"

@@ -85,8 +85,10 @@ class Kind:
     nothing feeds them. `roles` are the commands that need another role than `operate`; anybody may stop. `words` are
     what the console of every robot with a capability of this kind understands, besides the robot's rows. `moves` marks
     a path to a motor: it gets the emergency stop on a session of its own and is stopped first. `serves` marks a way by
-    which people move and stop the robot: it ranks with what moves. `device` is the type of the device row that the
-    setting `device` must name; empty if it owns none. `device_settings` is what rows of a type of device may set for
+    which people move and stop the robot: it ranks with what moves. `pairs` marks one by which their phones get tokens: by
+    its request `pair` it may show the executive the digits that a person read at the console, and the words `open` and
+    `close` change its setting `host`. `device` is the type of the device row that the setting `device` must name; empty
+    if it owns none. `device_settings` is what rows of a type of device may set for
     it; a world that `emulates` every device that has a twin (see `lbr.capability.twins`) gets theirs. `line` says that
     its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked many times
     a second, so that what an adapter holds back matters. `emulated` is what stands in for its device in a simulation: a
@@ -111,6 +113,7 @@ class Kind:
     words: tuple[Word, ...] = ()
     moves: bool = False
     serves: bool = False
+    pairs: bool = False
     device: str = ""
     device_settings: Mapping[str, type[Struct]] = field(default_factory=dict)
     emulates: bool = False

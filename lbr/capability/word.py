@@ -8,7 +8,8 @@ from lbr.messages.system import Role
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A line, `/r/{power}/{angle_deg}` or a bare word, and the command of its capability that it asks for.
+    """A line, `/r/{power}/{angle_deg}` or a bare word, and the command of its capability that it asks for, or of the
+    executive itself.
 
     `fixed` are fields of the message that the pattern does not bind, `role` the least that may say it, unless the command
     needs more. A robot's own row of the same pattern takes its place.
@@ -19,3 +20,4 @@ class Word:
     help: str
     fixed: dict[str, Any] = field(default_factory=dict)
     role: Role = "view"
+    executive: bool = False

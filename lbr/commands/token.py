@@ -16,7 +16,7 @@ from lbr.messages.system import TokenRole
 
 if TYPE_CHECKING:
     from lbr.bus.tokens import Token
-    from lbr.database.rows import GoodFor, TokenRow
+    from lbr.database.rows import TokenRow
     from lbr.database.store import Database
 
 EVERYWHERE = ("0.0.0.0", "[::]")  # noqa: S104 - read, not bound
@@ -65,6 +65,7 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
 
     from lbr.bus import tokens  # noqa: PLC0415
     from lbr.database.rows import GoodFor  # noqa: PLC0415 - the name of a type, and the type
+    from lbr.executive.planning import credentials  # noqa: PLC0415
 
     tokens.check_name(name)
     if good_for == "web" and (role == "host" or path is not None):
@@ -74,7 +75,8 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
     if path is not None and path.exists():
         raise InputError(f"{path} exists already; name another file, or remove it")
     with _opened(database) as rows:
-        token = _new(rows, name, msgspec.convert(role, TokenRole), ends, msgspec.convert(good_for, GoodFor))
+        door = msgspec.convert(good_for, GoodFor)
+        token = credentials.new_token(rows, name, msgspec.convert(role, TokenRole), good_for=door, ends=ends).token
         listen = _listens(rows)
     endpoints = _endpoints(listen)
     click.echo(str(token))
@@ -91,17 +93,21 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
 @database_option
 @json_option
 def list_tokens(database: Path | None, as_json: bool) -> int:
-    """List all tokens: whose, which role, for what, since when, until when. The tokens themselves are nowhere."""
+    """List all tokens: whose, which role, for what, since when, until when. The tokens themselves are nowhere.
+
+    Of those that devices got for a code at the console, it is told from which address.
+    """
     with _opened(database) as rows:
         found = rows.tokens()
     if as_json:
-        fields = ("name", "role", "good_for", "created_at", "expires_at", "revoked_at")
+        fields = ("name", "role", "good_for", "created_at", "expires_at", "revoked_at", "paired_from")
         print_json([{field: getattr(one, field) for field in fields} | {"state": _state(one)} for one in found])
         return 0
     width = max((len(one.name) for one in found), default=0)
     for one in found:
         click.echo(
             f"{one.name:<{width}}  {one.role:<8}{one.good_for:<5}{_state(one):<9}since {one.created_at}{_until(one)}"
+            + (f", paired from {one.paired_from}" if one.paired_from else "")
         )
     return 0
 
@@ -116,20 +122,6 @@ def revoke(name: str, database: Path | None) -> int:
     return 0
 
 
-def _new(rows: "Database", name: str, role: "TokenRole", expires_at: str | None, good_for: "GoodFor") -> "Token":
-    from ssl import PEM_cert_to_DER_cert  # noqa: PLC0415
-
-    from lbr.bus import tokens  # noqa: PLC0415
-    from lbr.executive.planning import credentials  # noqa: PLC0415
-
-    _, certificate = credentials.bus_certificate()
-    created_at = _text(dt.datetime.now(dt.UTC))
-    secret = credentials.token_secret(credentials.token_key(), name, created_at)
-    rows.add_token(name, role, tokens.hashed(secret), expires_at, created_at, good_for)
-    fingerprint = tokens.fingerprint(PEM_cert_to_DER_cert(certificate.read_text(encoding="ascii")))
-    return tokens.Token(name=name, secret=secret, fingerprint=fingerprint)
-
-
 def _opened(path: Path | None) -> "Database":
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import opened  # noqa: PLC0415
@@ -138,18 +130,14 @@ def _opened(path: Path | None) -> "Database":
     return opened(path or (Path(here[0].database) if len(here) == 1 else home.default_database()))
 
 
-def _end(text: str) -> str:
+def _end(text: str) -> dt.datetime:
     found = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
     if found is None:
         raise InputError(f"'{text[:40]}' is not a time from now: write 90m, 12h, 30d or 8w")
     try:
-        return _text(dt.datetime.now(dt.UTC) + dt.timedelta(seconds=int(found[1]) * UNITS_S[found[2]]))
+        return dt.datetime.now(dt.UTC) + dt.timedelta(seconds=int(found[1]) * UNITS_S[found[2]])
     except OverflowError:
         raise InputError(f"'{text}' from now is beyond the last date there is: leave --expires out") from None
-
-
-def _text(moment: dt.datetime) -> str:
-    return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 def _state(one: "TokenRow") -> str:

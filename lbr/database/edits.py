@@ -109,6 +109,27 @@ def _describe(connection: Connection, rows: Sequence[Row]) -> None:
         connection.execute(statement, (*(values[name] for name in DESCRIBE), values["name"]))
 
 
+def with_setting(tables: RawTables, robot: str, capability: str, setting: str, value: Any) -> RawTables:
+    """Return the tables as they are with another setting of a capability; InputError if there is no such row."""
+    rows = tables.get("capability", ())
+    if not any((row["robot"], row["name"]) == (robot, capability) for row in rows):
+        raise InputError(f"there is no capability '{capability}'", "unknown_name")
+
+    def changed(row: RawRow) -> RawRow:
+        if (row["robot"], row["name"]) != (robot, capability):
+            return row
+        settings = msgspec.json.decode(str(row["settings"]), type=dict[str, Any]) | {setting: value}
+        return {**row, "settings": msgspec.json.encode(settings).decode()}
+
+    return {**tables, "capability": [changed(row) for row in rows]}
+
+
+def write_setting(connection: Connection, robot: str, capability: str, setting: str, value: Any) -> None:
+    """Write one setting of a capability; the text of its others stays."""
+    statement = "UPDATE capability SET settings = json_set(settings, ?, json(?)) WHERE robot = ? AND name = ?"
+    connection.execute(statement, (f"$.{setting}", msgspec.json.encode(value).decode(), robot, capability))
+
+
 def put(connection: Connection, robot: str, rows: Sequence[Row], *, change: bool) -> None:
     """Write rows of one table; those that are there are changed, or are in the way."""
     table, key, owner = rows[0].TABLE, rows[0].KEY, _owner(connection, robot, rows[0].TABLE)

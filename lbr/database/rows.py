@@ -278,7 +278,10 @@ class RevisionRow(Struct, frozen=True, kw_only=True):
 
 
 class TokenRow(Struct, frozen=True, kw_only=True):
-    """A user's rights: `hash` is of the token; times are ISO 8601 in UTC, None for never."""
+    """A user's rights: `hash` is of the token; times are ISO 8601 in UTC, None for never.
+
+    `paired_from` is the address of the device that was given it for a code, None if it was made by hand.
+    """
 
     name: str
     role: TokenRole
@@ -287,6 +290,7 @@ class TokenRow(Struct, frozen=True, kw_only=True):
     revoked_at: str | None = None
     expires_at: str | None = None
     good_for: GoodFor = "both"
+    paired_from: str | None = None
 
     def lets_in(self, door: Literal["bus", "web"]) -> bool:
         """Say whether it is one for that way in."""

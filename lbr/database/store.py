@@ -250,23 +250,50 @@ class Database:
         InputError says why it may not be made, RowError what `wrong` or the tables say of the rows. On return it is on
         the disk. The checks hold up no other writer; if one comes between, they begin again.
         """
+
+        def applied(connection: Connection, tables: RawTables) -> RawTables:
+            since = () if edit.revision is None else history.revisions(connection, edit.revision)
+            return edits.applied(tables, robot, edit, since)
+
+        def write(connection: Connection) -> None:
+            edits.write(connection, robot, edit.rows)
+
+        return self._change(robot, applied, None if dry_run else write, wrong)
+
+    def set_setting(
+        self, robot: str, capability: str, setting: str, value: Any, wrong: Callable[[RobotRows], Iterable[str]]
+    ) -> int:
+        """Write one setting of a capability as `edit` writes rows; all its others stay. Return the revision."""
+        return self._change(
+            robot,
+            lambda _connection, tables: edits.with_setting(tables, robot, capability, setting, value),
+            lambda connection: edits.write_setting(connection, robot, capability, setting, value),
+            wrong,
+        )
+
+    def _change(
+        self,
+        robot: str,
+        applied: Callable[[Connection, RawTables], RawTables],
+        write: Callable[[Connection], None] | None,
+        wrong: Callable[[RobotRows], Iterable[str]],
+    ) -> int:
         for _ in range(EDIT_TRIES):
             with self._reading() as connection:
                 tables, schema = read_tables(connection)
                 known = tokens.tokens(connection)
                 revision = adopted.revision(connection)
                 problems = adopted.problems(connection, revision, adopted.digest(tables))
-                since = () if edit.revision is None else history.revisions(connection, edit.revision)
-            after = edits.applied(tables, robot, edit, since)
+                after = applied(connection, tables)
             rows = check(after, robot, revision=revision, problems=problems, columns=schema)
             rows = replace(rows, tokens=known)
             if found := tuple(wrong(rows)):
                 raise RowError(found)
-            if dry_run:
+            if write is None:
                 return revision
             with self._writing(durable=True) as connection:
                 if adopted.revision(connection) == revision:
-                    edits.write(connection, robot, edit.rows)
+                    write(connection)
                     return adopted.revision(connection)
         raise InputError("others edit the rows at the same time: try again")
 
@@ -289,6 +316,7 @@ class Database:
         expires_at: str | None = None,
         created_at: str | None = None,
         good_for: GoodFor = "both",
+        paired_from: str | None = None,
     ) -> None:
         """Write a token's hash down, durably; InputError if the name is taken by a token that is not revoked."""
         row = TokenRow(
@@ -298,6 +326,7 @@ class Database:
             created_at=created_at or self._now(),
             expires_at=expires_at,
             good_for=good_for,
+            paired_from=paired_from,
         )
         with self._writing(durable=True) as connection:
             tokens.add(connection, row)

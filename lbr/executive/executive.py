@@ -5,6 +5,7 @@ One thread owns the database, the processes and the plan; console lines run in a
 
 import contextlib
 import json
+import math
 import os
 import secrets
 import signal
@@ -65,7 +66,9 @@ from lbr.executive.service.emergency import Emergency
 from lbr.executive.service.journal import Journal
 from lbr.executive.service.latch import Latch, LatchKeeper
 from lbr.executive.service.overview import Overview
-from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Status
+from lbr.executive.service.pairing import GOOD_FOR_S, Code, Pairing
+from lbr.executive.service.pairing_service import Grants, PairingService
+from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Role, Status
 
 LOOK_AT_ROWS_S = 0.2
 LOOK_SHARE = 5.0
@@ -221,6 +224,19 @@ class Executive:
         """Restart a capability."""
         self._main.call(lambda: self._restart(name))
 
+    def pair(self, role: Role, who: str) -> Code:
+        """Draw a code by which a device gets a token with a role; who asked for it is told, the code is not."""
+        code = self._main.call(lambda: self._pairing.begin(role, who))
+        self.note(
+            "pair", f"{who} asked for a code: who types it within {GOOD_FOR_S:g} s gets a token with the role '{role}'"
+        )
+        return code
+
+    def listen_at(self, name: str, host: str, who: str) -> None:
+        """Write where a server listens, a setting of its row, as an edit; RowError or InputError if it may not be."""
+        self._written.setting(name, "host", host)
+        self.note("edit", f"{who} had '{name}' listen at {host}")
+
     def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
         """Start an external command, and wait for a blocking one; who asked for what is written down before."""
         row = call.command
@@ -285,13 +301,21 @@ class Executive:
             ways=self._lan,
             present=lambda name: name in self._presence.names,
         )
+        self._written = Written(self._database.path, robot, self._planned)
         self._edits = Edits(
             wire.QueryServer(bus, keys.edit(robot), self._main.wake, puts=False, source="executive"),
             self._rows,
-            Written(self._database.path, robot, self._planned),
+            self._written,
             process=self._process,
             happened=self._happened,
             wake=self._main.wake,
+        )
+        self._pairing = Pairing()
+        self._pairings = PairingService(
+            wire.QueryServer(bus, keys.pair(robot), self._main.wake, puts=False, source="executive"),
+            self._pairing,
+            Grants(self._database, self._rows, runs_since=self._runs_since, happened=self._happened),
+            happened=self._happened,
         )
         self._plugging = Plugging(bus, robot, process=self._process, restart=self._begin_again, wake=self._main.wake)
         self._emergency = Emergency(
@@ -336,6 +360,7 @@ class Executive:
         self._service.close()
         self._hosts.close()
         self._edits.close()
+        self._pairings.close()
         self._main.close()
         self._journal.step(time.monotonic())
         self._journal.flush()
@@ -352,7 +377,7 @@ class Executive:
             now = time.monotonic()
             due = self._supervisor.step()
             self._doors.tidy(child.endpoint for child in self._children())
-            again = min(self._emergency.step(now), self._hosts.step(now))
+            again = min(self._emergency.step(now), self._hosts.step(now), self._pairings.step(now))
             self._journal.step(now)
             self._keeper.step(now, self.plan.rows.digest)
             self._plugging.step()
@@ -407,6 +432,10 @@ class Executive:
     def _process(self, name: str) -> object:
         slot = self._supervisor.slots.get(name)
         return slot.child if slot is not None else None
+
+    def _runs_since(self, name: str) -> float:
+        slot = self._supervisor.slots.get(name)
+        return slot.started_at if slot is not None else math.inf
 
     def _kept(self, name: str) -> None:
         if name in self._supervisor.slots:

@@ -24,9 +24,11 @@ class AddressCommand(Struct, frozen=True, kw_only=True):
 
 
 class AddressReply(Struct, frozen=True, kw_only=True):
-    """The address, and the QR code in characters, for a terminal."""
+    """The address, and the QR code in characters, for a terminal; whether other machines reach it, and by TLS."""
 
     accepted: bool
     reason: str = ""
     code: ReasonCode = ""
     url: str = ""
+    open: bool = False
+    tls: bool = False

@@ -25,7 +25,8 @@ MARK, LIE = "intruder", "a lie"
 STREAMS = ("drive/state", "drive/result", "motors/state", "ranges/readings", "world/pose", "motors/setpoint")
 COMMANDS = ("drive/command", "drive/stop", "motors/enable", "world/fault", "world/picture")
 SYSTEM = ("@status", "@estop/reset", "@estop/release/motors", "@estop/release/drive", "@estop/ack/motors", "@estop/ack/drive",
-          "@console", "@console/view", "@console/operate", "@console/admin", "@edit", "@schema/drive/command")  # fmt: skip
+          "@console", "@console/view", "@console/operate", "@console/admin", "@edit", "@pair",
+          "@console/page/view", "@console/page/admin", "@schema/drive/command")  # fmt: skip
 HEARD = ("**", "@status", "@console/**", "@estop/**", "@schema/**")
 OWN = ("{name}/found", "{name}/poke")
 

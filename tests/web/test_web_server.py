@@ -15,7 +15,8 @@ from starlette.responses import Response
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from lbr.apps.web import WebSettings, application, qr
+from lbr import qr
+from lbr.apps.web import WebSettings, application
 from lbr.apps.web.addresses import url
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
@@ -308,7 +309,7 @@ def test_edited_rows_are_the_robots_at_once(served):
 
 def test_the_address_is_told_honestly(served):
     assert "Only this machine reaches http://127.0.0.1" in served.web._place.told()
-    assert "UPDATE capability" in served.ask("GET", "/qr").body.decode()
+    assert "say &#x27;open&#x27;" in served.ask("GET", "/qr").body.decode()
     assert served.ask("GET", "/qr.svg").status == 404
 
 
@@ -427,7 +428,7 @@ OPEN = WebSettings(host="0.0.0.0", port=50000, clear_text=True)
 
 
 def test_an_address_is_shown_as_a_code_that_a_terminal_keeps_as_it_is():
-    place = AdvertisedAddress("uxa90", "web", OPEN, 50000, here=lambda: ("192.168.1.5", "10.0.0.2", "fd00::2"))
+    place = AdvertisedAddress(OPEN, 50000, here=lambda: ("192.168.1.5", "10.0.0.2", "fd00::2"))
     told = place.told()
     assert place.url == "http://192.168.1.5:50000/"
     assert "Also at http://10.0.0.2:50000/" in told
@@ -440,7 +441,7 @@ def test_an_address_is_shown_as_a_code_that_a_terminal_keeps_as_it_is():
 
 def test_an_address_follows_the_network():
     here: list[str] = []
-    place = AdvertisedAddress("uxa90", "web", OPEN, 50000, here=lambda: tuple(here))
+    place = AdvertisedAddress(OPEN, 50000, here=lambda: tuple(here))
     assert "in no network now" in place.told()
     here.append("192.168.1.5")
     assert place.look() == ("192.168.1.5",)
@@ -448,9 +449,7 @@ def test_an_address_follows_the_network():
 
 
 def test_who_needs_no_token_is_said():
-    place = AdvertisedAddress(
-        "uxa90", "web", replace(OPEN, trusted=("192.168.1.0/24",)), 1, here=lambda: ("192.168.1.5",)
-    )
+    place = AdvertisedAddress(replace(OPEN, trusted=("192.168.1.0/24",)), 1, here=lambda: ("192.168.1.5",))
     assert "Clients in 192.168.1.0/24 need no token" in place.told()
     assert url("fd00::2", 1, tls=True) == "https://[fd00::2]:1/"
 
@@ -471,7 +470,7 @@ def test_who_needs_no_token_is_said():
     ],
 )
 def test_where_other_machines_reach_it_it_speaks_tls_unless_the_row_says_clear_text(settings_, tls):
-    assert AdvertisedAddress("uxa90", "web", WebSettings(**settings_), 50000, here=tuple).tls is tls
+    assert AdvertisedAddress(WebSettings(**settings_), 50000, here=tuple).tls is tls
 
 
 def test_a_row_says_tls_or_clear_text():

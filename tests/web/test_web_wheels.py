@@ -82,7 +82,18 @@ def test_state_has_what_the_rows_wire_and_nothing_else(wheels):
     shown = document["paths"]["/state"]["get"]["responses"]["200"]["content"]["application/json"]["schema"]["$ref"]
     described = document["components"]["schemas"][shown.rpartition("/")[2]]["properties"]
     assert set(state) == set(described)
-    builtin = {"/state", "/stop", "/estop", "/estop/reset", "/openapi.json", "/qr.svg", "/qr", "/session", "/sessions"}
+    builtin = {
+        "/state",
+        "/stop",
+        "/estop",
+        "/estop/reset",
+        "/openapi.json",
+        "/qr.svg",
+        "/qr",
+        "/session",
+        "/sessions",
+        "/api/pair",
+    }
     assert set(document["paths"]) == builtin | {"/index.html", "/stream.mjpg", "/snapshot.jpg", "/cameras"}
 
 

@@ -25,6 +25,7 @@ from lbr.messages.joints import (
     TorqueCommand,
 )
 from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.pairing import PairCommand, PairReply
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import EstopResetCommand
 from lbr.messages.units import Name
@@ -121,16 +122,25 @@ KIND = Kind(
     summary="serves the robot over HTTP: an API, a page, and a stream of states",
     family="app",
     serves=True,
+    pairs=True,
     entry="lbr.apps.web.start:Web",
     settings=WebSettings,
     inputs=PORTS.inputs,
     optional=tuple(PORTS.inputs),
     outputs={"state": WebState},
     commands={"address": AddressCommand, "stop": StopCommand},
-    requests=PORTS.requests,
-    replies={"address": AddressReply, "stop": CommandReply, **PORTS.replies},
+    requests={**PORTS.requests, "pair": PairCommand},
+    replies={"address": AddressReply, "stop": CommandReply, "pair": PairReply, **PORTS.replies},
     roles={"address": "view"},
     rows=PORTS.rows,
     edits=PORTS.edits,
-    words=(Word("qr", "address", "Show where phones find the robot, as a QR code"),),
+    words=(
+        Word("qr", "address", "Show where phones find the robot, as a QR code"),
+        Word(
+            "pair", "pair", "Let a phone in: six digits for a token, good for two minutes", executive=True, role="admin"
+        ),
+        Word("/pair/{role}", "pair", "The same, with a role: view, operate or admin", executive=True, role="admin"),
+        Word("open", "open", "Let other machines reach the web server, and show where", executive=True, role="admin"),
+        Word("close", "close", "Let only this machine reach the web server", executive=True, role="admin"),
+    ),
 )

@@ -43,6 +43,10 @@ class Access:
         self._legacy = legacy
         self._proven: dict[str, bool] = {}
 
+    def admit(self, user: LanUser) -> None:
+        """Know one more token from now on; from any thread."""
+        self._users = {**self._users, user.name: user}
+
     def client(
         self,
         address: str,

@@ -1,13 +1,12 @@
 """Where the server is reached, in words and addresses."""
 
 from collections.abc import Callable
-from shlex import quote
 from typing import TYPE_CHECKING
 
+from lbr import qr
 from lbr.apps.http import names
-from lbr.apps.web import addresses, qr
+from lbr.apps.web import addresses
 from lbr.bus import certificates
-from lbr.home import default_database
 
 if TYPE_CHECKING:
     from lbr.apps.web import WebSettings
@@ -19,8 +18,6 @@ class AdvertisedAddress:
 
     def __init__(
         self,
-        robot: str,
-        row: str,
         settings: "WebSettings",
         port: int,
         here: Callable[[], tuple[str, ...]] = addresses.of_machine,
@@ -31,8 +28,6 @@ class AdvertisedAddress:
         self.names = (certificates.NAME,) if self.tls else ()
         self.urls: tuple[str, ...] = ()
         self.addresses: tuple[str, ...] = ()
-        self._robot = robot
-        self._row = row
         self._settings = settings
         self._here = here
         self.look()
@@ -51,7 +46,7 @@ class AdvertisedAddress:
     def words(self) -> str:
         """Return in a few lines who reaches it, and how to change that."""
         if not self.open:
-            return f"Only this machine reaches {self.url}. To let phones in your network reach it:\n{self.opening}"
+            return f"Only this machine reaches {self.url}. To let phones in your network reach it, say 'open'."
         if not self.urls:
             return f"The server listens at port {self.port}, but this machine is in no network now."
         others = f"\nAlso at {', '.join(self.urls[1:])}" if self.urls[1:] else ""
@@ -63,17 +58,8 @@ class AdvertisedAddress:
             return self.words()
         return f"{qr.characters(self.url)}\n{self.words()}\nOn a light terminal cameras may not read it; the same code is at {self.url}qr"
 
-    @property
-    def opening(self) -> str:
-        """The line of a shell that opens it, by the robot's row."""
-        change = "UPDATE capability SET settings = json_set(settings, '$.host', '0.0.0.0')"
-        where = f"WHERE robot = '{self._robot}' AND name = '{self._row}'"
-        return f'sqlite3 {quote(str(default_database()))} "{change} {where}"'
-
     def _who(self) -> str:
         networks = [one for one in self._settings.trusted if not names.is_local(one.partition("/")[0])]
         if networks:
-            return f"Clients in {' or '.join(networks)} need no token; all others do ('lbr token add NAME --for web')."
-        return (
-            "Other machines need a token ('lbr token add NAME --for web'), or their network in the setting 'trusted'."
-        )
+            return f"Clients in {' or '.join(networks)} need no token; all others do: 'pair' gives a phone one."
+        return "Other machines need a token: 'pair' gives a phone one, 'lbr token add NAME --for web' a program."

@@ -124,7 +124,7 @@ class Gate:
         everybody = route.role is None or (route.regardless and names.is_loopback(address))
         try:
             owner = not everybody and "authorization" not in headers and await _is_owners(scope, address)
-            return await self.client(scope, headers, owner=owner, signs_in=route.private)
+            return await self.client(scope, headers, owner=owner, signs_in=route.private or route.signs_in)
         except Refused:
             if not everybody:
                 raise

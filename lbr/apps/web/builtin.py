@@ -9,7 +9,8 @@ import msgspec
 from msgspec import Meta, Struct
 from starlette.responses import Response
 
-from lbr.apps.web import openapi, qr
+from lbr import qr
+from lbr.apps.web import openapi
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import (

@@ -21,6 +21,7 @@ from lbr.apps.web.builtin import STOPS, BuiltinRoutes
 from lbr.apps.web.faces import Faces
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.login import Login
+from lbr.apps.web.pairing import PairingRoutes
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
@@ -59,7 +60,7 @@ class Web(Capability[WebSettings]):
         self._serving: Serving | None = None
         self._streams: Streams | None = None
         self._announcer: Announcer | None = None
-        self._place = AdvertisedAddress(ctx.robot, ctx.name, ctx.settings, ctx.settings.port, here=tuple)
+        self._place = AdvertisedAddress(ctx.settings, ctx.settings.port, here=tuple)
         self._tell_at = self._look_at = 0.0
 
     def open(self) -> None:
@@ -70,7 +71,7 @@ class Web(Capability[WebSettings]):
         except InputError as err:
             row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
             raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
-        self._place = AdvertisedAddress(self.ctx.robot, self.ctx.name, settings, sockets[0].getsockname()[1])
+        self._place = AdvertisedAddress(settings, sockets[0].getsockname()[1])
         self._bridge.open()
         try:
             self._serving = Serving(self._application(), sockets, tls=self._place.tls, beside=self._beside(sockets[0]))
@@ -106,7 +107,10 @@ class Web(Capability[WebSettings]):
         """Say where it is, or stop what was asked for here."""
         if call.name == "address":
             listens = self._serving is not None
-            call.reply(AddressReply(accepted=listens, reason=self._place.told(), url=self._place.url))
+            place = self._place
+            call.reply(
+                AddressReply(accepted=listens, reason=place.told(), url=place.url, open=place.open, tls=place.tls)
+            )
         elif isinstance(call.message, StopCommand):
             self._stop(call.message.reason or f"stopped by {call.source}")
             call.reply(CommandReply(accepted=True))
@@ -132,10 +136,11 @@ class Web(Capability[WebSettings]):
     def _application(self) -> ASGIApp:
         settings, pages, states = self.ctx.settings, Pages(self.ctx.settings.cors), States(self.ctx.robot)
         login = Login(self._sessions, f"lbr_web_{self._place.port}", tls=self._place.tls)
-        gate = Gate(Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy, login=login), pages)
+        access = Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy, login=login)
+        gate = Gate(access, pages)
         self._streams = Streams(self._robot, states, gate)
         builtin = BuiltinRoutes(self._robot, states, self._place, self._faces)
-        routes = [*builtin.routes(), *login.routes()]
+        routes = [*builtin.routes(), *login.routes(), *PairingRoutes(self._robot, access, login).routes()]
         routes += self._faces.open(routes)
         builtin.describe(routes, version("lbr"))
         return application(

@@ -194,7 +194,8 @@ class Route:
     each status to what is then returned: a Struct, a media type, or None for no content; refusals need not be named.
     `role` is the least that is needed, None for no role. A `page` may be opened by a link from any other page,
     so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
-    What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign in.
+    What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign in. One that
+    `signs_in` gives a cookie, so that it is looked up whose program asks.
     With `accept`, it answers only who names that media type in `Accept`: a browser that is led there, such as for
     `text/html`; another route may answer all others at the same path.
     """
@@ -214,6 +215,7 @@ class Route:
     role: Role | None = "view"
     page: bool = False
     private: bool = False
+    signs_in: bool = False
     otherwise: Callable[[], Response] | None = None
     hidden: bool = False
     accept: str = ""

@@ -45,17 +45,17 @@ class Login:
         if not request.client.name:
             raise Refused(401, "show the token itself: 'Authorization: Bearer TOKEN'")
         response = Response(status_code=204)
-        if request.client.whose is not None:
-            response.set_cookie(
-                self._name,
-                self._sessions.begin(request.client.name, request.client.whose),
-                max_age=LIFE_S,
-                path="/",
-                httponly=True,
-                samesite="strict",
-                secure=self._tls,
-            )
+        self.give(response, request.client.name, request.client.whose)
         return response
+
+    def give(self, response: Response, name: str, whose: str | None) -> None:
+        """Put a cookie for a token into an answer; none if it is not known whose program asks."""
+        if whose is None:
+            return
+        cookie = self._sessions.begin(name, whose)
+        response.set_cookie(
+            self._name, cookie, max_age=LIFE_S, path="/", httponly=True, samesite="strict", secure=self._tls
+        )
 
     def _end(self, request: Request) -> Response:
         self._sessions.end(request.client.session)

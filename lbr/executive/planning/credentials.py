@@ -1,17 +1,31 @@
-"""What this home proves itself by: the certificate of its bus, and the key that its tokens come from.
+"""What this home proves itself by: the certificate of its bus, and the key that its tokens come from; and new tokens.
 
 A token is made again from the key and its row whenever it is needed, and is never written down; the row has its hash.
 """
 
+import hashlib
 import hmac
+import itertools
+import re
 import secrets
+import unicodedata
+from collections.abc import Iterable
+from datetime import UTC, datetime
 from pathlib import Path
+from ssl import PEM_cert_to_DER_cert
+
+from msgspec import Struct
 
 from lbr import home
 from lbr.bus import certificates, tokens
+from lbr.database.rows import GoodFor
+from lbr.database.store import Database
 from lbr.errors import InputError
+from lbr.messages.system import TokenRole
 
 _KEY_BYTES = 32
+_LONGEST_OF_A_DEVICE = 32
+"""Characters; with a number behind, a name has no more than a token's may have."""
 
 
 def token_key() -> bytes:
@@ -33,3 +47,52 @@ def bus_certificate() -> tuple[Path, Path]:
     """Return the files of the bus's private key and certificate, both PEM, made on first use."""
     key, certificate = home.credentials(certificates.self_signed, *certificates.FILES)
     return key, certificate
+
+
+def certificate_der() -> bytes:
+    """Return the certificate of the bus, which is the web server's as well."""
+    return PEM_cert_to_DER_cert(bus_certificate()[1].read_text(encoding="ascii"))
+
+
+def fingerprint_shown() -> str:
+    """Return the certificate's SHA-256 as browsers show it, in capital letters with colons."""
+    return hashlib.sha256(certificate_der()).digest().hex(":").upper()
+
+
+class NewToken(Struct, frozen=True, kw_only=True):
+    """A token that is not to be had again, its role, and what its row keeps of it."""
+
+    token: tokens.Token
+    role: TokenRole
+    hash: str
+
+
+def new_token(
+    rows: Database,
+    name: str,
+    role: TokenRole,
+    *,
+    good_for: GoodFor,
+    ends: datetime | None = None,
+    paired_from: str | None = None,
+) -> NewToken:
+    """Make a token and write its row, durably; InputError if the name is none, or a valid token has it."""
+    fingerprint = tokens.fingerprint(certificate_der())
+    created_at = _text(datetime.now(UTC))
+    secret = token_secret(token_key(), tokens.check_name(name), created_at)
+    kept = tokens.hashed(secret)
+    rows.add_token(name, role, kept, _text(ends) if ends is not None else None, created_at, good_for, paired_from)
+    return NewToken(token=tokens.Token(name=name, secret=secret, fingerprint=fingerprint), role=role, hash=kept)
+
+
+def device_name(said: str, taken: Iterable[str]) -> str:
+    """Return a token's name for a device that calls itself so: its letters and digits, and no name that is taken."""
+    plain = unicodedata.normalize("NFKD", said).encode("ascii", "ignore").decode()
+    name = re.sub(r"[^A-Za-z0-9]+", "-", plain).strip("-")[:_LONGEST_OF_A_DEVICE].strip("-") or "phone"
+    there = {one.lower() for one in taken}
+    names = (name if number == 1 else f"{name}-{number}" for number in itertools.count(1))
+    return next(one for one in names if one.lower() not in there)
+
+
+def _text(moment: datetime) -> str:
+    return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")

@@ -2,7 +2,7 @@
 
 import contextlib
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, Protocol
 
 import msgspec
@@ -133,7 +133,15 @@ class LiveRows:
 
     def edited(self, name: str, edit: Edit) -> None:
         """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for it."""
-        self._keep(plans.learnt(self.plan, name, by_table(edit.rows)), name)
+        self.knows(name, edit.rows)
+
+    def knows(self, name: str, rows: Collection[Row]) -> None:
+        """Take note that a capability has rows already that are written, and is not restarted for them."""
+        self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
+
+    def look_again(self) -> None:
+        """Read the rows at the next look: this process wrote some."""
+        self._watch.look_again()
 
     def _known(self, name: str) -> dict[RowKey, Any]:
         """Return the rows that a capability has, by table and key."""

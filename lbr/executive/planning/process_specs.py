@@ -254,4 +254,4 @@ def _requests(
         if source == name and request in kinds[source].requests:
             own = {"edit": keys.edit(robot), "estop_reset": keys.estop_reset(robot)} if target == EXECUTIVE else {}
             asked.setdefault(request, {})[target] = own.get(command, keys.port(robot, target, command))
-    return asked
+    return asked | ({"pair": {EXECUTIVE: keys.pair(robot)}} if kinds[name].pairs else {})

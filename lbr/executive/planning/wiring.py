@@ -29,16 +29,20 @@ EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
     "report": frozenset({"name"}),
     "estop": frozenset({"reason"}),
     "restart": frozenset({"name"}),
-    **dict.fromkeys(("reset", "help", "shutdown", "status"), frozenset()),
+    "pair": frozenset({"role"}),
+    **dict.fromkeys(("reset", "help", "shutdown", "status", "open", "close"), frozenset()),
 }
 """What the executive does by itself, and the fields that each takes."""
 
 EXECUTIVE_ROLES: Mapping[str, Role] = {
     **dict.fromkeys(("stop", "estop", "status", "help", "report"), "view"),
     "reset": "operate",
-    **dict.fromkeys(("restart", "shutdown"), "admin"),
+    **dict.fromkeys(("restart", "shutdown", "pair", "open", "close"), "admin"),
 }
 """The least role that each needs."""
+
+LETS_IN = frozenset({"pair", "open", "close"})
+"""What decides who comes in from outside; not for lines from pages, whose server is what people come in by."""
 
 
 def least_roles(kinds: Mapping[str, Kind]) -> dict[str, Role]:

@@ -9,7 +9,7 @@ from lbr.capability.word import Word
 from lbr.database import builtin, patterns
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, RobotRows, VerbRow
-from lbr.executive.planning.wiring import EXECUTIVE, least_roles
+from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_roles
 from lbr.messages.system import higher
 
 OF_EVERY_ROBOT = (
@@ -38,7 +38,7 @@ def as_row(capability: str, word: Word) -> VerbRow:
     return VerbRow(
         word=_word(word.pattern),
         pattern=word.pattern,
-        target=f"{capability}.{word.command}",
+        target=f"{EXECUTIVE if word.executive else capability}.{word.command}",
         payload=word.fixed or None,
         role=word.role,
         help=word.help,
@@ -75,9 +75,15 @@ def _fault(kind: Kind, word: Word) -> str:
         return str(err)
     if builtin.shadowed(pattern):
         return "it is a word that every robot has: choose another"
-    if word.command not in kind.commands:
+    if word.executive and word.command not in EXECUTIVE_VERBS:
+        return f"the executive has no '{word.command}'"
+    if not word.executive and word.command not in kind.commands:
         return f"the kind has no command '{word.command}'"
-    there = {field.name for field in structs.fields(kind.command(word.command).message)}
+    there = (
+        set(EXECUTIVE_VERBS[word.command])
+        if word.executive
+        else {field.name for field in structs.fields(kind.command(word.command).message)}
+    )
     wrong = sorted({*pattern.fields, *word.fixed} - there)
     return f"{word.command} has no field '{wrong[0]}'; it has {', '.join(sorted(there)) or 'none'}" if wrong else ""
 

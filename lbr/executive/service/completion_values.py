@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeVar, get_args
 
 from lbr.executive.planning.plan import Plan
 from lbr.executive.service import reports
 from lbr.messages.rows import Row
+from lbr.messages.system import Role
 
 R = TypeVar("R", bound=Row)
 
@@ -27,7 +28,11 @@ class _Known:
 
 def choices(plan: Plan, home: Path) -> dict[str, Iterable[str]]:
     """Return the known values by `capability.command` for its first field, or with `.field` at its end for that one."""
-    found: dict[str, Iterable[str]] = {"executive.report": reports.NAMES, "executive.restart": tuple(plan.units)}
+    found: dict[str, Iterable[str]] = {
+        "executive.report": reports.NAMES,
+        "executive.restart": tuple(plan.units),
+        "executive.pair": get_args(Role),
+    }
     for name, kind in plan.kinds.items():
         known = _Known(plan, home, name)
         for command in kind.commands:

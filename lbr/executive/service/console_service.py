@@ -106,14 +106,17 @@ class ConsoleService:
         self._stops = Stops(self._result)
         self._bus = bus
         self._robot = robot
-        self._lines: dict[Role, wire.QueryServer] = {}
+        self._lines: dict[tuple[Role, bool], wire.QueryServer] = {}
 
     def start(self) -> None:
-        """Begin to take lines: on a key for each role, because the bus lets in who has it."""
+        """Begin to take lines: on a key for each role, because the bus lets in who has it, and on others from pages."""
         self._stops.start()
         for role in get_args(Role):
-            key = keys.console(self._robot, role)
-            self._lines[role] = wire.QueryServer(self._bus, key, self._take, puts=False, source="executive")
+            for key, page in (
+                (keys.console(self._robot, role), False),
+                (keys.console_of_pages(self._robot, role), True),
+            ):
+                self._lines[role, page] = wire.QueryServer(self._bus, key, self._take, puts=False, source="executive")
 
     def answer_reset(self, request: wire.Request) -> None:
         """Release the emergency stop for a client on the bus."""
@@ -128,11 +131,11 @@ class ConsoleService:
         self._stops.close()
 
     def _take(self) -> None:
-        for role, lines in list(self._lines.items()):
+        for (role, page), lines in list(self._lines.items()):
             for request in lines.take():
-                self._sort(request, role)
+                self._sort(request, role, page)
 
-    def _sort(self, request: wire.Request, role: Role) -> None:
+    def _sort(self, request: wire.Request, role: Role, page: bool) -> None:
         line = _line(request.payload)
         if _is_stop(line):
             self._stops.put(request, line, role)
@@ -141,12 +144,12 @@ class ConsoleService:
                 ConsoleResult(code=1, text="too many lines at once; say it again", reason_code="busy"), "executive"
             )
         else:
-            _begin(self._talk, self._answer, request, line, role, done=self._room.release)
+            _begin(self._talk, self._answer, request, line, role, page, done=self._room.release)
 
-    def _answer(self, request: wire.Request, line: str | bytes, role: Role) -> None:
-        request.reply(self._result(request, line, role), "executive")
+    def _answer(self, request: wire.Request, line: str | bytes, role: Role, page: bool) -> None:
+        request.reply(self._result(request, line, role, page=page), "executive")
 
-    def _result(self, request: wire.Request, line: str | bytes, role: Role) -> ConsoleResult:
+    def _result(self, request: wire.Request, line: str | bytes, role: Role, *, page: bool = False) -> ConsoleResult:
         if len(request.payload) > MAX_LINE_BYTES:
             text = f"a line has at most 4096 characters, not {len(request.payload)}"
             return ConsoleResult(code=2, text=text, reason_code="bad_value")
@@ -154,7 +157,13 @@ class ConsoleService:
         sent_s, remote_stamp = stamp.sent_s(found, request.arrived), request.attachment if found and found.via else b""
         waited_s = found.waited_s if found is not None else 0.0
         return self._dispatcher.execute(
-            line, source=_caller(found), role=role, sent_s=sent_s, remote_stamp=remote_stamp, waited_s=waited_s
+            line,
+            source=_caller(found),
+            role=role,
+            sent_s=sent_s,
+            remote_stamp=remote_stamp,
+            waited_s=waited_s,
+            page=page,
         )
 
     def _answer_reset(self, request: wire.Request) -> None:

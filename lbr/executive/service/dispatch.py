@@ -18,8 +18,10 @@ from lbr.capability.kind import STOP
 from lbr.console.printable import clean
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
 from lbr.errors import InputError, LbrError, MalformedError
+from lbr.executive.planning.wiring import EXECUTIVE, LETS_IN
 from lbr.executive.service import reports
 from lbr.executive.service.completion_values import choices
+from lbr.executive.service.letting_in import OPERATE, LettingIn
 from lbr.executive.service.reports import Reports
 from lbr.executive.service.robot import Robot
 from lbr.messages.codes import Reason
@@ -41,7 +43,7 @@ class _Speaker(NamedTuple):
     """Who says a line, with which rights, whether at the robot's own terminal, and when.
 
     `remote_stamp` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had
-    `waited_s` there.
+    `waited_s` there. By a `page` the server for people says it, in the name of who asked there.
     """
 
     source: str
@@ -50,6 +52,7 @@ class _Speaker(NamedTuple):
     sent_s: float
     remote_stamp: bytes = b""
     waited_s: float = 0.0
+    page: bool = False
 
     @property
     def told(self) -> str:
@@ -76,6 +79,7 @@ class Dispatcher:
         self._halts = Halts()
         self._halting = threading.Lock()
         self._leases: dict[tuple[str, str, bool], str] = {}
+        self._letting_in = LettingIn(robot, self._address)
         self._built_in: dict[str, Callable[[VerbCall, _Speaker], ConsoleResult]] = {
             "stop": self._stop,
             "report": self._report,
@@ -85,6 +89,9 @@ class Dispatcher:
             "help": self._help,
             "shutdown": self._shutdown,
             "restart": self._restart,
+            "pair": lambda call, by: self._letting_in.pair(str(call.payload.get("role", OPERATE)), by.told),
+            "open": lambda _call, by: self._letting_in.open(by.told),
+            "close": lambda _call, by: self._letting_in.close(by.told),
         }
 
     def execute(
@@ -97,18 +104,19 @@ class Dispatcher:
         sent_s: float | None = None,
         remote_stamp: bytes = b"",
         waited_s: float = 0.0,
+        page: bool = False,
     ) -> ConsoleResult:
         """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock.
 
         `remote_stamp` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or
-        written.
+        written. From a `page` nothing is said that decides who comes in.
         """
         try:
             parsed = self._robot.vocabulary.parse(line)
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")
             said_s = time.monotonic() if sent_s is None else sent_s
-            return self._run(parsed, _Speaker(source, role, local, said_s, remote_stamp, waited_s), clean(line))
+            return self._run(parsed, _Speaker(source, role, local, said_s, remote_stamp, waited_s, page), clean(line))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err), reason_code=err.code)
         except LbrError as err:
@@ -123,7 +131,7 @@ class Dispatcher:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
-        if why := _not_allowed(needed, by) or self._too_late(parsed, needed, by):
+        if why := _not_allowed(needed, by) or _not_from_there(parsed, by) or self._too_late(parsed, needed, by):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
         if by.remote_stamp and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.told, line[:MOST_RECORDED])
@@ -131,7 +139,7 @@ class Dispatcher:
             return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told, by.source))
         if isinstance(parsed, ExternalCall):
             return self._robot.run_external(parsed, by.told, by.source)
-        if parsed.capability == "executive":
+        if parsed.capability == EXECUTIVE:
             return self._built_in[parsed.command](parsed, by)
         return self._ask(parsed, by)
 
@@ -297,6 +305,15 @@ class Dispatcher:
         self._robot.restart(name)
         return ConsoleResult(code=DONE, text=f"'{name}' is restarting")
 
+    def _address(self, name: str, timeout_s: float) -> dict[str, Any] | None:
+        """Return where a server is; None if it does not say."""
+        key = keys.port(self._robot.plan.robot, name, "address")
+        for answer in wire.ask(self._bus, key, {}, source=EXECUTIVE, timeout_s=timeout_s):
+            with contextlib.suppress(MalformedError):
+                said = codec.decode(answer.payload)
+                return said if isinstance(said, dict) else None
+        return None
+
     def _python(self, code: str, by: _Speaker) -> ConsoleResult:
         if not by.local:
             text = "Python runs at the terminal that started the robot, and nowhere else"
@@ -316,6 +333,13 @@ def _not_allowed(needed: Role, by: _Speaker) -> Reason | None:
     if RANKS[by.role] >= RANKS[needed]:
         return None
     return Reason("role", f"this needs the role '{needed}', and you have '{by.role}'")
+
+
+def _not_from_there(parsed: Parsed, by: _Speaker) -> Reason | None:
+    """Return why a page's server may not say it: one that was taken over would let others in."""
+    if by.page and isinstance(parsed, VerbCall) and parsed.capability == EXECUTIVE and parsed.command in LETS_IN:
+        return Reason("denied", f"'{parsed.command}' is for the robot's console, or 'lbr send', and not for a page")
+    return None
 
 
 def _stopped(name: str, answer: object) -> tuple[str, bool]:

@@ -5,12 +5,12 @@ import time
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import msgspec
 from msgspec import Struct
 
-from lbr.bus import stamp, wire
+from lbr.bus import keys, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.database.edits import Edit, understood
 from lbr.database.reading import Problem
@@ -74,6 +74,11 @@ class Written:
             code = err.code if isinstance(err, InputError) else "failed"
             return EditReply(accepted=False, reason=str(err), code=code, revision=revision)
         return EditReply(accepted=True, revision=revision)
+
+    def setting(self, name: str, setting: str, value: Any) -> None:
+        """Write one setting of a capability, and leave all others; RowError or InputError says why it may not be."""
+        with Database.open(self._path) as database:
+            database.set_setting(self._robot, name, setting, value, self._wrong)
 
     def _wrong(self, rows: RobotRows) -> list[str]:
         plan, problems = self._make(rows)
@@ -170,8 +175,9 @@ class Edits:
 
     def _may(self, name: str) -> bool:
         """Say whether rows wire a capability to this; the bus lets in no other, but a name in a stamp is a claim."""
-        units = self._rows.plan.units
-        return name in units and any(EXECUTIVE in asked for asked in units[name].config.requests.values())
+        plan = self._rows.plan
+        asked = plan.units[name].config.requests.values() if name in plan.units else ()
+        return any(one.get(EXECUTIVE) == keys.edit(plan.robot) for one in asked)
 
     def _begin(self, job: _Job) -> None:
         self._job = job

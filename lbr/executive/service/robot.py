@@ -4,7 +4,8 @@ from typing import Protocol
 
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.executive.planning.plan import Plan
-from lbr.messages.system import ConsoleResult, Event, Status
+from lbr.executive.service.pairing import Code
+from lbr.messages.system import ConsoleResult, Event, Role, Status
 
 
 class Robot(Protocol):
@@ -35,6 +36,12 @@ class Robot(Protocol):
 
     def restart(self, name: str) -> None:
         """Restart a capability."""
+
+    def pair(self, role: Role, who: str) -> Code:
+        """Draw a code by which a device gets a token with a role."""
+
+    def listen_at(self, name: str, host: str, who: str) -> None:
+        """Write where a server listens, a setting of its row; RowError or InputError if it may not be."""
 
     def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
         """Start an external command."""

@@ -1,8 +1,10 @@
 """An address as a QR code: to hold a phone's camera at."""
 
 import io
+from typing import TYPE_CHECKING
 
-import segno
+if TYPE_CHECKING:
+    import segno
 
 BORDER = 4
 
@@ -21,5 +23,7 @@ def characters(content: str) -> str:
     return out.getvalue().rstrip("\n")
 
 
-def _made(content: str) -> segno.QRCode:
+def _made(content: str) -> "segno.QRCode":
+    import segno  # noqa: PLC0415 - only the web needs it, and who shows a code for it
+
     return segno.make(content, error="m", micro=False)

@@ -1,0 +1,91 @@
+"""Pairing: a device shows the six digits that a person read at the robot's console, and gets a token of its own.
+
+The executive drew the digits, compares them and makes the token. What is here carries them there and the token back, and
+knows of no code but the one that a device shows.
+"""
+
+import re
+from collections.abc import Callable
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta, Struct
+from starlette.responses import Response
+from starlette.types import Receive, Scope, Send
+
+from lbr.apps.web.access import Access
+from lbr.apps.web.face import JSON, Refused, Request, Route
+from lbr.apps.web.login import Login
+from lbr.apps.web.robot import Robot
+from lbr.bus import tokens
+from lbr.bus.door import LanUser
+from lbr.messages.pairing import PairCommand, PairReply
+from lbr.messages.system import Role
+
+PAIR_S = 5.0
+"""A wrong code is answered late, on purpose."""
+STATUSES = {"token": 403, "busy": 429, "malformed": 400}
+
+
+class PairBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The digits, and what the device is to be called."""
+
+    code: Annotated[str, Meta(pattern="^[0-9]{3} ?[0-9]{3}$", description="six digits, as the console shows them")]
+    name: Annotated[str, Meta(max_length=80, description="what the token is named by, as far as it has letters")] = ""
+
+
+class PairAnswer(Struct, frozen=True, kw_only=True):
+    """A token, told this once, with the name that it is listed and revoked by, and what it may."""
+
+    token: str
+    name: str
+    role: Role
+
+
+class PairingRoutes:
+    """The route by which devices pair. `access` and `login` know a token from the moment in which it is given."""
+
+    def __init__(self, robot: Robot, access: Access, login: Login) -> None:
+        self._robot = robot
+        self._access = access
+        self._login = login
+
+    def routes(self) -> list[Route]:
+        """Return it."""
+        return [
+            Route(
+                method="POST", path="/api/pair", handle=self._pair, summary="Get a token for the code at the console",
+                description="The console's word `pair` shows six digits, good for two minutes, one device and four "
+                "mistakes. The answer gives a cookie as well, as `/session` does. Wrong digits are answered after a second.",
+                body=PairBody, replies={200: PairAnswer}, role=None, signs_in=True, within_s=PAIR_S + 1.0,
+                refuses={403: "The code is wrong, used or over.", 429: "Too many are tried at once."},
+            )
+        ]  # fmt: skip
+
+    async def _pair(self, request: Request) -> Response:
+        asked = PairCommand(
+            digits=re.sub("[^0-9]", "", request.data.code), name=request.data.name, address=request.client.address[:64]
+        )
+        reply: PairReply = await self._robot.ask("pair", asked, timeout_s=PAIR_S)
+        if not reply.accepted:
+            raise Refused(STATUSES.get(reply.code, 503), reply.reason, code=reply.code or "refused")  # type: ignore[arg-type]
+        secret = tokens.parse(reply.token).secret
+        self._robot.ctx.adopt([user := LanUser(name=reply.name, role=reply.role, secret=secret, hash=reply.hash)])
+        self._access.admit(user)
+        self._robot.sessions.admit(user.name, secret)
+        answer = PairAnswer(token=reply.token, name=reply.name, role=reply.role)
+        whose = request.client.whose
+        return _WithCookie(answer, lambda response: self._login.give(response, reply.name, whose))
+
+
+class _WithCookie(Response):
+    """An answer that gets its cookie when it is sent, which is on the server's thread, as the sessions are."""
+
+    def __init__(self, answer: PairAnswer, give: Callable[[Response], None]) -> None:
+        super().__init__(msgspec.json.encode(answer), 200, None, f"{JSON}; charset=utf-8")
+        self._give = give
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send it."""
+        self._give(self)
+        await super().__call__(scope, receive, send)

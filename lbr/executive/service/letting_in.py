@@ -1,0 +1,147 @@
+"""The words `pair`, `open` and `close`: who comes in by the server for people, and from where."""
+
+import contextlib
+import ipaddress
+import time
+from collections.abc import Callable, Iterator
+from typing import Any, get_args
+
+from lbr import qr
+from lbr.database.rows import CapabilityRow
+from lbr.errors import InputError
+from lbr.executive.planning import credentials
+from lbr.executive.service.pairing import GOOD_FOR_S, WRONG_TRIES
+from lbr.executive.service.robot import Robot
+from lbr.messages.system import ConsoleResult, Role
+
+EVERYWHERE, HERE = "0.0.0.0", "127.0.0.1"  # noqa: S104 - what the word `open` is for
+ADDRESS_S = 1.0
+AGAIN_S = 10.0
+"""A server that listens elsewhere is a new process; on a machine that does much else it takes some seconds to start."""
+LOOK_S = 0.2
+OPERATE: Role = "operate"
+
+
+class LettingIn:
+    """Answers the words. `address(name, timeout_s)` asks a server where it is; None if it does not answer."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        address: Callable[[str, float], dict[str, Any] | None],
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        pause: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._robot = robot
+        self._address = address
+        self._clock = clock
+        self._pause = pause
+
+    def pair(self, role: str, who: str) -> ConsoleResult:
+        """Draw a code, and tell it with all that a person needs to type or scan it."""
+        if role not in get_args(Role):
+            raise InputError(f"'{role[:40]}' is not a role that a phone may have: say {', '.join(get_args(Role))}")
+        name = self._server().name
+        place = self._address(name, ADDRESS_S)
+        if place is None or not place.get("accepted"):
+            text = f"'{name}' does not serve now, so that no phone could show a code; 'status' says why"
+            return ConsoleResult(code=1, text=text, reason_code="unreachable")
+        code = self._robot.pair(role, who)  # type: ignore[arg-type]
+        url, is_open, tls = str(place.get("url", "")), bool(place.get("open")), bool(place.get("tls"))
+        way = f"{url}#pair={code.digits}" if url else ""
+        print_of = credentials.fingerprint_shown() if tls else ""
+        data = {"digits": code.digits, "role": role, "good_for_s": GOOD_FOR_S, "url": way, "fingerprint": print_of}
+        lines = [
+            *([drawn] if is_open and url and (drawn := _drawn(way)) else ()),
+            f"{code.digits[:3]} {code.digits[3:]}   at {url or 'the address of this machine, which is in no network now'}",
+            f"It is good for {GOOD_FOR_S / 60:g} minutes and one device, which gets a token with the role '{role}'.",
+            f"{WRONG_TRIES} wrong tries end it, as does another 'pair'.",
+            *_honest(is_open=is_open, tls=tls, fingerprint=print_of),
+        ]
+        return ConsoleResult(code=0, text="\n".join(lines), data=data)
+
+    def open(self, who: str) -> ConsoleResult:
+        """Have the server listen to the network, unless it does; tell what that costs, and where it is."""
+        row = self._server()
+        if _is_local(self._host(row.name)):
+            self._robot.listen_at(row.name, EVERYWHERE, who)
+            text = f"'{row.name}' is open to your network now"
+        else:
+            text = f"'{row.name}' is open already: it listens at {self._host(row.name)}"
+        place = self._settled(row.name, is_open=True)
+        cost = (
+            "Every machine that reaches this one can ask it, over Wi-Fi and cable. 'pair' lets a phone in; 'close' takes it "
+            "back."
+        )
+        told = str(place.get("reason", "")) if place is not None else f"'{row.name}' starts; 'qr' shows the address"
+        return ConsoleResult(code=0, text=f"{text}. {cost}\n{told}", data=_found(place))
+
+    def close(self, who: str) -> ConsoleResult:
+        """Have the server listen to this machine alone, unless it does."""
+        row = self._server()
+        if _is_local(self._host(row.name)):
+            text = f"'{row.name}' is closed already: only this machine reaches it"
+            return ConsoleResult(code=0, text=text)
+        self._robot.listen_at(row.name, HERE, who)
+        self._settled(row.name, is_open=False)
+        text = (
+            f"'{row.name}' is closed: only this machine reaches it. Tokens stay; 'lbr token revoke NAME' takes one back"
+        )
+        return ConsoleResult(code=0, text=text)
+
+    def _server(self) -> CapabilityRow:
+        """Return the row of the server for people: of several, one that runs, or is called as its kind is."""
+        plan = self._robot.plan
+        rows = [row for row in plan.rows.capabilities if row.name in plan.kinds and plan.kinds[row.name].pairs]
+        found = min(rows, key=lambda row: (row.name not in plan.units, row.name != row.kind, row.name), default=None)
+        if found is None:
+            raise InputError("this robot has no server for people", "not_possible")
+        if found.name not in plan.units:
+            why = "its row is disabled" if not found.enabled else "the profile leaves it out"
+            raise InputError(f"'{found.name}' does not run: {why}", "unreachable")
+        return found
+
+    def _host(self, name: str) -> str:
+        """Return where a server is to listen, by its row."""
+        plan = self._robot.plan
+        return str(plan.kinds[name].parse(bytes(plan.units[name].config.settings)).host)
+
+    def _settled(self, name: str, *, is_open: bool) -> dict[str, Any] | None:
+        """Wait until a server listens as its row says now, and return where; None if it takes long."""
+        end = self._clock() + AGAIN_S
+        while self._clock() < end:
+            place = self._address(name, ADDRESS_S)
+            if place is not None and place.get("accepted") and bool(place.get("open")) is is_open:
+                return place
+            self._pause(LOOK_S)
+        return None
+
+
+def _honest(*, is_open: bool, tls: bool, fingerprint: str) -> Iterator[str]:
+    if not is_open:
+        yield "Only this machine reaches that address: say 'open' first, and 'pair' again, to let a phone in."
+    if tls:
+        yield "The browser warns once, because the certificate is the robot's own. Its SHA-256 fingerprint there must be"
+        yield fingerprint
+    elif is_open:
+        yield "Nothing is encrypted ('clear_text' of its row): a machine in between reads the code and the token."
+
+
+def _drawn(url: str) -> str:
+    """Return a QR code for a terminal; nothing where what draws it is not installed, as the server may have its own."""
+    with contextlib.suppress(ImportError):
+        return qr.characters(url)
+    return ""
+
+
+def _found(place: dict[str, Any] | None) -> dict[str, Any]:
+    return (
+        {"url": place.get("url", ""), "open": place.get("open"), "tls": place.get("tls")} if place is not None else {}
+    )
+
+
+def _is_local(host: str) -> bool:
+    with contextlib.suppress(ValueError):
+        return ipaddress.ip_address(host).is_loopback
+    return host == "localhost"

@@ -1,0 +1,142 @@
+"""Answers who shows a code: with a token at once, or late and always in the same words. Never tells a code to any other
+process."""
+
+import math
+from collections import deque
+from collections.abc import Callable
+
+from lbr.bus import stamp, wire
+from lbr.bus.codec import Decoder
+from lbr.bus.door import LanUser
+from lbr.database.store import Database
+from lbr.errors import LbrError, MalformedError
+from lbr.executive.planning import credentials
+from lbr.executive.planning.live_rows import Happened, LiveRows
+from lbr.executive.planning.wiring import EXECUTIVE
+from lbr.executive.service import pairing as codes
+from lbr.executive.service.pairing import Pairing, Try
+from lbr.messages.codes import Code
+from lbr.messages.pairing import PairCommand, PairReply
+from lbr.messages.plain import one_line
+
+DELAY_S = 1.0
+"""What a wrong try waits for its answer: a person does not notice, and who tries many learns nothing faster."""
+MOST_WAITING = 32
+"""Wrong tries that wait for their answers; with so many, no more are looked at."""
+TOLD_EVERY_S = 60.0
+"""Tries while there is no code are told together: they cannot be right, and anybody may make them."""
+NOT_GOOD = "this code is not good: wrong, used, or over; say 'pair' at the robot's console for a new one"
+NOT_SERVED = "this process lets no phones in"
+_commands = Decoder(PairCommand)
+
+
+class Grants:
+    """Makes the tokens: rows as `lbr token add` writes them, good for the web, which the server goes on with.
+
+    `runs_since(name)` is when the process of a capability was started.
+    """
+
+    def __init__(
+        self, database: Database, rows: LiveRows, *, runs_since: Callable[[str], float], happened: Happened
+    ) -> None:
+        self._database = database
+        self._rows = rows
+        self._runs_since = runs_since
+        self._happened = happened
+
+    def pairs(self, name: str) -> bool:
+        """Say whether a capability may show codes; the bus lets in no other, but a name in a stamp is a claim."""
+        plan = self._rows.plan
+        return name in plan.units and plan.kinds[name].pairs
+
+    def grant(self, name: str, code: codes.Code, asked: PairCommand, *, since_s: float) -> PairReply:
+        """Make the token of a code that was right, for a device that came by a capability, which asked at `since_s`."""
+        taken = [one.name for one in self._database.tokens()]
+        address = one_line(asked.address)
+        made = credentials.new_token(
+            self._database,
+            credentials.device_name(asked.name, taken),
+            code.role,
+            good_for="web",
+            paired_from=address,
+        )
+        token = made.token
+        if self._runs_since(name) < since_s:
+            self._rows.knows(name, [LanUser(name=token.name, role=code.role, secret=token.secret, hash=made.hash)])
+        else:
+            self._rows.look_again()  # what runs now did not ask, and is restarted with the token
+        text = f"token '{token.name}' ({code.role}) was made for {address}, by the code that {code.by} asked for"
+        self._happened("paired", name, text)
+        return PairReply(accepted=True, token=str(token), name=token.name, role=code.role, hash=made.hash)
+
+
+class PairingService:
+    """Takes codes by `served` and gives tokens by `grants`; `step` is the main thread's."""
+
+    def __init__(self, served: wire.QueryServer, pairing: Pairing, grants: Grants, *, happened: Happened) -> None:
+        self._served = served
+        self._pairing = pairing
+        self._grants = grants
+        self._happened = happened
+        self._late: deque[tuple[float, wire.Request]] = deque()
+        self._unheard = 0
+        self._tell_at = 0.0
+
+    def step(self, now: float) -> float:
+        """Answer what is due, and return when the next answer is."""
+        for request in self._served.take():
+            self._take(request, now)
+        while self._late and self._late[0][0] <= now:
+            self._late.popleft()[1].reply(_refused(NOT_GOOD, "token"), EXECUTIVE)
+        return self._late[0][0] if self._late else math.inf
+
+    def close(self) -> None:
+        """Take no more, and answer who waits."""
+        self._served.close()
+        self._pairing.cancel()
+        while self._late:
+            self._late.popleft()[1].reply(_refused(NOT_GOOD, "token"), EXECUTIVE)
+
+    def _take(self, request: wire.Request, now: float) -> None:
+        found = stamp.read(request.attachment)
+        name = found.source if found is not None else ""
+        if not self._grants.pairs(name):
+            request.reply(_refused(NOT_SERVED, "denied"), EXECUTIVE)
+            return
+        if len(self._late) >= MOST_WAITING:
+            request.reply(_refused("too many codes are tried at once; try again", "busy"), EXECUTIVE)
+            return
+        try:
+            asked = _commands.decode(request.payload)
+        except MalformedError as err:
+            request.reply(_refused(f"malformed: {err}", "malformed"), EXECUTIVE)
+            return
+        tried = self._pairing.attempt(asked.digits, asked.address)
+        if tried.code is None:
+            self._late.append((now + DELAY_S, request))
+            self._tell(name, one_line(asked.address), tried, now)
+            return
+        try:
+            reply = self._grants.grant(name, tried.code, asked, since_s=request.arrived)
+        except LbrError as err:
+            reply = _refused(f"{err}; the code is used up, so say 'pair' again", "failed")
+        request.reply(reply, EXECUTIVE)
+
+    def _tell(self, name: str, address: str, tried: Try, now: float) -> None:
+        if tried.left is None:
+            self._unheard += 1
+            if now < self._tell_at:
+                return
+            self._tell_at = now + TOLD_EVERY_S
+            tries = "a code was tried" if self._unheard == 1 else f"{self._unheard} codes were tried"
+            text = f"{tries} while none was good, the last by {address} ({tried.from_there} from there since the start)"
+            self._unheard = 0
+        elif tried.left:
+            text = f"{address} tried a wrong code ({tried.from_there} from there since the start); {tried.left} more, and it ends"
+        else:
+            text = f"{address} tried a wrong code ({tried.from_there} from there since the start): that was one too many, and it has ended"
+        self._happened("pair_refused", name, text, "warning")
+
+
+def _refused(reason: str, code: Code) -> PairReply:
+    return PairReply(accepted=False, reason=reason, code=code)

@@ -1,0 +1,31 @@
+"""Messages by which a phone or browser gets a token of its own: the digits that a person read at the console, for a token."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.messages.codes import ReasonCode
+from lbr.messages.system import Role
+
+DIGITS = 6
+Digits = Annotated[str, Meta(pattern="^[0-9]{6}$", description="six digits, as the console's word `pair` shows them")]
+
+
+class PairCommand(Struct, frozen=True, kw_only=True):
+    """Give a token for these digits to a device that calls itself so and asks from this address."""
+
+    digits: Digits
+    address: Annotated[str, Meta(min_length=1, max_length=64)]
+    name: Annotated[str, Meta(max_length=80)] = ""
+
+
+class PairReply(Struct, frozen=True, kw_only=True):
+    """The token, whole, and what its row has; or why there is none, in the same words for every wrong code."""
+
+    accepted: bool
+    reason: str = ""
+    code: ReasonCode = ""
+    token: str = ""
+    name: str = ""
+    role: Role = "view"
+    hash: str = ""

@@ -1,0 +1,261 @@
+"""`pair`, `open` and `close` at the console: what they tell, what they change, and who may say them."""
+
+import json
+import sqlite3
+from types import SimpleNamespace
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from lbr.bus import keys, tokens
+from lbr.bus.access import everything
+from lbr.bus.door import LanUser
+from lbr.commands.token import command
+from lbr.database import store
+from lbr.database.rows import TokenRow
+from lbr.errors import InputError, RowError
+from lbr.executive.planning import credentials, rights
+from lbr.executive.planning import plan as plans
+from lbr.executive.planning.live_rows import _words
+from lbr.executive.planning.process_specs import LAN
+from lbr.executive.planning.profile import Profile
+from lbr.executive.service.dispatch import Dispatcher
+from lbr.executive.service.letting_in import LettingIn
+from lbr.executive.service.pairing import Code
+from lbr.messages.rows import by_table
+from tests.executive.test_plan import planned
+
+PROFILE = Profile(robot="uxa90", simulate=True)
+OPEN = {"accepted": True, "url": "https://192.168.1.5:50000/", "open": True, "tls": True, "reason": "shown"}
+CLOSED = {"accepted": True, "url": "http://127.0.0.1:50000/", "open": False, "tls": False, "reason": "closed"}
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    path = tmp_path_factory.mktemp("database") / "robot.db"
+    store.create(path)
+    with store.Database.open(path) as database:
+        found = database.load("uxa90")
+        enabled = tuple(replace(row, enabled=True) if row.name == "web" else row for row in found.capabilities)
+        return replace(found, capabilities=enabled)
+
+
+class Console:
+    """A robot of rows, whose server listens at once where its row says."""
+
+    def __init__(self, rows, *, address=True) -> None:
+        self.rows = rows
+        self.plan = planned(rows, PROFILE)
+        self.codes: list[tuple[str, str]] = []
+        self.edits: list[tuple[str, str, str]] = []
+        self.answers = address
+        self.words = LettingIn(self, lambda _name, _timeout_s: self.address(), pause=lambda _s: None)
+
+    @property
+    def host(self) -> str:
+        return json.loads(bytes(self.plan.units["web"].config.settings)).get("host", "127.0.0.1")
+
+    def address(self):
+        return (CLOSED if self.host == "127.0.0.1" else OPEN) if self.answers else None
+
+    def pair(self, role, who):
+        self.codes.append((role, who))
+        return Code(digits="482913", role=role, by=who, ends_s=120.0)
+
+    def listen_at(self, name, host, who):
+        self.edits.append((name, host, who))
+        changed = [
+            replace(row, settings=json.dumps(json.loads(row.settings) | {"host": host})) if row.name == name else row
+            for row in self.rows.capabilities
+        ]
+        self.rows = replace(self.rows, capabilities=tuple(changed))
+        self.plan = planned(self.rows, PROFILE)
+
+
+@pytest.fixture
+def console(rows) -> Console:
+    return Console(rows)
+
+
+@pytest.fixture(autouse=True)
+def own_home(tmp_path, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+
+
+def test_open_changes_the_row_once_and_close_takes_it_back(console):
+    first, second = console.words.open("console"), console.words.open("console")
+    assert console.edits == [("web", "0.0.0.0", "console")]
+    assert "'web' is open to your network now. Every machine that reaches this one can ask it" in first.text
+    assert first.text.endswith("\nshown")
+    assert "'web' is open already: it listens at 0.0.0.0" in second.text
+    assert second.data == {"url": OPEN["url"], "open": True, "tls": True}
+    assert "'web' is closed: only this machine reaches it" in console.words.close("console").text
+    assert "closed already" in console.words.close("console").text
+    assert console.edits[1:] == [("web", "127.0.0.1", "console")]
+
+
+def test_a_code_comes_with_its_picture_its_time_and_what_the_browser_will_say(console):
+    console.words.open("console")
+    result = console.words.pair("view", "ann")
+    assert console.codes == [("view", "ann")]
+    assert "482 913   at https://192.168.1.5:50000/" in result.text
+    assert "good for 2 minutes and one device, which gets a token with the role 'view'" in result.text
+    assert "\u2580" in result.text, "no picture"
+    shown = credentials.fingerprint_shown()
+    assert f"must be\n{shown}" in result.text
+    assert len(shown) == 95
+    assert result.data["url"] == "https://192.168.1.5:50000/#pair=482913"
+    assert result.data["digits"] == "482913"
+    assert result.data["fingerprint"] == shown
+
+
+def test_where_only_this_machine_reaches_it_a_code_has_no_picture(console):
+    result = console.words.pair("operate", "console")
+    assert "say 'open' first" in result.text
+    assert "\u2580" not in result.text
+
+
+def test_no_code_is_drawn_for_a_role_that_is_none_or_where_nothing_serves(rows):
+    with pytest.raises(InputError, match="'host' is not a role that a phone may have"):
+        Console(rows).words.pair("host", "console")
+    silent = Console(rows, address=False)
+    assert silent.words.pair("view", "console").reason_code == "unreachable"
+    assert silent.codes == []
+
+
+def test_a_server_whose_row_is_off_is_named(rows):
+    off = tuple(replace(row, enabled=False) if row.name == "web" else row for row in rows.capabilities)
+    words = Console(replace(rows, capabilities=off)).words
+    for said in (words.open, words.close, lambda who: words.pair("view", who)):
+        with pytest.raises(InputError, match="'web' does not run: its row is disabled"):
+            said("console")
+
+
+@pytest.mark.parametrize("line", ["pair", "/pair/view", "open", "close"])
+def test_neither_a_page_nor_an_operator_says_who_comes_in(rows, line):
+    plan = planned(rows, PROFILE)
+    vocabulary = _vocabulary(plan)
+    robot = SimpleNamespace(plan=plan, vocabulary=vocabulary, record=lambda *_: None)
+    dispatcher = Dispatcher(robot, None, {})  # with no bus, so that it would break if it went on
+    by_page = dispatcher.execute(line, source="web:ann", role="admin", page=True)
+    assert (by_page.code, by_page.reason_code) == (1, "denied")
+    assert "for the robot's console" in by_page.text
+    assert dispatcher.execute(line, source="ann", role="operate").reason_code == "role"
+
+
+def _vocabulary(plan):
+    return _words(plan)
+
+
+# -- rights ------------------------------------------------------------------------------------------------------------
+
+
+def test_only_what_pairs_may_show_codes_and_none_may_say_lines_of_an_admin(rows):
+    plan = planned(rows, PROFILE)
+    asking = {name for name, unit in plan.units.items() if keys.pair("uxa90") in rights.of_unit(plan, unit)[name].ask}
+    assert asking == {"web"}
+    assert keys.pair("uxa90") not in rights.of_local(plan).ask
+    for name, unit in plan.units.items():
+        may = rights.of_unit(plan, unit)
+        users = [one for user, one in may.items() if user == name and unit.kind != LAN]
+        assert not any(keys.console("uxa90", "admin") in one.ask for one in users), (
+            f"{name} could ask for codes itself: what pages say goes by keys.console_of_pages"
+        )
+
+
+def test_each_key_of_the_system_is_among_those_that_rights_are_given_over():
+    known = [key.removesuffix("/**") for key in everything("lbr")]
+    system = [keys.console("lbr", "view"), keys.console_of_pages("lbr"), keys.edit("lbr"), keys.pair("lbr")]
+    assert all(any(f"{key}/".startswith(f"{one}/") for one in known if "@" in one) for key in system)
+
+
+def test_who_has_the_token_already_is_not_restarted_for_it(rows):
+    row = TokenRow(
+        name="anas-phone", role="operate", hash=tokens.hashed("x"), created_at="2026-01-01T00:00:00.000Z",
+        good_for="web", paired_from="192.168.1.7",
+    )  # fmt: skip
+    before = TokenRow(name="zoe", role="view", hash=row.hash, created_at=row.created_at)
+    plan = planned(replace(rows, tokens=(before,)), PROFILE)
+    after = planned(replace(rows, tokens=(row, before)), PROFILE)
+    assert plans.difference(plan, after).restart == ("web",)
+    secret = credentials.token_secret(b"", row.name, row.created_at)
+    user = LanUser(name=row.name, role=row.role, secret=secret, hash=row.hash)
+    assert plans.difference(plans.learnt(plan, "web", by_table([user])), after) == plans.Change()
+
+
+# -- rows --------------------------------------------------------------------------------------------------------------
+
+
+def test_one_setting_is_written_as_a_revision_and_the_others_stay(tmp_path):
+    path = tmp_path / "robot.db"
+    store.create(path)
+    with sqlite3.connect(path) as other:
+        other.execute("UPDATE capability SET settings = '{\"port\":  1234}' WHERE robot = 'uxa90' AND name = 'web'")
+    other.close()
+    with store.Database.open(path) as database:
+        before = database.revision()
+        after = database.set_setting("uxa90", "web", "host", "0.0.0.0", lambda _rows: ())
+        assert after == before + 1
+        (row,) = [row for row in database.load("uxa90").capabilities if row.name == "web"]
+        assert json.loads(row.settings) == {"port": 1234, "host": "0.0.0.0"}
+        (change,) = database.revisions(before)
+        assert (change.table, change.row_key) == ("capability", ("uxa90", "web"))
+        assert database.set_setting("uxa90", "web", "host", "0.0.0.0", lambda _rows: ()) == after
+        with pytest.raises(RowError, match="no such host"):
+            database.set_setting("uxa90", "web", "host", "x", lambda _rows: ["no such host"])
+        with pytest.raises(InputError, match="there is no capability 'nothing'"):
+            database.set_setting("uxa90", "nothing", "host", "x", lambda _rows: ())
+        assert database.revision() == after
+
+
+# -- tokens ------------------------------------------------------------------------------------------------------------
+
+
+@given(st.text(max_size=80), st.lists(st.text(max_size=40), max_size=5))
+def test_whatever_a_device_calls_itself_its_token_has_a_name_of_its_own(said, others):
+    taken = [credentials.device_name(one, ()) for one in others]
+    found = [credentials.device_name(said, taken)]
+    for _ in range(3):
+        found.append(credentials.device_name(said, [*taken, *found]))
+    assert len({one.lower() for one in (*taken, *found)}) == len(set(map(str.lower, taken))) + 4
+    assert all(tokens.check_name(one) for one in found)
+
+
+@pytest.mark.parametrize(
+    ("said", "name"),
+    [
+        ("Ana's iPhone", "Ana-s-iPhone"),
+        ("", "phone"),
+        ("日本", "phone"),
+        ("Zoë", "Zoe"),
+        ("a" * 80, "a" * 32),
+        ("-x-", "x"),
+    ],
+)
+def test_a_name_stays_what_people_know_it_by(said, name):
+    assert credentials.device_name(said, ()) == name
+    assert credentials.device_name(said, (name.upper(),)) == f"{name}-2"
+
+
+def test_a_list_says_from_where_a_device_was_paired(tmp_path):
+    store.create(tmp_path / "robot.db")
+    with store.Database.open(tmp_path / "robot.db") as database:
+        database.add_token("by-hand", "view", "h" * 64)
+        database.add_token("phone", "operate", "h" * 64, good_for="web", paired_from="192.168.1.7")
+    told = CliRunner().invoke(command, ["list", "--db", str(tmp_path / "robot.db")]).output.splitlines()
+    assert told[1].startswith("phone    operate web  valid    since 20")
+    assert told[1].endswith(", paired from 192.168.1.7")
+    assert "paired" not in told[0]
+
+
+def test_a_paired_token_is_a_row_like_any_with_where_it_came_from(tmp_path):
+    store.create(tmp_path / "robot.db")
+    with store.Database.open(tmp_path / "robot.db") as database:
+        made = credentials.new_token(database, "phone", "view", good_for="web", paired_from="192.168.1.7")
+        (row,) = database.tokens()
+        assert (row.name, row.role, row.good_for, row.paired_from) == ("phone", "view", "web", "192.168.1.7")
+        assert tokens.fits(made.token.secret, row.hash)
+        assert tokens.parse(str(made.token)) == made.token
