@@ -463,6 +463,11 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('lbr', 'world', 'world', '{}', '[]',
      'The simulated surroundings; runs only under a simulating launch profile');
 
+-- The robot's old API, for the clients it has always had: to this machine, without a token only while it is simulated.
+INSERT INTO capability (robot, name, kind, settings, help) VALUES
+    ('lbr', 'web_api', 'web', '{"port": 9145, "faces": ["lbr_original"]}',
+     'The robot''s HTTP API of old: drive, speak, telemetry, cameras; moved by this machine alone, or as legacy says');
+
 -- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
 -- lets in whoever has a token (`lbr token add NAME`); the same with 'web' serves the robot over HTTP, to this machine.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
@@ -500,7 +505,24 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'camera_front.state', 'web.cameras', 4),
     ('lbr', 'camera_rear.state', 'web.cameras', 4),
     ('lbr', 'web.halt', 'drive.stop', 1),
-    ('lbr', 'web.estop_reset', 'executive.estop_reset', 1);
+    ('lbr', 'web.estop_reset', 'executive.estop_reset', 1),
+    ('lbr', 'telemetry.package', 'web_api.telemetry', 1),
+    ('lbr', 'ranges.readings', 'web_api.ranges', 1),
+    ('lbr', 'drive.state', 'web_api.drive', 1),
+    ('lbr', 'drive.result', 'web_api.moved', 8),
+    ('lbr', 'battery.state', 'web_api.battery', 1),
+    ('lbr', 'camera_front.frame', 'web_api.frames', 2),
+    ('lbr', 'camera_rear.frame', 'web_api.frames', 2),
+    ('lbr', 'camera_front.state', 'web_api.cameras', 4),
+    ('lbr', 'camera_rear.state', 'web_api.cameras', 4),
+    ('lbr', 'web_api.halt', 'drive.stop', 1),
+    ('lbr', 'web_api.drive_command', 'drive.command', 1),
+    ('lbr', 'web_api.drive_turn', 'drive.turn', 1),
+    ('lbr', 'web_api.drive_heading', 'drive.heading', 1),
+    ('lbr', 'web_api.say', 'speech.say', 1),
+    ('lbr', 'web_api.select_camera', 'cameras.select', 1),
+    ('lbr', 'web_api.dock_heard', 'dock.heard', 1),
+    ('lbr', 'web_api.estop_reset', 'executive.estop_reset', 1);
 
 -- What needs no more than a few messages a second gets no more.
 INSERT INTO channel (robot, source, target, rate_hz) VALUES

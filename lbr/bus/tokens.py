@@ -41,6 +41,11 @@ def parse(text: str) -> Token:
     return Token(name=found[1], secret=found[2], fingerprint=found[3])
 
 
+def is_one(text: str) -> bool:
+    """Say whether a text looks like a token."""
+    return _SHAPE.fullmatch(text.strip()) is not None
+
+
 def check_name(name: str) -> str:
     """Return a name that a token may have; raise InputError saying what is allowed."""
     if _NAME.fullmatch(name) is None:

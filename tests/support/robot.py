@@ -39,11 +39,12 @@ def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = F
         )
         if not whole:
             database.execute(only("lbr", *BASE, *also))
-        database.execute(
-            "UPDATE capability SET settings = json_set(settings, '$.port', ?, '$.announce', json('false'))"
-            " WHERE kind = 'web'",
-            (free_port(),),
-        )
+        for served in database.execute("SELECT robot, name FROM capability WHERE kind = 'web'").fetchall():
+            database.execute(
+                "UPDATE capability SET settings = json_set(settings, '$.port', ?, '$.announce', json('false'))"
+                " WHERE robot = ? AND name = ?",
+                (free_port(), *served),
+            )
         for edit in edits:
             database.execute(edit)
     database.close()
@@ -95,9 +96,13 @@ class Robot(robots.Robot):
     @property
     def web(self) -> str:
         """Where it is served over HTTP: on a port of its own, whatever else runs on this machine."""
+        return self.served("web")
+
+    def served(self, name: str) -> str:
+        """Return where one of its web servers is."""
         with sqlite3.connect(self.home / "robot.db") as database:
-            query = "SELECT settings ->> '$.port' FROM capability WHERE kind = 'web' AND robot = ?"
-            (port,) = database.execute(query, (self.name,)).fetchone()
+            query = "SELECT settings ->> '$.port' FROM capability WHERE kind = 'web' AND robot = ? AND name = ?"
+            (port,) = database.execute(query, (self.name, name)).fetchone()
         database.close()
         return f"http://127.0.0.1:{port}"
 

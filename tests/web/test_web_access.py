@@ -125,9 +125,31 @@ def test_what_browsers_and_programs_send_of_themselves_is_no_trace_of_a_proxy():
     assert ACCESS.client("127.0.0.1", headers, port=50000, owner=True).role == "admin"
 
 
+OLD = f"TOK:ann.{SECRET}.{FINGERPRINT}"
+
+
+def test_a_token_may_be_shown_as_the_robot_lbrs_old_clients_do():
+    for access in (ACCESS, LEGACY):
+        for address in ("127.0.0.1", "8.8.8.8"):
+            client = access.client(address, HERE | {"user": "me", "authorization": OLD}, port=50000)
+            assert (client.name, client.role) == ("ann", "operate")
+
+
+@pytest.mark.parametrize("shown", ["TOK:", "TOK:" + "x" * 43, "TOK:nonsense"])
+def test_a_token_of_the_old_robot_counts_as_none_where_legacy_is_open_alone(shown):
+    headers = HERE | {"user": "me", "authorization": shown}
+    client = LEGACY.client("127.0.0.1", headers, port=50000)
+    assert (client.name, client.role, client.legacy) == ("", "operate", True)
+    assert LEGACY.client("8.8.8.8", headers).role is None
+    with pytest.raises(Refused, match="token"):
+        ACCESS.client("127.0.0.1", headers, port=50000)
+
+
 @pytest.mark.parametrize(
     "headers",
     [
+        {"authorization": OLD.replace("ann", "nobody")},
+        {"authorization": OLD.replace("sss", "xxx")},
         token("ann", "x" * 43),
         token("nobody"),
         token("eve"),  # its row is of another secret

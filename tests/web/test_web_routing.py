@@ -70,6 +70,24 @@ def test_a_path_is_found_in_either_case_and_with_a_slash_at_its_end(method, path
     assert find(method, path) == found
 
 
+@pytest.mark.parametrize(
+    ("path", "asked", "rest"),
+    [
+        ("/files/{rest*}", "/files/a/b.txt", "a/b.txt"),
+        ("/files/{rest*}", "/files/", ""),
+        ("/files/{rest*}", "/files", None),
+        ("/files{rest*}", "/files", ""),
+        ("/files{rest*}", "/FILES/%41", "/A"),
+        ("/{rest*}", "/", ""),
+        ("/{rest*}", "/a//b/", "a//b/"),
+    ],
+)
+def test_a_key_with_a_star_is_all_that_follows(path, asked, rest):
+    found = routing.Path(path)
+    assert found.fits(asked) is (rest is not None)
+    assert found.keys(asked) == ({} if rest is None else {"rest": rest})
+
+
 def test_a_path_knows_its_methods():
     assert routing.methods(TABLE, "/STOP/") == ("POST",)
     assert routing.methods(TABLE, "/motion") == ("GET", "HEAD")

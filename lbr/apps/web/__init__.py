@@ -35,6 +35,24 @@ _ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]+")
 Network = Annotated[str, Meta(description="an address or a network, such as 192.168.1.0/24")]
 
 
+class OldApi(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the face `lbr_original` treats the clients of the API that the robot lbr has always had."""
+
+    heartbeat_s: Annotated[
+        float, Meta(ge=0.5, le=5.0, description="a client that moves the robot and is silent for longer is lost")
+    ] = 1.5
+    unattended_s: Annotated[
+        float,
+        Meta(ge=0.0, le=60.0, description="how long a turn or a timed move goes on whose client only began it"),
+    ] = 10.0
+    dock_ttl_s: Annotated[
+        float, Meta(ge=0.2, le=10.0, description="how long a beam of the dock counts that a client has seen")
+    ] = 3.0
+    over_range_cm: Annotated[
+        int, Meta(ge=100, le=1000, description="what is told as a distance where nothing is within reach")
+    ] = 758
+
+
 class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `web`.
 
@@ -67,6 +85,7 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
     ] = ()
     requests_per_s: Annotated[float, Meta(ge=1.0, le=10_000.0, description="the most from one address")] = 200.0
+    old_api: OldApi = OldApi()
 
     def __post_init__(self) -> None:
         """Refuse what is no network and no origin, before anybody counts on it."""

@@ -20,6 +20,7 @@ HERE: Role = "view"
 """What every program of this machine may do, for any user; stopping is part of it."""
 OWNER: Role = "admin"
 TRUSTED: Role = "operate"
+OLD_SCHEME, NONE = "TOK:", "none"
 
 
 class Access:
@@ -63,14 +64,27 @@ class Access:
         the kernel says that the program that asks is of this robot's own user; `whose` is what else it says.
         """
         if not shown and "authorization" in headers:
-            scheme, _, shown = headers["authorization"].partition(" ")
-            if scheme.lower() != "bearer" or not shown.strip():
-                raise _no_token("'Authorization' must be 'Bearer NAME.SECRET.FINGERPRINT'")
+            shown = self._shown(headers["authorization"].strip())
         if shown:
             return self._by_token(address, shown)
         client = self._by_place(address, headers, port, owner=owner)
         session = self._login.session(headers, whose) if self._login is not None else ""
         return replace(client, session=session, role=client.role or "view") if session else client
+
+    def _shown(self, authorization: str) -> str:
+        """Return the token in a header, Bearer or as the robot lbr's old clients write it (`TOK:`); Refused (401) for
+        another.
+
+        A token that the old robot gave out says nothing here. Where `legacy` is open it counts as none, so that
+        programs that still show it go on.
+        """
+        if authorization.startswith(OLD_SCHEME):
+            shown = authorization.removeprefix(OLD_SCHEME).strip()
+            return "" if self._legacy and not tokens.is_one(shown) else shown or NONE
+        scheme, _, shown = authorization.partition(" ")
+        if scheme.lower() != "bearer" or not shown.strip():
+            raise _no_token("'Authorization' must be 'Bearer NAME.SECRET.FINGERPRINT'")
+        return shown
 
     def _by_place(self, address: str, headers: Mapping[str, str], port: int, *, owner: bool) -> Client:
         here = names.is_loopback(address)

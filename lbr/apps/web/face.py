@@ -15,7 +15,7 @@ from starlette.responses import Response
 from lbr.messages.codes import Code, Reason, ReasonCode
 from lbr.messages.system import RANKS, Role
 
-Method = Literal["GET", "POST", "PUT", "PATCH", "DELETE"]
+Method = Literal["GET", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"]
 JSON, HTML, TEXT, SVG = "application/json", "text/html", "text/plain", "image/svg+xml"
 ANSWER_S = 2.0
 _encode = msgspec.json.Encoder().encode
@@ -184,7 +184,7 @@ def _named(headers: Mapping[str, str]) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Route:
-    """One method of one path, such as `/motion/{key}`: what it takes and returns, who may, and who answers.
+    """One method of one path, such as `/motion/{key}` or `/files/{rest*}`: what it takes and returns, who may, who answers.
 
     `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
     and reads them itself: then they only say in the document what is meant, and a body is passed on unread. What one

@@ -19,17 +19,20 @@ from lbr.apps.web.face import Refused, Route
 from lbr.messages.units import NAME_PATTERN
 
 MOST_PARAMETERS = 64
-_KEY = re.compile(r"\{([a-z_]+)\}")
+_KEY = re.compile(r"\{([a-z_]+\*?)\}")
 _NO_NAME = "names are small letters, digits and _, a letter first"
 _PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`$")
 
 
 class Path:
-    """A path with keys in it, such as `/motion/{key}`, as it came: percent signs and all."""
+    """A path with keys in it, such as `/motion/{key}`, as it came: percent signs and all.
+
+    A key is one part of a path; one such as `{rest*}` is all that follows, slashes too, or nothing.
+    """
 
     def __init__(self, path: str) -> None:
         parts = _KEY.split(path.rstrip("/"))
-        joined = "".join(re.escape(part) if at % 2 == 0 else f"(?P<{part}>[^/]+)" for at, part in enumerate(parts))
+        joined = "".join(re.escape(part) if at % 2 == 0 else _group(part) for at, part in enumerate(parts))
         self._pattern = re.compile(f"{joined}/?", re.IGNORECASE)
 
     def fits(self, path: str) -> bool:
@@ -128,6 +131,10 @@ def plain(err: Exception) -> str:
         return text
     said = text[: found.start()].replace("`", "'")
     return f"{found[1]}: {said}" if found[1] else said
+
+
+def _group(key: str) -> str:
+    return f"(?P<{key[:-1]}>.*)" if key.endswith("*") else f"(?P<{key}>[^/]+)"
 
 
 def _decoded(text: str) -> str:

@@ -1,0 +1,191 @@
+"""What a request of the old API asks for, out of its JSON. Pure.
+
+As its clients know it: the first of `heading`, `turn` and `level` counts, an empty string is as if nothing were there,
+numbers may be texts but for the level, and what is bounded is bounded by whole centimetres and seconds.
+"""
+
+import json
+from collections.abc import Mapping
+from math import fmod, isfinite
+from typing import Any, Literal
+
+from msgspec import Struct
+
+from lbr.errors import InputError
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+
+Motion = DriveCommand | TurnCommand | HeadingCommand
+Port = Literal["drive_command", "drive_turn", "drive_heading"]
+PORTS: dict[type[Motion], Port] = {
+    DriveCommand: "drive_command",
+    TurnCommand: "drive_turn",
+    HeadingCommand: "drive_heading",
+}
+"""By which request each motion is asked for."""
+SENSORS = ("forward", "back", "left", "right", "bottom")
+NEAREST_CM, FARTHEST_CM = 17, 768
+"""What a range to stop at is brought within, as the original does."""
+LONGEST_S = 3600
+NOTHING = "say 'level' and 'angle', 'turn', 'heading' or 'speech'"
+
+
+class NotFiniteError(InputError):
+    """A number that is none: whoever computes it has lost its way, so the robot is to stand."""
+
+
+class Asked(Struct, frozen=True, kw_only=True):
+    """What is asked for: a motion, or to stop, and what to say; empty is nothing."""
+
+    motion: Motion | None = None
+    stop: bool = False
+    speech: str = ""
+
+    @property
+    def bounded(self) -> bool:
+        """Return whether the motion ends by itself, in time or at an angle."""
+        motion = self.motion
+        return isinstance(motion, TurnCommand | HeadingCommand) or (
+            isinstance(motion, DriveCommand) and motion.interval_s > 0.0
+        )
+
+
+def decoded(body: bytes) -> Any:
+    """Return what a body says; InputError for what is not JSON. NaN and infinite numbers are read as such."""
+    try:
+        found = json.loads(body)
+        json.dumps(found, ensure_ascii=False).encode()  # half a character is JSON, but no text
+    except UnicodeEncodeError:
+        raise InputError("the body has text that is no Unicode") from None
+    except (ValueError, RecursionError) as err:
+        raise InputError(f"the body is not JSON: {str(err)[:120]}") from None
+    return found
+
+
+def asked(body: bytes) -> Asked:
+    """Return what a request to `/` asks for; InputError says what is wrong with it."""
+    said = _mapping(decoded(body))
+    speech = _speech(said["speech"]) if _is_there(said, "speech") else ""
+    if _is_there(said, "heading"):
+        return Asked(motion=_heading(said), speech=speech)
+    if _is_there(said, "turn"):
+        return Asked(motion=_turn(said), speech=speech)
+    if _is_there(said, "level"):
+        motion = _drive(said)
+        return Asked(motion=motion, stop=motion is None, speech=speech)
+    if not speech:
+        raise InputError(NOTHING)
+    return Asked(speech=speech)
+
+
+def speech(body: bytes) -> str:
+    """Return what a request to `/say` says; InputError without a text."""
+    text = _speech(_mapping(decoded(body)).get("speech"))
+    if not text:
+        raise InputError('say it as {"speech": "text"} or {"speech": {"text": "text"}}')
+    return text
+
+
+def beams(body: bytes) -> dict[str, bool]:
+    """Return which beams of the dock a request to `/docksignal` has seen or has not; InputError without any."""
+    signal = _mapping(decoded(body)).get("dockSignal")
+    example = 'say it as {"dockSignal": {"time": 1676000000.0, "left": 1}}'
+    if not isinstance(signal, dict):
+        raise InputError(example)
+    found = {name: bool(_number(signal, name)) for name in ("left", "right", "power") if _is_there(signal, name)}
+    if not found:
+        raise InputError(f"{example}, with left, right or power")
+    return found
+
+
+def _heading(said: Mapping[str, Any]) -> HeadingCommand:
+    heading_deg = round(_number(said, "heading"), 1)
+    if not 0.0 <= heading_deg <= 360.0:
+        raise InputError(f"heading {heading_deg:g} is outside 0 to 360")
+    return HeadingCommand(heading_deg=heading_deg)
+
+
+def _turn(said: Mapping[str, Any]) -> TurnCommand:
+    angle_deg = round(_number(said, "turn"), 1)
+    if not -360.0 <= angle_deg <= 360.0:
+        raise InputError(f"turn {angle_deg:g} is outside -360 to 360")
+    return TurnCommand(angle_deg=angle_deg)
+
+
+def _drive(said: Mapping[str, Any]) -> DriveCommand | None:
+    """Return how to drive; None for standing still, which a level below 0 is as well."""
+    if isinstance(said["level"], str):
+        raise InputError("level must be a number, not a text")
+    level = round(min(1.0, _number(said, "level")), 2)
+    if not level > 0.0:
+        return None
+    if not _is_there(said, "angle"):
+        raise InputError("level needs an angle: 0 is ahead, 90 right, 180 back, 270 left")
+    angle_deg = fmod(_whole(said, "angle"), 360.0)
+    range_cm, interval_s = _bound(said, "range"), _bound(said, "duration")
+    if not (range_cm or interval_s):
+        return DriveCommand(power=level, angle_deg=angle_deg)
+    if interval_s > LONGEST_S:
+        raise InputError(f"duration {interval_s} is longer than {LONGEST_S} s")
+    return DriveCommand(
+        power=level,
+        angle_deg=angle_deg,
+        range_cm=float(min(max(range_cm, NEAREST_CM), FARTHEST_CM)) if range_cm else 0.0,
+        sensor=_sensor(said),
+        interval_s=float(interval_s),
+    )
+
+
+def _sensor(said: Mapping[str, Any]) -> str:
+    if not _is_there(said, "sensor"):
+        return "forward"
+    name = str(said["sensor"]).strip().lower()
+    name = "back" if name == "rear" else name
+    if name not in SENSORS:
+        there = ", ".join(one.capitalize() for one in SENSORS)
+        raise InputError(f"sensor '{name[:40]}' is not one of {there}", "unknown_name")
+    return name
+
+
+def _speech(said: Any) -> str:
+    """Return a text, however it is wrapped; of a mapping, only `text` counts."""
+    if isinstance(said, dict):
+        said = said.get("text")
+    if said is None:
+        return ""
+    if not isinstance(said, str):
+        raise InputError("speech must be a text")
+    return said.strip()
+
+
+def _bound(said: Mapping[str, Any], name: str) -> int:
+    """Return a bound in whole units; 0 for none, and for what is not above 0."""
+    return max(0, _whole(said, name)) if _is_there(said, name) else 0
+
+
+def _whole(said: Mapping[str, Any], name: str) -> int:
+    return int(_number(said, name))
+
+
+def _number(said: Mapping[str, Any], name: str) -> float:
+    value = said[name]
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise InputError(f"{name} must be a number")
+    try:
+        number = float(value)
+    except ValueError:
+        raise InputError(f"{name} must be a number, not '{str(value)[:40]}'") from None
+    except OverflowError:
+        raise NotFiniteError(f"{name} is too large") from None
+    if not isfinite(number):
+        raise NotFiniteError(f"{name} is {number}, which is no number to move by")
+    return number
+
+
+def _mapping(said: Any) -> Mapping[str, Any]:
+    if not isinstance(said, dict):
+        raise InputError(f"the body must be an object; {NOTHING}")
+    return said
+
+
+def _is_there(said: Mapping[str, Any], name: str) -> bool:
+    return said.get(name) is not None and said[name] != ""

@@ -1,0 +1,210 @@
+"""lbr's old API with a robot that runs: its telemetry, motions by it, and a client that is killed while it drives."""
+
+import http.client
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from tests.docs.ready import measured
+from tests.support import programs
+from tests.support.robot import Robot, prepare, running, until
+from tests.support.trace import Trace
+
+pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+PARTS = ("imu", "attitude", "odometry", "battery", "telemetry", "speech", "dock", "cameras", "camera_front", "web_api")
+HEARTBEAT_S = 1.5
+ALL = {"Ranges", "Timestamp", "MPU", "amperages", "Bat", "Count", "dockSignal", "cameras"}
+SLACK_S = 0.8
+"""The lease's end, the ramp, and what a busy machine takes."""
+STOP = {"level": 0, "angle": 0}
+CLIENT = """
+import http.client, json, sys, time
+
+def ask(method, path, body=None):
+    connection = http.client.HTTPConnection("127.0.0.1", int(sys.argv[1]), timeout=5)
+    text = None if body is None else json.dumps(body) + "\\r\\n"
+    connection.request(method, path, text, {"Content-type": "application/json", "User-Agent": "fsm"})
+    return connection.getresponse().read()
+
+print("drives", flush=True)
+while True:
+    ask("POST", "/", {"level": 0.4, "angle": 90})  # again and again: on a busy machine it may be refused, or lapse
+    for _ in range(3):
+        ask("GET", "/telemetry")
+        time.sleep(0.3)
+"""
+
+
+class Api:
+    """The robot, as its old clients ask it."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.port = int(robot.served("web_api").rpartition(":")[2])
+        self.trace = Trace(robot.trace)
+
+    def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=5)
+        try:
+            text = None if body is None else json.dumps(body) + "\r\n"
+            connection.request(method, path, text, {"Content-type": "application/json", "User-Agent": "test"})
+            answer = connection.getresponse()
+            content = answer.read()
+            return answer.status, json.loads(content) if content.startswith(b"{") else content
+        finally:
+            connection.close()
+
+    @property
+    def telemetry(self) -> Any:
+        return self.ask("GET", "/telemetry")[1]
+
+    def knows_all(self) -> bool:
+        """Say whether every part is there, and the compass has told where it looks."""
+        found = self.telemetry
+        return set(found) >= ALL and None not in found["MPU"].values() and found["cameras"]["front"]["status"] == "on"
+
+    def stands(self) -> bool:
+        """As state machines see it: both currents are exactly 0."""
+        amps = self.telemetry["amperages"]
+        return amps["leftMotor"] == 0.0 and amps["rightMotor"] == 0.0
+
+    @property
+    def goal(self) -> str:
+        """What the drive is up to; a busy machine may not answer."""
+        return (self.robot.ask("drive/state") or {"goal": "unknown"})["goal"] or ""
+
+    def turns(self) -> bool:
+        return self.trace.now().least > 0.05
+
+    def accepted(self, body: Any) -> bool:
+        """On a busy machine a motion may be refused for a late reading; then it is asked for again."""
+        return self.ask("POST", "/", body)[0] == 200
+
+    @contextmanager
+    def client(self) -> Iterator["subprocess.Popen[str]"]:
+        """A client that drives and polls."""
+        popen = programs.start([sys.executable, "-c", CLIENT, str(self.port)], stdout=subprocess.PIPE, text=True)
+        try:
+            assert popen.stdout.readline() == "drives\n"
+            yield popen
+        finally:
+            popen.kill()
+            popen.wait()
+            popen.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def api(tmp_path_factory) -> Iterator[Api]:
+    home = prepare(tmp_path_factory.mktemp("o") / "h", *PARTS)
+    with running(home) as robot:
+        until(lambda: robot.capability("web_api")["phase"] == "ready", limit_s=10.0)
+        measured(robot)
+        found = Api(robot)
+        until(found.knows_all, limit_s=15.0, what="every part of the telemetry")
+        yield found
+
+
+@pytest.fixture(autouse=True)
+def at_rest(api) -> Iterator[None]:
+    yield
+    api.ask("POST", "/", STOP)
+    until(lambda: api.trace.now().zero, what="wheels that stand")
+
+
+def test_telemetry_has_every_part_in_its_unit(api):
+    found = api.telemetry
+    assert 17 <= found["Ranges"]["Forward"] <= 758
+    assert found["Ranges"]["Bottom"] == 0
+    assert abs(found["Timestamp"] - time.time()) < 5.0
+    assert found["MPU"]["accel"][2] == pytest.approx(1.0, abs=0.1)
+    assert 0.0 <= found["MPU"]["heading"] < 360.0
+    assert (found["amperages"]["leftMotor"], found["amperages"]["rightMotor"]) == (0.0, 0.0)
+    assert 10.0 < found["Bat"]["voltage"] < 15.0
+    assert found["Bat"]["source"] in {"BAT", "AC"}
+    assert found["cameras"]["front"]["status"] == "on"
+    assert "voltages" not in found
+
+
+def test_a_turn_is_made_for_a_client_that_polls_as_the_state_machine_does(api):
+    def turned() -> bool:
+        """On a busy machine the inertial unit may be late, which ends a turn; then it is asked for again."""
+        if not api.accepted({"turn": 60}):
+            return False
+        until(api.turns, what="a turn that has begun")
+        assert api.trace.now().left >= 0.0 >= api.trace.now().right, "clockwise"
+        until(lambda: api.telemetry and not api.goal, limit_s=8.0, what="the end of the turn")
+        return bool(until(lambda: api.robot.ask("drive/result"))["result"] == "reached")
+
+    until(turned, limit_s=15.0, what="a turn that reached its end")
+    until(api.stands, what="currents of 0")
+
+
+def test_driving_is_stopped_by_level_0_and_by_silence(api):
+    until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
+    assert api.ask("POST", "/", STOP)[0] == 200
+    until(lambda: api.trace.now().zero, limit_s=1.0, what="wheels that stand")
+    until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
+    asked_ns = time.monotonic_ns()
+    zero = api.trace.first_zero(asked_ns, HEARTBEAT_S + 2.0)
+    assert zero is not None, "nobody was heard, and it drives on"
+    assert (zero.at_ns - asked_ns) * 1e-9 > HEARTBEAT_S - 0.5, "it was stopped by something else"
+
+
+def test_a_client_that_is_killed_while_it_drives_leaves_wheels_that_stand(api):
+    with api.client() as client:
+        until(api.turns, what="wheels that turn")
+        still = time.monotonic() + HEARTBEAT_S + 0.5
+        until(lambda: time.monotonic() > still or not api.turns())
+        assert api.turns(), "its polls keep it going"
+        client.send_signal(signal.SIGKILL)
+        killed_ns = time.monotonic_ns()
+        zero = api.trace.first_zero(killed_ns, HEARTBEAT_S + 3.0)
+    assert zero is not None, "the wheels turn on"
+    took_s = (zero.at_ns - killed_ns) * 1e-9
+    print(f"wheels zero {took_s:.2f} s after the client was killed")
+    assert took_s <= HEARTBEAT_S + SLACK_S
+    until(lambda: any("was silent for" in one["text"] for one in api.robot.events()), what="an event that says so")
+
+
+def test_another_client_is_told_who_drives_and_may_stop(api):
+    with api.client():
+        until(api.turns, what="wheels that turn")
+        status, said = api.ask("POST", "/", {"level": 0.2, "angle": 270})
+        assert (status, said["refused"]["code"]) == (409, "held")
+        assert api.ask("POST", "/", STOP)[0] == 200
+        until(lambda: api.trace.now().zero, limit_s=1.0, what="wheels that stand")
+
+
+def test_it_speaks_hears_the_dock_and_switches_cameras(api):
+    until(lambda: api.ask("POST", "/say", {"speech": "a text / with a slash"}) == (200, b""))
+    assert api.ask("POST", "/docksignal", {"dockSignal": {"time": time.time(), "left": 1}}) == (204, b"")
+    assert api.telemetry["dockSignal"]["left"] == 1
+    until(lambda: api.ask("POST", "/camera/off", {}) == (200, {}))
+    until(lambda: api.ask("GET", "/cameras")[1]["front"]["status"] == "off")
+    until(lambda: api.ask("POST", "/camera/front", {}) == (200, {}))
+    until(lambda: api.ask("GET", "/cameras")[1]["front"]["status"] == "on")
+
+
+def test_the_server_that_is_killed_while_it_moves_the_base_leaves_it_standing(api):
+    until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
+    pid = api.robot.capability("web_api")["pid"]
+    os.kill(pid, signal.SIGKILL)
+    killed_ns = time.monotonic_ns()
+    zero = api.trace.first_zero(killed_ns, 2.0)
+    assert zero is not None
+    assert (zero.at_ns - killed_ns) * 1e-9 <= 0.5 + SLACK_S
+
+    def is_back() -> bool:
+        unit = api.robot.capability("web_api")
+        return unit["restarts"] == 1 and unit["phase"] == "ready"
+
+    until(is_back, limit_s=10.0)
+    assert api.trace.now().zero, "it went on by itself"
