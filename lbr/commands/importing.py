@@ -64,9 +64,9 @@ def command(
 ) -> int:
     """Take what a robot's former programs kept: their databases, tables and motions, from a file or all of a folder.
 
-    All of it is written, or nothing, as one edit that a running robot follows. What is not as shipped is a person's
-    and stays, unless --replace is given: then nothing is written, and it is named. The report tells each thing that was
-    changed, brought within limits or has no place here.
+    All of it is written, or nothing, as one edit that a running robot follows. What is not as shipped is a person's: if a
+    file says something else, it is named and nothing is written, unless --replace is given. The report tells each thing
+    that was changed, brought within limits or has no place here.
     """
     from lbr import home  # noqa: PLC0415 - the database is for those who read rows
     from lbr.commands.rows import opened, problems_of  # noqa: PLC0415

@@ -19,7 +19,7 @@ MOST_ROWS = 100_000
 COMPUTED_S = 5.0
 _MOST_PAGES = 16_384
 _LOOK_EVERY = 10_000
-_OURS = 0x4C425231
+_OURS, _APPLICATION = b"LBR1", slice(68, 72)
 _MAKING = {
     sqlite3.SQLITE_CREATE_TABLE,
     sqlite3.SQLITE_CREATE_INDEX,
@@ -34,14 +34,17 @@ _READING = {sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ}
 _PRAGMAS = {"foreign_keys", "encoding", "user_version", "application_id"}
 
 
+def is_own(content: bytes) -> bool:
+    """Say whether a file is a database of this program: such are restored, not imported."""
+    return content.startswith(MAGIC) and content[_APPLICATION] == _OURS
+
+
 def of_database(content: bytes) -> ForeignTables:
     """Return the rows of every table of a database file; InputError if it cannot be read."""
     with _memory("it is no SQLite database that could be read") as connection:
         plain = bytearray(content)
         plain[18:20] = b"\1\1"  # one with a write-ahead log could not be read in memory; the log is another file
         connection.deserialize(bytes(plain))
-        if connection.execute("PRAGMA application_id").fetchone()[0] == _OURS:
-            raise InputError("it is a database of this lbr: --db names it, and 'lbr db restore' puts one in place")
         return _tables(connection)
 
 
@@ -79,6 +82,8 @@ def _memory(failed: str) -> Iterator[sqlite3.Connection]:
         connection.set_progress_handler(lambda: time.thread_time() > until, _LOOK_EVERY)
         try:
             yield connection
+        except InputError:
+            raise
         except (sqlite3.Error, ValueError, OverflowError, MemoryError) as err:
             raise InputError(f"{failed}: {shown(err)}") from err
 

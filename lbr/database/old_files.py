@@ -47,6 +47,9 @@ def understood(path: Path, wanted: str | None = None) -> Given:
         if f".{wanted}" in makers or (wanted is None and path.suffix.lower() in makers):
             suffix = f".{wanted}" if wanted is not None else path.suffix.lower()
             return Given(path, suffix.removeprefix("."), motion_files.read(content, suffix))
+        if foreign_tables.is_own(content):
+            why = "it is a database of this lbr: 'lbr db restore' puts one in the place of robot.db"
+            return Given(path, "", why=why)
         source = _source(path, content)
         if wanted == OWN or (isinstance(source.json, dict) and source.json.get("format") == "lbr-motion"):
             return Given(path, OWN, motion_files.read(content))

@@ -122,7 +122,7 @@ class _Taking:
             return False
         _set(state.after, column.split("."), value)
         if state.before is not None:
-            text = f"{want.source}: {'nothing' if old is None else shown(old)} -> {shown(value)}"
+            text = f"{want.source}: {'nothing' if old is None or old == '' else shown(old)} -> {shown(value)}"
             self._notes.append(Note("changed", want.table, told, column, text))
         return True
 
@@ -144,7 +144,8 @@ def take_motions(motions: Iterable[Motion], rows: RobotRows, *, replacing: bool)
             continue
         if there is not None and not replacing:
             kept.append(f"motion '{motion.name}' is there already")
-        text = f"{len(motion.frames)} key frames, {sum(frame.duration_s for frame in motion.frames):.2f} s"
+        count = len(motion.frames)
+        text = f"{count} key frame{'s' if count != 1 else ''}, {sum(frame.duration_s for frame in motion.frames):.2f} s"
         notes.append(Note("changed" if there is not None else "added", "motion", motion.name, "", text))
         written += motion.rows
     return Taken(rows=tuple(written), notes=tuple(notes), kept=tuple(kept))

@@ -90,7 +90,7 @@ def test_a_database_of_the_first_lbr_becomes_rows_and_what_has_no_place_is_told(
     assert (command.argv, command.enabled, command.blocking) == ((str(script), "all", "now"), False, True)
     assert {
         ("extcmd", "lost", "target"), ("extcmd", "Tidy Up", "stdout"), ("extcmd", "robot_id 200", ""),
-        ("robot", "lbr2a", ""), ("message", "1 rows", ""), ("move_config", "2", "m4_direction"),
+        ("robot", "lbr2a", ""), ("message", "1 row", ""), ("move_config", "2", "m4_direction"),
     } <= told(found, "no_place")  # fmt: skip
     assert all(note["text"] for note in found["report"])
     with store.Database.open(place / "robot.db") as database:
@@ -232,6 +232,7 @@ def test_the_first_apis_tables_and_settings(place, capsys):
     (place / "old" / "motions.json").write_text(json.dumps({"data": motions, "message": "findAll"}))
     (place / "old" / ".env").write_text("# the server\nPORT=50001\nNODE_ENV='production'\n")
     (place / "old" / "notes.txt").write_text("nothing of that")
+    (place / "old" / "robot.db").write_bytes((place / "robot.db").read_bytes())
     os.mkfifo(place / "old" / "pipe")
     (place / "old" / "link.mtn").symlink_to("/dev/zero")
     found = report(capsys, place / "old")
@@ -240,7 +241,7 @@ def test_the_first_apis_tables_and_settings(place, capsys):
     assert [(row.id, row.motion) for row in of_robot.of(Button) if row.id >= 40] == [(40, "kick_right"), (99, "")]
     web = next(json.loads(row.settings) for row in of_robot.capabilities if row.name == "web")
     assert web == {"faces": ["uxa90"], "port": 50001}
-    assert {("motion", "41", "name"), ("settings", "NODE_ENV", ""), ("file", "notes.txt", ""), ("file", "pipe", ""),
+    assert {("motion", "41", "name"), ("settings", "NODE_ENV", ""), ("file", "notes.txt", ""), ("file", "robot.db", ""), ("file", "pipe", ""),
             ("file", "link.mtn", ""), ("motor", "x", "min, max"), ("motor", "24", "min, max")} <= told(found, "no_place")  # fmt: skip
 
 

@@ -213,3 +213,27 @@ def test_parts_come_with_their_whole_so_that_no_key_frame_is_slipped_under_a_bui
     with pytest.raises(InputError, match="which this edit does not have"):
         edit(opened, Edit(rows=(MOTOR, step), create=True))
     assert opened.revision() == before
+
+
+def test_an_edit_may_hold_new_rows_and_known_ones_and_may_only_be_tried(opened):
+    edit(opened, new(motions=(), buttons=()))
+    both = edit_of(motors=(replace(MOTOR, lowest=70), replace(MOTOR, id=24)), create=None)
+    before = opened.revision()
+    assert opened.edit("uxa90", both, of_rows, dry_run=True) == opened.revision() == before
+    assert edit(opened, both) == before + 2
+    assert {m.id: m.lowest for m in opened.load("uxa90").of(Motor) if m.layer == "mine"} == {23: 70, 24: 60}
+
+
+def test_of_a_robots_own_row_an_edit_writes_what_people_say_of_it_and_never_its_emergency_stop(opened):
+    seen = opened.load("uxa90").robot
+    opened.set_estop("uxa90", engaged=True, reason="smoke")
+    opened.record_start("uxa90")
+    edit(opened, Edit(rows=(replace(seen, owner="A Person"),), create=None))
+    robot = opened.load("uxa90").robot
+    assert (robot.owner, robot.estop_engaged, robot.estop_reason) == ("A Person", True, "smoke")
+    assert robot.last_start
+    with pytest.raises(InputError, match="there is no robot 'other'"):
+        edit(opened, Edit(rows=(replace(seen, name="other"),), create=None))
+    since = Edit(rows=(replace(seen, owner="Another"),), create=None, revision=0)
+    with pytest.raises(InputError, match="has changed since revision 0"):
+        edit(opened, since)

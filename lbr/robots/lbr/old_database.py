@@ -74,7 +74,7 @@ class OldDatabase(NamedTuple):
                     yield Note("no_place", table, f"robot_id {', '.join(others)}", "", text)
             elif rows:
                 text = _WITHOUT.get(table, "the original has no such table")
-                yield Note("no_place", table, f"{len(rows)} rows", "", text)
+                yield Note("no_place", table, f"{len(rows)} row{'s' if len(rows) != 1 else ''}", "", text)
 
 
 def read(source: Source) -> OldData | None:
@@ -135,11 +135,8 @@ def _calibration(rows: Sequence[Mapping[str, Any]], here: Here) -> Iterator[Want
     devices = [one["name"] for one in here.rows("device") if one["type"] == kind]
     missing = [name for name in (*_HARD, *(_SOFT if soft else ())) if name not in values]
     if missing or len(devices) != 1:
-        why = (
-            f"{', '.join(missing)} are missing"
-            if missing
-            else f"it is of {said}, and {len(devices)} devices here are such"
-        )
+        such = f"{len(devices)} devices here are such" if devices else "no device here is such"
+        why = f"{', '.join(missing)} are missing" if missing else f"it is of {said}, and {such}"
         for name in values:
             yield Note("no_place", "calibration", name, "value", f"{why}: /m/200 measures it here")
         return
