@@ -10,6 +10,7 @@ from prompt_toolkit.input.posix_utils import PosixStdinReader
 from prompt_toolkit.input.vt100 import Vt100Input
 
 from lbr.console.operator import is_stop
+from lbr.console.printable import MAX_LINE
 
 INTERRUPT = "\x03"
 LINES_AT_ONCE = 8
@@ -49,10 +50,15 @@ class Overhearing:
         self._line = ""
         self._pasting = self._broken = False
 
-    def hear(self, text: str) -> Heard:
-        """Take in the next piece."""
+    def hear(self, text: str, typed: int = 0) -> Heard:
+        """Take in the next piece, of a line of which `typed` characters are there.
+
+        A line that is longer than any may be is a flood, too: each of its characters takes the editor longer than the
+        one before, and what was typed behind it would wait for minutes.
+        """
         now = self._clock()
         paused, self._last = now - self._last >= QUIET_S, now
+        much = typed + len(text) > MAX_LINE or len(_ENDS.findall(text)) > LINES_AT_ONCE
         text = self._carried + text
         self._carried = next((part for part in _HALF_MARKS if text.endswith(part)), "")
         pieces = _MARKS.split(text.removesuffix(self._carried))
@@ -60,7 +66,7 @@ class Overhearing:
         if self._pasting and paused and pieces[0]:
             self._broken, self._line = True, ""
         stops = [stop for piece in pieces for stop in self._stops(piece)]
-        if in_paste or not (now < self._flood_until or len(_ENDS.findall(text)) > LINES_AT_ONCE):
+        if in_paste or not (now < self._flood_until or much):
             return Heard(tuple(stops))
         begins, self._flood_until = not now < self._flood_until, now + QUIET_S
         return Heard(tuple(stops), flood=True, begins=begins)
@@ -82,7 +88,10 @@ class Overhearing:
 
 
 class Keyboard(PosixStdinReader):
-    """Reads keys for the editor. `heard` gets each stop at once, before the editor does; a flood never gets there."""
+    """Reads keys for the editor. `heard` gets each stop at once, before the editor does; a flood never gets there.
+
+    `typed` says how many characters the editor has of a line.
+    """
 
     def __init__(
         self,
@@ -91,19 +100,21 @@ class Keyboard(PosixStdinReader):
         *,
         heard: Callable[[str], None],
         flooded: Callable[[], None],
+        typed: Callable[[], int],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         super().__init__(fd, encoding=encoding)
         self.overhearing = Overhearing(clock)
         self._heard = heard
         self._flooded = flooded
+        self._typed = typed
 
     def read(self, count: int = 1024) -> str:
         """Return what is there for the editor."""
         text = super().read(count)
         if not text:
             return text
-        heard = self.overhearing.hear(text)
+        heard = self.overhearing.hear(text, self._typed())
         for stop in heard.stops:
             self._heard(stop)
         if heard.begins:
@@ -111,11 +122,13 @@ class Keyboard(PosixStdinReader):
         return "" if heard.flood else text
 
 
-def listen(source: Input, *, heard: Callable[[str], None], flooded: Callable[[], None]) -> None:
+def listen(
+    source: Input, *, heard: Callable[[str], None], flooded: Callable[[], None], typed: Callable[[], int]
+) -> None:
     """Overhear what is read from a terminal."""
     if isinstance(source, Vt100Input):
         encoding = source.stdin.encoding or "utf-8"
-        source.stdin_reader = Keyboard(source.fileno(), encoding, heard=heard, flooded=flooded)
+        source.stdin_reader = Keyboard(source.fileno(), encoding, heard=heard, flooded=flooded, typed=typed)
 
 
 def begin_again(source: Input) -> None:

@@ -33,7 +33,7 @@ from lbr.console.ear import BEAT_S, STUCK_S, Contact
 from lbr.console.keyboard import CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
 from lbr.console.lease_keeper import Ending
 from lbr.console.operator import BusOperator, is_stop, stopped_since
-from lbr.console.printable import wrapped
+from lbr.console.printable import MAX_LINE, wrapped
 from lbr.console.prompt_output import PromptOutput, Screen
 from lbr.console.toolbar import CONTACT_S, toolbar
 from lbr.errors import LbrError
@@ -101,7 +101,12 @@ class Terminal:
         )
         self._session.default_buffer.accept_handler = self._accept
         self._stops = 0
-        listen(self._session.app.input, heard=self._overheard, flooded=self._flooded)
+        listen(
+            self._session.app.input,
+            heard=self._overheard,
+            flooded=self._flooded,
+            typed=lambda: len(self._session.app.current_buffer.text),
+        )
         self._above = PromptOutput(self._session.app, self._screen)
         self._lines: queue.SimpleQueue[tuple[float, str]] = queue.SimpleQueue()
 
@@ -241,8 +246,11 @@ class Terminal:
             self._stop(stop)
 
     def _flooded(self) -> None:
-        said = f"more than {LINES_AT_ONCE} lines came at once, and none of them was run: paste one line at a time"
+        said = f"more than {LINES_AT_ONCE} lines, or {MAX_LINE} characters, came at once, and none of it was run: paste one line at a time"
         self._print(said, "error")
+        app = self._session.app
+        if app.loop is not None:  # the beginning of a line that is too long is no line
+            app.loop.call_soon(lambda: app.current_buffer.reset(), context=app.context)
 
     def _say_all(self) -> None:
         while not self._over.is_set():
@@ -328,6 +336,8 @@ class Terminal:
             if "\n" in text:
                 count = len(text.splitlines())
                 self._print(f"The paste has {count} lines, and none was run: paste one line at a time.", "error")
+            elif len(text) > MAX_LINE:
+                self._print(f"The paste has {len(text)} characters, and a line may have {MAX_LINE}: left out.", "error")
             else:
                 event.current_buffer.insert_text(text)
 

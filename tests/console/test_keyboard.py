@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.console.keyboard import INTERRUPT, LINES_AT_ONCE, PASTE_BEGINS, PASTE_ENDS, QUIET_S, Heard, Overhearing
+from lbr.console.printable import MAX_LINE
 
 KEYS_BEFORE = [
     "",
@@ -83,3 +84,14 @@ def test_a_flood_lasts_until_nothing_comes_for_a_while():
     assert typist.types("0.4/90\r", after_s=0.1) == Heard(flood=True)
     assert typist.types("s\r", after_s=0.1) == Heard(("s",), flood=True)
     assert typist.types("x\r", after_s=QUIET_S) == Heard()
+
+
+def test_a_line_that_is_longer_than_any_may_be_is_a_flood_and_a_stop_behind_it_is_heard():
+    typist = Typist()
+    assert typist.overhearing.hear("x" * 96, MAX_LINE - 96) == Heard()
+    assert typist.overhearing.hear("x", MAX_LINE) == Heard(flood=True, begins=True)
+    for _ in range(1000):
+        assert typist.types("x" * 1024).flood
+    assert typist.types("\rstop\r") == Heard(("stop",), flood=True)
+    assert typist.types("\x03") == Heard((INTERRUPT,), flood=True)
+    assert typist.types("x", after_s=QUIET_S) == Heard()

@@ -537,6 +537,22 @@ def test_ctrl_c_is_heard_in_a_paste_that_does_not_end(robot, screen):
 def test_a_flood_of_lines_is_not_run_and_a_stop_in_it_is(robot, screen):
     robot.lines["x"] = ConsoleResult(code=0, text="ran")
     screen.types("x\r" * 200 + "s\r")
-    screen.sees("more than 8 lines came at once, and none of them was run")
+    screen.sees("more than 8 lines, or 4096 characters, came at once")
     screen.sees("motors stopped")
     assert said(robot) == ["s"]
+
+
+def test_behind_a_line_without_an_end_a_stop_is_heard_at_once(robot, screen):
+    robot.moves("/r/0.2/0", "L1")
+    screen.types("/r/0.2/0\r")
+    wait_for(lambda: robot.renewed)
+    screen.types("x" * 100_000 + "\x03")
+    wait_for(lambda: robot.stopped)
+    screen.sees("or 4096 characters, came at once")
+    assert said(robot) == ["/r/0.2/0"]
+
+
+def test_a_paste_that_is_longer_than_a_line_is_left_out(screen):
+    screen.types(f"\x1b[200~{'x' * 5000}\x1b[201~")
+    screen.sees("The paste has 5000 characters, and a line may have 4096")
+    assert screen.terminal._session.default_buffer.text == ""

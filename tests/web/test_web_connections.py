@@ -13,13 +13,19 @@ from websockets.sync.client import connect
 from lbr.apps.http import slots
 from lbr.apps.http.slots import LIMIT_S
 from lbr.apps.http.turns import MOST_OF_ONE
-from lbr.apps.web import streams
+from lbr.apps.web import guards, streams
 from tests.support.robot import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.test_web_server import Plain
 from tests.web.web_stage import Served, serving
 
 STOP = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+CHUNKED = b"POST %s HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
+VIEW = (
+    b"GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+)
+PING = b"\x89\x80\0\0\0\0"
 MANY = 200
 BURDENS = {
     "idle": b"",
@@ -29,6 +35,9 @@ BURDENS = {
     "half a stop": b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{",
     "half an estop": b"POST /estop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{",
     "answered, and kept open": b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n",
+    "pieces of a byte": CHUNKED % b"/estop/reset" + 5000 * b"1\r\nx\r\n",
+    "pieces behind a stop": CHUNKED % b"/stop" + 5000 * b"1\r\nx\r\n",
+    "not a WebSocket": VIEW.replace(b"Version: 13", b"Version: 1"),
 }
 
 
@@ -110,6 +119,64 @@ def test_requests_under_way_are_bounded_for_one_asker_and_stops_are_not(served):
         until(lambda: served.ask("GET", "/state").status == 503, what="an asker with too much under way")
         assert served.ask("POST", "/stop").status == 200
         assert served.ask("POST", "/estop").json["engaged"]
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        (b"%x\r\n%s\r\n0\r\n\r\n" % (70_000, 70_000 * b" "), b"413"),
+        (1500 * b"1\r\n \r\n" + b"0\r\n\r\n", b"400"),
+        (b"zz\r\n", b"400"),
+    ],
+    ids=["too large", "too many pieces", "not framed"],
+)
+def test_a_body_that_is_too_much_is_refused_and_is_no_fault_of_the_server(served, body, status, capfd):
+    for path in (b"/estop/reset", b"/docs"):
+        with socket.create_connection(("127.0.0.1", served.port), timeout=5) as client:
+            client.sendall(CHUNKED % path + body)
+            assert client.recv(65536).startswith(b"HTTP/1.1 ")
+    with socket.create_connection(("127.0.0.1", served.port), timeout=5) as client:
+        client.sendall(CHUNKED % b"/estop/reset" + body)
+        assert client.recv(65536).startswith(b"HTTP/1.1 " + status)
+    assert not [event for event in served.stage.events if event[0] == "web_fault"]
+    assert "Traceback" not in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("more", [b"zz\r\n", 50 * b"1\r\n \r\n", b"8000\r\n" + bytes(0x8000) + b"\r\n"])
+def test_a_stop_is_done_and_answered_and_what_its_body_goes_on_with_is_bounded(served, more, capfd):
+    with socket.create_connection(("127.0.0.1", served.port), timeout=5) as client:
+        client.sendall(CHUNKED % b"/stop")
+        assert client.recv(65536).startswith(b"HTTP/1.1 200")
+
+        def is_cut() -> bool:
+            try:
+                client.sendall(more)
+            except OSError:
+                return True
+            return False
+
+        until(is_cut, limit_s=6.0)
+    assert "halt" in {request for request, _ in served.stage.asked}
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_those_who_ask_to_watch_count_until_they_do(monkeypatch):
+    monkeypatch.setattr(guards, "TOO_OFTEN_S", 2.0)
+    with serving(Plain(), requests_per_s=1.0) as served, burdened(served.port, VIEW, MANY):
+        until(lambda: served.web._serving.connections >= slots.MOST)
+        assert stopped(served.port).startswith(b"HTTP/1.1 200")
+        assert served.web._serving.connections <= slots.MOST + streams.MOST_OF_ONE
+
+
+def test_a_viewer_who_sends_nothing_but_pings_is_cut(served):
+    with burdened(served.port, VIEW, streams.MOST_OF_ONE) as viewers:
+        for one in viewers:
+            assert one.recv(65536).startswith(b"HTTP/1.1 101")
+        for one in viewers:
+            with suppress(ConnectionError):
+                one.sendall(20_000 * PING)
+        assert stopped(served.port).startswith(b"HTTP/1.1 200")
+        until(lambda: served.web._serving.connections <= 1, what="they are cut")
 
 
 def test_one_asker_cannot_take_every_place_to_watch():

@@ -8,9 +8,11 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any, cast
 
+import h11
 import uvicorn
 from starlette.types import ASGIApp, Scope
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import ServerState
 
 from lbr.apps.http import listening, names, peers
@@ -20,9 +22,53 @@ from lbr.errors import InputError
 
 LOOK_S = 0.25
 LARGEST_HEAD = 16 * 1024
+LARGEST_BODY = 128 * 1024
+"""Of any request, read or not: twice what a handler takes, so that who sends a little too much reads why it is refused."""
+MOST_PIECES = 1024
+"""Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading and
+took 0.2 s."""
 LARGEST_MESSAGE = 4096
+MOST_TOLD_BYTES = 32 * 1024
+"""What a viewer may send in a second, pings and all; a browser sends six bytes in ten."""
 PING_S, PONG_S = 10.0, 10.0
 GRACE_S = 1
+
+
+class _Bounded(h11.Connection):
+    """The server's end of a connection, for which a body that is too large or in too many pieces is no valid request."""
+
+    def __init__(self) -> None:
+        super().__init__(h11.SERVER, LARGEST_HEAD)
+        self._pieces = self._bytes = 0
+
+    def next_event(self) -> h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]:
+        """Return what comes next of what was received."""
+        event = super().next_event()
+        if isinstance(event, h11.Request):
+            self._pieces = self._bytes = 0
+        elif isinstance(event, h11.Data):
+            self._pieces += 1
+            self._bytes += len(event.data)
+            if self._pieces > MOST_PIECES or self._bytes > LARGEST_BODY:
+                raise h11.RemoteProtocolError("this body is too large, or in too many pieces")
+        return event
+
+
+class Viewing(WebSocketsSansIOProtocol):
+    """A WebSocket that is cut when much more comes by it than a viewer has to say: pings, too, are work."""
+
+    _since = _bytes = 0.0
+
+    def data_received(self, data: bytes) -> None:
+        """Take what was sent."""
+        now = time.monotonic()
+        if now - self._since > 1.0:
+            self._since, self._bytes = now, 0.0
+        self._bytes += len(data)
+        if self._bytes > MOST_TOLD_BYTES:
+            self.transport.abort()
+        else:
+            super().data_received(data)
 
 
 class Connection(H11Protocol):
@@ -34,6 +80,7 @@ class Connection(H11Protocol):
         self, config: uvicorn.Config, state: ServerState, slots: Slots, loop: asyncio.AbstractEventLoop
     ) -> None:
         super().__init__(config, state, {"connection": self}, loop)
+        self.conn = _Bounded()
         self.owner: bool | None = None
         """Whether this robot's own user is at the other end, once the server has looked."""
         self.whose: str | None = None
@@ -55,7 +102,8 @@ class Connection(H11Protocol):
 
     def mark(self, phase: Phase) -> None:
         """Have the request that is under way count as something else than asking."""
-        self._marked = self.cycle
+        if self._marked is not self:
+            self._marked = self.cycle
         self._to(phase)
 
     @property
@@ -68,8 +116,18 @@ class Connection(H11Protocol):
         if self._slot is None:
             self._early += data
             return
-        super().data_received(data)
+        try:
+            super().data_received(data)
+        except h11.LocalProtocolError:  # what is wrong came after the answer
+            self.transport.abort()
         self._look()
+
+    def send_400_response(self, msg: str) -> None:
+        """Say that what was sent is no request; one that is under way is done, if it can be, and not answered."""
+        if self.cycle is not None:
+            self.cycle.disconnected = True
+            self.cycle.message_event.set()
+        super().send_400_response(msg)
 
     def on_response_complete(self) -> None:
         """Wait for the next request."""
@@ -83,12 +141,14 @@ class Connection(H11Protocol):
             super().connection_lost(exc)
 
     def handle_websocket_upgrade(self, event: Any) -> None:
-        """Leave the connection to the WebSocket, and count that as watching."""
+        """Leave the connection to the WebSocket; it asks until who answers it calls it `watching`."""
         self._marked = self
-        self._to("watching")
+        self._to("asking")
         super().handle_websocket_upgrade(event)
 
     def _look(self) -> None:
+        """Say what the connection does: of a body that is not whole when its request is answered, the rest is waited for
+        as a head is."""
         if self._marked is self:
             return
         if self.cycle is not None and not self.cycle.response_complete:
@@ -97,7 +157,8 @@ class Connection(H11Protocol):
             if self._marked is not self.cycle:
                 self._to("asking")
         else:
-            self._to("head" if self.conn.trailing_data[0] else "idle")
+            unfinished = self.conn.trailing_data[0] or self.conn.their_state is h11.SEND_BODY
+            self._to("head" if unfinished else "idle")
 
     def _to(self, phase: Phase) -> None:
         if self._slot is not None:
@@ -204,7 +265,7 @@ def config(app: ASGIApp, *, tls: bool, sockets: bool = False) -> uvicorn.Config:
     made = uvicorn.Config(
         app,
         http="h11",
-        ws="websockets-sansio" if sockets else "none",
+        ws=Viewing if sockets else "none",
         ws_max_size=LARGEST_MESSAGE,
         ws_ping_interval=PING_S,
         ws_ping_timeout=PONG_S,

@@ -9,7 +9,7 @@ from starlette.routing import BaseRoute, Match
 from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from lbr.apps.http import names
+from lbr.apps.http import names, serving
 from lbr.apps.http.turns import Turns
 from lbr.apps.web import routing
 from lbr.apps.web.application import Gate
@@ -60,6 +60,8 @@ class Streams(BaseRoute):
         with self._viewers.taken(_who(client)), suppress(WebSocketDisconnect, OSError):
             offered = scope.get("subprotocols", ())
             await socket.accept(PROTOCOL if PROTOCOL in offered else None)
+            if (connection := serving.connection_of(scope)) is not None:
+                connection.mark("watching")
             await self._stream(socket, receive, 1.0 / rate_hz)
 
     async def _entry(self, scope: Scope) -> tuple[Client, float]:
