@@ -56,6 +56,14 @@ def lift_limits() -> None:
     _need_open_files(LEAST_OPEN_FILES, "lbr")
 
 
+def forget_runtime() -> None:
+    """Forget how a shell would have the bus library share out its threads; call it before that is loaded.
+
+    A router that has too few of them collapses, and one that cannot read what is wished does not start.
+    """
+    os.environ.pop("ZENOH_RUNTIME", None)
+
+
 def bound_heaps() -> None:
     """Give this process's threads a few heaps to share; call it before there are threads. Only glibc has a say in that."""
     import ctypes  # noqa: PLC0415 - light commands need none of it

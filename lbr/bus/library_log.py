@@ -30,8 +30,7 @@ class LibraryLog:
         os.dup2(write_end, 1)
         os.close(write_end)
         self._rest = b""
-        wished = os.environ.get(LOUDNESS)
-        os.environ[LOUDNESS] = f"{wished},{parts}" if wished else parts
+        os.environ[LOUDNESS] = parts  # alone: beside words that the library does not understand it would say nothing
         zenoh.try_init_log_from_env()
 
     def wait(self, timeout_s: float) -> list[str]:

@@ -27,6 +27,8 @@ def command(host: str, connect: str, robot: str | None, token_file: Path | None)
     back. SIGTERM and Ctrl-C end it.
     """
     from lbr import surroundings  # noqa: PLC0415 - the bus is for those who use it
+
+    surroundings.forget_runtime()
     from lbr.console.outlet import unhurried  # noqa: PLC0415
     from lbr.executive.remote.agent import Agent  # noqa: PLC0415
 

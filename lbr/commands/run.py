@@ -31,6 +31,8 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
     End of input and Ctrl-C at the console stop the motors and shut the robot down in order.
     """
     from lbr import surroundings  # noqa: PLC0415 - only `run` needs the database and the supervisor
+
+    surroundings.forget_runtime()
     from lbr.console.outlet import unhurried  # noqa: PLC0415
     from lbr.executive.executive import run  # noqa: PLC0415
     from lbr.executive.lastresort import leave_for_certain  # noqa: PLC0415

@@ -9,8 +9,8 @@ from prompt_toolkit.input import Input
 from prompt_toolkit.input.posix_utils import PosixStdinReader
 from prompt_toolkit.input.vt100 import Vt100Input
 
-from lbr.console.operator import is_stop
 from lbr.console.printable import MAX_LINE
+from lbr.console.stops import is_stop
 
 INTERRUPT = "\x03"
 LINES_AT_ONCE = 8

@@ -11,7 +11,8 @@ from concurrent import futures
 from typing import IO
 
 from lbr.console.lease_keeper import Ending, LeaseKeeper
-from lbr.console.operator import Operator, is_stop, stopped_since
+from lbr.console.operator import Operator, stopped_since
+from lbr.console.stops import is_stop
 from lbr.errors import BusError, InputError, LbrError
 from lbr.messages.plain import one_line
 from lbr.messages.system import ConsoleResult

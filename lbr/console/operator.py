@@ -16,6 +16,7 @@ from lbr.console.ear import Ear
 from lbr.console.event_filter import EventFilter
 from lbr.console.lease_keeper import Ending, LeaseKeeper, stop
 from lbr.console.printable import clean
+from lbr.console.stops import is_stop, stop_in
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.drive import DriveState
@@ -30,7 +31,6 @@ SETTLE_S = 0.6
 LATE_ANSWER_S = 1.0
 STOP_TIMEOUT_S = 5.0
 """A stop is answered within 2 s, also where what moves does not answer."""
-STOPS = frozenset({"s", "stop", "estop"})  # after these, the end of a motion is no news
 LET_GO = "the operator released it"
 
 _BUILT_IN = Vocabulary(())
@@ -87,12 +87,6 @@ class Operator(Protocol):
         """Release the motion, and disconnect."""
 
 
-def is_stop(line: str) -> bool:
-    """Say whether a line stops the robot."""
-    word, _, more = line.strip().strip("/").partition("/")
-    return word.strip().lower() in STOPS and (not more or word.strip().lower() == "estop")
-
-
 def emergency(line: str) -> str | None:
     """Return the reason that an emergency stop gives, None if the line is none: each robot knows its words."""
     try:
@@ -145,7 +139,7 @@ class BusOperator:
 
     def submit(self, line: str, waited_s: float = 0.0) -> ConsoleResult:
         """Say a line; a motion that it starts is held, unless a later line has been said meanwhile."""
-        line = clean(line)
+        line = clean(stop_in(line) or line)
         if not line:
             return ConsoleResult(code=0, text="")
         with self._lock:

@@ -9,6 +9,8 @@ from lbr.messages.plain import one_line
 
 MAX_LINE = 4096
 SHOWN = 60
+BLANK = " \t\r\n\ufeff\u200b\u2060"
+"""What nobody sees at a line's ends, and editors and web pages put there: the last three have no width."""
 _REFUSED = frozenset({"Cc", "Cs", "Cn", "Zl", "Zp"})
 _TURNERS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")  # they reorder text
 
@@ -22,7 +24,7 @@ def clean(line: str | bytes) -> str:
             line = line.decode()
         except UnicodeDecodeError:
             raise InputError("the line is not valid UTF-8; send text") from None
-    line = line.strip(" \t\r\n")
+    line = line.strip(BLANK)
     for char in line:
         category = unicodedata.category(char)
         if category == "Cs":
@@ -32,6 +34,21 @@ def clean(line: str | bytes) -> str:
                 f"the line contains the control character U+{ord(char):04X}; one line of plain text is allowed"
             )
     return line.strip()
+
+
+def bare(text: str, also: str = "") -> str:
+    """Return a text without what nobody sees around it, control characters and such marks as a file begins with, and
+    without the characters of `also`."""
+    begin, end = 0, len(text)
+    while begin < end and _bare(text[begin], also):
+        begin += 1
+    while begin < end and _bare(text[end - 1], also):
+        end -= 1
+    return text[begin:end]
+
+
+def _bare(char: str, also: str) -> bool:
+    return char.isspace() or char in also or unicodedata.category(char) in {"Cc", "Cf"}
 
 
 def shown(value: object) -> str:

@@ -32,9 +32,10 @@ from lbr.console.confirmation import LET_BE, QUESTION, Confirmation
 from lbr.console.ear import BEAT_S, STUCK_S, Contact
 from lbr.console.keyboard import CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
 from lbr.console.lease_keeper import Ending
-from lbr.console.operator import BusOperator, is_stop, stopped_since
+from lbr.console.operator import BusOperator, stopped_since
 from lbr.console.printable import MAX_LINE, wrapped
 from lbr.console.prompt_output import PromptOutput, Screen
+from lbr.console.stops import is_stop
 from lbr.console.toolbar import CONTACT_S, toolbar
 from lbr.errors import LbrError
 from lbr.messages.plain import one_line
@@ -250,7 +251,7 @@ class Terminal:
         self._print(said, "error")
         app = self._session.app
         if app.loop is not None:  # the beginning of a line that is too long is no line
-            app.loop.call_soon(lambda: app.current_buffer.reset(), context=app.context)
+            app.loop.call_soon(app.current_buffer.reset, context=app.context)
 
     def _say_all(self) -> None:
         while not self._over.is_set():

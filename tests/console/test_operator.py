@@ -4,7 +4,8 @@ import msgspec
 import pytest
 
 from lbr.bus import stamp
-from lbr.console.operator import BusOperator, emergency, is_stop
+from lbr.console.operator import BusOperator, emergency
+from lbr.console.stops import is_stop
 from lbr.errors import BusError, InputError
 from lbr.messages.system import ConsoleResult, Event
 from tests.console.fake_robot import ROBOT, wait_for

@@ -8,7 +8,6 @@ from lbr.console.verbs import Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS
 from lbr.errors import InputError
 from lbr.executive.planning.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
-from lbr.executive.service import console_service
 from lbr.executive.service.dispatch import Dispatcher
 
 
@@ -34,29 +33,6 @@ def test_each_has_a_least_role():
 
 def test_the_words_of_every_robot_have_the_roles_of_what_they_ask_for():
     assert all(row.role == EXECUTIVE_ROLES[row.target_end[1]] for row in BUILT_IN_VERBS)
-
-
-@pytest.mark.parametrize(
-    ("line", "is_stop"),
-    [
-        (b"s", True),
-        ("S", True),
-        ("/stop", True),
-        ("//s// ", True),
-        (b"  STOP\n", True),
-        ("estop", True),
-        ("/estop/it burns", True),
-        (" " * 99 + "stop", True),
-        ("/" * 99 + "stop", True),
-        (b"\xff", False),
-        ("/s/Hello", False),
-        ("stop navcam", False),
-        ("/stop/it", False),
-        ("", False),
-    ],
-)
-def test_a_stop_waits_behind_no_other_line(line, is_stop):
-    assert console_service._is_stop(line) is is_stop
 
 
 def test_what_waits_for_a_machine_that_is_not_there_is_not_said_to_start_anew():

@@ -141,6 +141,14 @@ def test_a_thread_stands_still_by_rounds_and_not_by_seconds():
     assert [still.see("relay", turns) for turns in (1, 2, 2, 2, 3, 3)] == [0, 0, 1, 2, 0, 1]
 
 
+@pytest.fixture
+def odd_shell(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One with wishes for the bus library that it cannot read: a door that went by them would hear of no wrong token."""
+    monkeypatch.setenv("RUST_LOG", "lbr=verbose,x=[")
+    monkeypatch.setenv("ZENOH_RUNTIME", "(no such thing)")
+
+
+@pytest.mark.usefixtures("odd_shell")
 @pytest.mark.timeout(30)
 def test_guessing_is_counted_told_and_slowed_down_and_the_right_token_gets_in_afterwards(own_door: Door):
     wrong = Credentials(user="phone", password="x" * 43)

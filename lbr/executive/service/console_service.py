@@ -11,6 +11,7 @@ from typing import get_args
 from lbr.bus import keys, stamp, wire
 from lbr.bus.session import Session
 from lbr.capability.calls import UNSTAMPED
+from lbr.console.stops import is_stop
 from lbr.executive.service.dispatch import DONE, Dispatcher
 from lbr.messages.system import ConsoleResult, Role, Stamp
 
@@ -20,7 +21,6 @@ STOPPERS = 16
 MOST_STOPPERS = 256
 """Stops that wait for something that does not answer, each 2 s at most: as many as come in that time from all who may."""
 MOST_RESETS = 4
-STOPS = ("s", "stop", "estop")
 
 
 class Stops:
@@ -137,7 +137,7 @@ class ConsoleService:
 
     def _sort(self, request: wire.Request, role: Role, page: bool) -> None:
         line = _line(request.payload)
-        if _is_stop(line):
+        if is_stop(line):
             self._stops.put(request, line, role)
         elif not self._room.acquire(blocking=False):
             request.reply(
@@ -183,12 +183,6 @@ def _begin(
 
 def _caller(found: Stamp | None) -> str:
     return found.source[:80] if found is not None and found.source else UNSTAMPED
-
-
-def _is_stop(line: str | bytes) -> bool:
-    text = line.decode(errors="replace") if isinstance(line, bytes) else line
-    word, _, more = text.strip().strip("/")[:64].partition("/")
-    return word.strip().lower() in STOPS and (not more or word == "estop")
 
 
 def _line(payload: bytes) -> str | bytes:

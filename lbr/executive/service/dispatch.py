@@ -16,6 +16,7 @@ from lbr.bus.session import Session
 from lbr.capability.halts import Halts
 from lbr.capability.kind import STOP
 from lbr.console.printable import clean
+from lbr.console.stops import stop_in
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
 from lbr.errors import InputError, LbrError, MalformedError
 from lbr.executive.planning.wiring import EXECUTIVE, LETS_IN
@@ -112,6 +113,7 @@ class Dispatcher:
         written. From a `page` nothing is said that decides who comes in.
         """
         try:
+            line = stop_in(line) or line
             parsed = self._robot.vocabulary.parse(line)
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")

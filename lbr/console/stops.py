@@ -1,0 +1,34 @@
+"""Which lines stop a robot, however they came to be typed. Pure."""
+
+import re
+import unicodedata
+
+from lbr.console.printable import MAX_LINE, bare
+from lbr.messages.plain import one_line
+
+STOPS = frozenset({"s", "stop", "estop"})
+EMERGENCY = "estop"
+SLASHES = "/\uff0f"
+LONGEST = MAX_LINE - 16
+_SLASH = re.compile(f"[{SLASHES}]")
+
+
+def stop_in(line: str | bytes) -> str:
+    """Return the stop that a line says, as each robot knows it; empty for a line that says none.
+
+    Letters may be large, or as wide as a keyboard of another script types them; blanks, slashes and characters that
+    nobody sees may stand around them. An emergency stop may give a reason: `/estop/REASON`.
+    """
+    text = line.decode(errors="replace") if isinstance(line, bytes) else line
+    word, *more = _SLASH.split(bare(text, SLASHES)[:LONGEST], maxsplit=1)
+    word = unicodedata.normalize("NFKC", bare(word)).lower()
+    said = bare("".join(more))
+    if word not in STOPS or (said and word != EMERGENCY):
+        return ""
+    reason = one_line(said).strip()
+    return f"/{word}/{reason}" if reason else word
+
+
+def is_stop(line: str | bytes) -> bool:
+    """Say whether a line stops the robot."""
+    return bool(stop_in(line))
