@@ -120,7 +120,7 @@ def running() -> list[Running]:
     found = []
     run = home() / "run"
     ownership.refuse(ownership.faults(run, owners=_owner_of_home()))
-    for path in sorted(run.glob("*.json")):
+    for path in filter(Path.is_file, sorted(run.glob("*.json"))):
         try:
             robot = msgspec.json.decode(path.read_bytes(), type=Running)
         except (OSError, msgspec.DecodeError):

@@ -15,6 +15,7 @@ from lbr.console import token_store
 from lbr.database.store import create
 from lbr.errors import InputError
 from lbr.executive.planning import credentials
+from lbr.executive.service.latch import UNREADABLE, Latch
 from tests.support import programs
 
 STRANGER = 4321
@@ -181,3 +182,11 @@ def test_a_folder_whose_name_ends_a_sockets_address_is_refused(tmp_path, monkeyp
     (tmp_path / name).mkdir()
     with pytest.raises(InputError, match="in it, which no socket's address may have"):
         home.socket_path("lbr")
+
+
+def test_a_record_that_is_no_file_says_nothing_and_keeps_nobody_waiting(monkeypatch, tmp_path):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path))
+    os.mkfifo(home.directory("run") / "lbr.json")
+    assert home.running() == []
+    os.mkfifo(home.directory("run") / "lbr.estop")
+    assert Latch(home.directory("run") / "lbr.estop").reason() == UNREADABLE

@@ -397,7 +397,7 @@ def _history(path: Path | None) -> History:
         path.touch(mode=0o600)
     except OSError:
         return InMemoryHistory()
-    return _Kept(path)
+    return _Kept(path) if path.is_file() else InMemoryHistory()
 
 
 class _Kept(FileHistory):

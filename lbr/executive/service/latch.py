@@ -25,6 +25,8 @@ class Latch:
 
     def reason(self) -> str | None:
         """Return why it is engaged, None if it is not; a file that cannot be read says engaged."""
+        if self.path.exists() and not self.path.is_file():  # reading could wait for a writer
+            return UNREADABLE
         try:
             text = self.path.read_bytes()[: LONGEST_REASON * 4].decode(errors="replace").strip()
         except FileNotFoundError:
