@@ -15,6 +15,9 @@ from lbr.console.stops import is_stop
 INTERRUPT = "\x03"
 LINES_AT_ONCE = 8
 """More than people type while a busy machine holds the console up, and fewer than what is worth a paste."""
+CHARACTERS_AT_ONCE = 1000
+"""More than a key that is held down sends while the console is held up for ten seconds. Of some, such as a Tab, a busy
+machine takes a few a second, and what was typed behind them would wait for minutes."""
 QUIET_S = 0.25
 """How long nothing comes once a flood is over, or within a paste whose end got lost: slow lines pause for less."""
 LONGEST = 1000
@@ -54,11 +57,13 @@ class Overhearing:
         """Take in the next piece, of a line of which `typed` characters are there.
 
         A line that is longer than any may be is a flood, too: each of its characters takes the editor longer than the
-        one before, and what was typed behind it would wait for minutes.
+        one before.
         """
         now = self._clock()
         paused, self._last = now - self._last >= QUIET_S, now
-        much = typed + len(text) > MAX_LINE or len(_ENDS.findall(text)) > LINES_AT_ONCE
+        much = (
+            len(text) > CHARACTERS_AT_ONCE or typed + len(text) > MAX_LINE or len(_ENDS.findall(text)) > LINES_AT_ONCE
+        )
         text = self._carried + text
         self._carried = next((part for part in _HALF_MARKS if text.endswith(part)), "")
         pieces = _MARKS.split(text.removesuffix(self._carried))

@@ -30,7 +30,7 @@ from prompt_toolkit.styles import Style
 from lbr.console.completion import LineCompleter
 from lbr.console.confirmation import LET_BE, QUESTION, Confirmation
 from lbr.console.ear import BEAT_S, STUCK_S, Contact
-from lbr.console.keyboard import CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
+from lbr.console.keyboard import CHARACTERS_AT_ONCE, CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
 from lbr.console.lease_keeper import Ending
 from lbr.console.operator import BusOperator, stopped_since
 from lbr.console.printable import MAX_LINE, wrapped
@@ -247,7 +247,8 @@ class Terminal:
             self._stop(stop)
 
     def _flooded(self) -> None:
-        said = f"more than {LINES_AT_ONCE} lines, or {MAX_LINE} characters, came at once, and none of it was run: paste one line at a time"
+        much = f"more than {LINES_AT_ONCE} lines, or {CHARACTERS_AT_ONCE} characters"
+        said = f"{much}, came at once, and nothing of it was run: paste one line at a time"
         self._print(said, "error")
         app = self._session.app
         if app.loop is not None:  # the beginning of a line that is too long is no line

@@ -90,8 +90,8 @@ def test_a_line_that_is_longer_than_any_may_be_is_a_flood_and_a_stop_behind_it_i
     typist = Typist()
     assert typist.overhearing.hear("x" * 96, MAX_LINE - 96) == Heard()
     assert typist.overhearing.hear("x", MAX_LINE) == Heard(flood=True, begins=True)
-    for _ in range(1000):
-        assert typist.types("x" * 1024).flood
+    for keys in ("x" * 1024, "\t" * 1024, "\x1b[D" * 400, "\x7f" * 1024) * 100:
+        assert typist.types(keys).flood
     assert typist.types("\rstop\r") == Heard(("stop",), flood=True)
     assert typist.types("\x03") == Heard((INTERRUPT,), flood=True)
     assert typist.types("x", after_s=QUIET_S) == Heard()

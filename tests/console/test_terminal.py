@@ -537,7 +537,7 @@ def test_ctrl_c_is_heard_in_a_paste_that_does_not_end(robot, screen):
 def test_a_flood_of_lines_is_not_run_and_a_stop_in_it_is(robot, screen):
     robot.lines["x"] = ConsoleResult(code=0, text="ran")
     screen.types("x\r" * 200 + "s\r")
-    screen.sees("more than 8 lines, or 4096 characters, came at once")
+    screen.sees("more than 8 lines, or 1000 characters, came at once")
     screen.sees("motors stopped")
     assert said(robot) == ["s"]
 
@@ -548,7 +548,7 @@ def test_behind_a_line_without_an_end_a_stop_is_heard_at_once(robot, screen):
     wait_for(lambda: robot.renewed)
     screen.types("x" * 100_000 + "\x03")
     wait_for(lambda: robot.stopped)
-    screen.sees("or 4096 characters, came at once")
+    screen.sees("or 1000 characters, came at once")
     assert said(robot) == ["/r/0.2/0"]
 
 
