@@ -35,8 +35,8 @@ BURDENS = {
     "half a stop": b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{",
     "half an estop": b"POST /estop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{",
     "answered, and kept open": b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n",
-    "pieces of a byte": CHUNKED % b"/estop/reset" + 5000 * b"1\r\nx\r\n",
-    "pieces behind a stop": CHUNKED % b"/stop" + 5000 * b"1\r\nx\r\n",
+    "pieces of a byte": CHUNKED % b"/estop/reset" + 1500 * b"1\r\nx\r\n",
+    "pieces behind a stop": CHUNKED % b"/stop" + 1500 * b"1\r\nx\r\n",
     "not a WebSocket": VIEW.replace(b"Version: 13", b"Version: 1"),
 }
 

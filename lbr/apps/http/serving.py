@@ -24,7 +24,7 @@ LOOK_S = 0.25
 LARGEST_HEAD = 16 * 1024
 LARGEST_BODY = 128 * 1024
 """Of any request, read or not: twice what a handler takes, so that who sends a little too much reads why it is refused."""
-MOST_PIECES = 1024
+MOST_PIECES = 256
 """Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading and
 took 0.2 s."""
 LARGEST_MESSAGE = 4096

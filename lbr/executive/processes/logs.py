@@ -15,14 +15,9 @@ CUT = b"... the beginning was cut; its end is in the file ending in .old.log\n"
 def open_log(path: Path) -> IO[bytes]:
     """Open a log to append to; InputError for what is no file, where opening or writing could wait for a reader."""
     trim(path)
-    log = os.fdopen(
-        os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC | os.O_NONBLOCK, 0o666), "ab", 0
-    )
-    if not path.is_file():
-        log.close()
+    if path.exists() and not path.is_file():
         raise InputError(f"{path} is not a file, and a log is written there: move it away")
-    os.set_blocking(log.fileno(), True)
-    return log
+    return path.open("ab", buffering=0)
 
 
 def trim_all(directory: Path) -> None:
