@@ -1,11 +1,15 @@
 """Whole robots take turns: who has one keeps it while a robot of theirs runs, and who waits loses no time by it."""
 
+import fcntl
 import os
+import select
+import sys
 
 import pytest
 
 from tests.suite.test_suite import run
 from tests.support import programs, slots
+from tests.support.robot import until
 
 WAITS = """
 import os
@@ -23,6 +27,9 @@ def test_that_waits_for_its_turn():
     slots.take()
     assert slots.waited_s > 0.5
 """
+
+
+TAKES = "from tests.support import slots; slots.take(); print('had', flush=True); slots.give_back()"
 
 
 @pytest.fixture
@@ -73,6 +80,29 @@ def test_a_process_that_ended_has_no_turn_any_more(place):
         holder.wait()
         holder.stdout.close()
     assert free(place)
+
+
+def test_who_gives_a_turn_back_does_not_take_it_from_one_that_waits(place):
+    slots.take()
+    waits = programs.start([sys.executable, "-c", TAKES], stdout=-1)
+    try:
+        until(lambda: queued(place), what="another waits")
+        slots.give_back()
+        slots.take()
+        assert select.select([waits.stdout], [], [], 0.0)[0], "it has had its turn before"
+    finally:
+        waits.kill()
+        waits.wait()
+        waits.stdout.close()
+
+
+def queued(place):
+    with (place / slots.QUEUE).open("w") as queue:
+        try:
+            fcntl.flock(queue, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return True
+    return False
 
 
 def test_without_turns_nothing_waits(monkeypatch):
