@@ -15,7 +15,7 @@ import pytest
 
 from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
 from tests.docs.ready import measured
-from tests.support import programs
+from tests.support import programs, slots
 from tests.support.machine import Stopwatch
 from tests.support.robot import Robot, prepare, running
 
@@ -301,6 +301,7 @@ def test_the_first_command_of_the_readme_starts_a_robot_in_a_new_home(tmp_path):
     command = next(b.text for b in blocks(ROOT / "README.md") if b.marker == "<!-- run-command -->").split(" && ")[-1]
     arguments = command.strip().split("/lbr ")[1].split()
     environment = {key: value for key, value in os.environ.items() if key != "LBR_HOME"} | {"HOME": str(tmp_path)}
+    slots.take()
     done = programs.run(
         [sys.executable, "-m", "lbr.cli", *arguments],
         env=environment,

@@ -50,7 +50,8 @@ WIRED = {"dynamixel": ("joints",), "uxa90": ("joints",), "roboteq": ("drive",)}
 
 
 @pytest.fixture(params=DRIVERS)
-def bench(request, tmp_path):
+def bench(request, tmp_path, monkeypatch):
+    monkeypatch.setattr("lbr.testing.driver.BAD_LINE_S", 0.4)  # a device says some ten lines in that time, or more
     name = request.param
     kind = find(name, tmp_path)
     with plugged(name, tmp_path, scheme="unix:" if name in SOCKETS else "") as device:

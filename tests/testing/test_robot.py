@@ -7,6 +7,7 @@ from contextlib import closing
 import pytest
 
 from lbr.testing.robot import running
+from tests.support import slots
 from tests.support.robot import BASE, only, until
 
 pytestmark = pytest.mark.timeout(40)
@@ -18,6 +19,7 @@ def test_it_runs_hears_lines_and_questions_and_leaves_nothing():
         "INSERT INTO verb (robot, word, pattern, target, payload, help)"
         f" VALUES ('lbr', 'creep', 'creep', 'drive.command', '{json.dumps(creep)}', 'Drive ahead slowly')"
     )
+    slots.take()
     with running(edits=(only("lbr", *BASE), verb)) as robot:
         until(lambda: robot.say("creep")["code"] == 0, what="it creeps")
         assert robot.ask("@status")["robot"] == "lbr"
