@@ -2,8 +2,9 @@
 // hidden, loses the focus or the link; and the robot ends it, whatever the page does, when it is not told to go on.
 import { signal } from "@preact/signals";
 import { told } from "./access";
-import { link, onHold, onLink, send, type HoldNews } from "./live";
+import { heardTime, link, onHold, onLink, send, type HoldNews } from "./live";
 import { notice } from "./notices";
+import { t } from "./words";
 
 export interface Holding { moving: boolean; to: string; holds: boolean; code: string; reason: string; holder: string }
 const RESTS: Holding = { moving: false, to: "", holds: false, code: "", reason: "", holder: "" };
@@ -11,6 +12,8 @@ const RESTS: Holding = { moving: false, to: "", holds: false, code: "", reason: 
 const KEEP_MS = 80;
 /** Changes are told this often at most. */
 const CHANGE_MS = 40;
+/** A reason why it ended is shown for so long. */
+const SHOWN_MS = 8000;
 const EXPECTED = new Set(["", "done", "idle", "superseded", "time_over"]);
 
 const state = signal<Holding>(RESTS);
@@ -50,12 +53,12 @@ function beat(): void {
   const now = performance.now();
   if (wanted !== told_ && now - toldAt >= CHANGE_MS) {
     const { to, message } = JSON.parse(wanted) as { to: string; message: object };
-    if (send({ hold: { to, message, n: ++n } })) {
+    if (send({ hold: { to, message, n: ++n }, ...heardTime(!told_) })) {
       told_ = wanted;
       toldAt = now;
     }
   } else if (now - toldAt >= KEEP_MS && told_) {
-    if (send({ keep: n })) toldAt = now;
+    if (send({ keep: n, ...heardTime() })) toldAt = now;
   }
 }
 
@@ -67,7 +70,10 @@ function release(): void {
   if (told_) send({ release: true });
   wanted = told_ = "";
   toldAt = 0;
-  if (state.value !== RESTS) state.value = { ...RESTS, code: state.value.code, reason: state.value.reason };
+  if (state.value === RESTS) return;
+  state.value = { ...RESTS, code: state.value.code, reason: state.value.reason, holder: state.value.holder };
+  const left = state.value;
+  setTimeout(() => { if (state.value === left) state.value = RESTS; }, SHOWN_MS);
 }
 
 function heard(news: HoldNews): void {
@@ -79,7 +85,10 @@ function heard(news: HoldNews): void {
   wanted = told_ = "";
   over = !once;
   state.value = { ...state.value, moving: false };
-  if (!EXPECTED.has(news.code)) notice(told(news), news.code === "stopped" ? "info" : "warn");
+  if (once) {
+    if (EXPECTED.has(news.code)) notice(t("drive.reached", { reason: news.reason }), "good");
+    else notice(told(news), news.code === "stopped" ? "info" : "warn");
+  }
 }
 
 /** Forgets the last refusal. */

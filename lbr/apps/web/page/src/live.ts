@@ -3,6 +3,7 @@ import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { token } from "./access";
 import type { Event, Status } from "./messages";
+import { notice } from "./notices";
 import { look, robot } from "./robot";
 
 export type Link = "connecting" | "open" | "quiet" | "lost" | "hidden";
@@ -20,6 +21,8 @@ const RATE_HZ = 25;
 export const STALE_MS = 1500;
 /** @status comes once a second; without it for so long the line is dead, whatever the socket says. */
 const SILENT_MS = 4000;
+/** Between two frames of the server, and some more. */
+const LONGEST_PAUSE_MS = 1300;
 const AGAIN_MS = [300, 600, 1200, 2500] as const;
 const MOST_EVENTS = 300;
 const ALWAYS = ["@status", "@event"];
@@ -33,6 +36,8 @@ let heardAt = 0;
 let openedAt = 0;
 let eventCount = 0;
 let asked = "";
+/** The newest time of the robot's server that was heard; told with motion, so that what waited on the line is known to be old. */
+let serverTime: { t: number; at: number } | null = null;
 let telling = false;
 let again: ReturnType<typeof setTimeout> | undefined;
 export const onHold = new Set<(news: HoldNews) => void>();
@@ -88,6 +93,15 @@ export function send(message: string | object): boolean {
   return true;
 }
 
+/** The newest time of the server's that was heard, for what must not be late.
+ *
+ * It speaks once a second while nothing is new, five times while motion is held; so what `begins` counts on from there. */
+export function heardTime(begins = false): { t?: number } {
+  if (serverTime === null) return {};
+  const since = Math.max(0, performance.now() - serverTime.at - 2);
+  return { t: Math.floor(serverTime.t + (begins ? Math.min(since, LONGEST_PAUSE_MS) : 0)) };
+}
+
 export function connect(): void {
   clearTimeout(again);
   if (socket !== null || document.hidden) return;
@@ -96,6 +110,7 @@ export function connect(): void {
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
   const made = new WebSocket(address, token.value ? ["lbr.live", `bearer.${token.value}`] : ["lbr.live"]);
   socket = made;
+  serverTime = null;
   openedAt = performance.now();
   made.onopen = () => {
     if (made !== socket) return;
@@ -128,7 +143,7 @@ export function disconnect(): void {
   onLink.forEach((fn) => fn(false));
 }
 
-interface Told { streams?: Record<string, { age_ms: number; message: unknown }>; events?: Event[]; hold?: HoldNews }
+interface Told { t?: number; error?: { code: string; reason: string }; streams?: Record<string, { age_ms: number; message: unknown }>; events?: Event[]; hold?: HoldNews }
 
 function hear(text: string): void {
   let told: Told;
@@ -138,6 +153,8 @@ function hear(text: string): void {
     return;
   }
   heardAt = performance.now();
+  if (typeof told.t === "number") serverTime = { t: told.t, at: heardAt };
+  if (told.error) notice(told.error.reason, "warn");
   tries = 0;
   if (link.value !== "open") link.value = "open";
   for (const [key, { age_ms, message }] of Object.entries(told.streams ?? {})) {

@@ -75,7 +75,7 @@ export function Slider({ label, min, max, step = 1, value, unit = "", disabled, 
         id={id} type="range" min={min} max={max} step={step} value={shown} disabled={disabled} aria-valuetext={text} style={{ "--fill": fill } as AllCSSProperties}
         onInput={(event) => { hold(event.currentTarget.valueAsNumber); onInput?.(event.currentTarget.valueAsNumber); }}
         onChange={(event) => { onChange?.(event.currentTarget.valueAsNumber); hold(null); }}
-        onPointerUp={() => hold(null)} onPointerCancel={() => hold(null)} onBlur={() => hold(null)}
+        onPointerUp={(event) => { hold(null); event.currentTarget.blur(); }} onPointerCancel={() => hold(null)} onBlur={() => hold(null)}
       />
     </div>
   );

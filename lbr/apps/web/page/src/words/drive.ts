@@ -1,6 +1,7 @@
 export const drive = {
   "drive.stick": ["Joystick: push where the robot shall go. Arrow keys or W A S D drive as well.", "Joystick: dorthin schieben, wohin der Roboter soll. Auch Pfeiltasten oder W A S D fahren."],
   "drive.stick.view": ["Your role only looks: {role}", "Ihre Rolle sieht nur zu: {role}"],
+  "drive.tilt": ["Tilt to steer", "Neigen zum Lenken"],
   "drive.power": ["Top power", "Höchste Kraft"],
   "drive.speed": ["Speed", "Tempo"],
   "drive.heading": ["Heading", "Richtung"],
@@ -35,6 +36,7 @@ export const drive = {
   "drive.camera.off": ["Camera is off", "Kamera ist aus"],
   "drive.camera.wait": ["Waiting for a picture", "Wartet auf ein Bild"],
   "drive.camera.none": ["No camera", "Keine Kamera"],
+  "drive.stage": ["Picture", "Bild"],
   "drive.map": ["Map", "Karte"],
   "drive.map.alt": ["Map of where the robot was and what it measured", "Karte: wo der Roboter war und was er maß"],
   "drive.map.clear": ["Clear the map", "Karte leeren"],

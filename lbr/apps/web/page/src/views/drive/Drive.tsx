@@ -1,6 +1,6 @@
 // Drive: the robot's eyes, the stick, and why it does not move.
 import { useEffect } from "preact/hooks";
-import { Badge, Slider } from "../../parts";
+import { Badge, Slider, Toggle } from "../../parts";
 import { percent } from "../../format";
 import { may, robot, streamOfType } from "../../robot";
 import { t } from "../../words";
@@ -11,6 +11,7 @@ import { gamepad, listenToHands, top } from "./pilot";
 import { Speak } from "./Speak";
 import { Stage } from "./Stage";
 import { Stick } from "./Stick";
+import { canTilt, tilt, tilts } from "./tilt";
 import { Why } from "./Why";
 import "./Drive.css";
 
@@ -19,6 +20,7 @@ export default function Drive() {
   const drive = from.split("/")[0]!;
   useEffect(() => listenToHands(`${drive}/command`), [drive]);
   useEffect(gather, [robot.value?.revision]);
+  useEffect(keepAwake, []);
   return (
     <div class="drive">
       <h2 class="sr">{t("view.drive")}</h2>
@@ -29,6 +31,7 @@ export default function Drive() {
         <div class="drive-hand">
           <Stick />
           <Slider label={t("drive.power")} min={0.1} max={1} step={0.05} value={top.value} show={percent} disabled={!may("operate")} onInput={(value) => { top.value = value; }} />
+          {canTilt() && <Toggle label={t("drive.tilt")} checked={tilts.value} disabled={!may("operate")} onChange={(on) => void tilt(on)} />}
         </div>
       </div>
       <div class="drive-more">
@@ -38,4 +41,18 @@ export default function Drive() {
       </div>
     </div>
   );
+}
+
+/** Has the screen stay on while one drives, where the browser can. */
+function keepAwake(): () => void {
+  let lock: WakeLockSentinel | undefined;
+  const keep = (): void => {
+    if (!document.hidden) navigator.wakeLock?.request("screen").then((one) => { lock = one; }, () => undefined);
+  };
+  keep();
+  document.addEventListener("visibilitychange", keep);
+  return () => {
+    document.removeEventListener("visibilitychange", keep);
+    void lock?.release();
+  };
 }

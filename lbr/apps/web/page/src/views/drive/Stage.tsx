@@ -27,7 +27,7 @@ export function Stage() {
   ];
   const picture = choices.some((one) => one.value === shown.value) ? shown.value : choices[0]?.value;
   return (
-    <section class="drive-stage" aria-label={t("drive.camera.alt")}>
+    <section class="drive-stage" aria-label={t("drive.stage")}>
       {picture === "camera" && <Camera names={cameras.map((one) => one.name)} />}
       {picture === "map" && <MapView />}
       {picture === "radar" && <Radar class="drive-radar-large" />}
@@ -35,7 +35,7 @@ export function Stage() {
       <Heading />
       <div class="drive-stage-choice">
         {choices.length > 1 && (
-          <Segments<Picture> label={t("drive.camera.alt")} value={picture!} options={choices} onChange={(value) => { shown.value = value; remember("picture", value); }} />
+          <Segments<Picture> label={t("drive.stage")} value={picture!} options={choices} onChange={(value) => { shown.value = value; remember("picture", value); }} />
         )}
       </div>
       {ranges && picture !== "radar" && <div class="drive-inset"><Radar reach={1.7} /></div>}

@@ -4,10 +4,12 @@ import { may, role } from "../../robot";
 import { DEAD } from "../../stick";
 import { t } from "../../words";
 import { hand, push, refused } from "./pilot";
+import { follow as followTilt, tilts } from "./tilt";
 
 export function Stick() {
   const field = useRef<HTMLDivElement>(null);
   const finger = useRef<number | null>(null);
+  const tilting = useRef<(() => void) | null>(null);
   const allowed = may("operate");
   const follow = (event: PointerEvent): void => {
     const { left, top, width, height } = field.current!.getBoundingClientRect();
@@ -17,10 +19,15 @@ export function Stick() {
   };
   const drop = (event: PointerEvent): void => {
     if (finger.current !== event.pointerId) return;
+    off();
+  };
+  const off = (): void => {
     finger.current = null;
+    tilting.current?.();
+    tilting.current = null;
     push("stick", 0, 0);
   };
-  useEffect(() => () => push("stick", 0, 0), []);
+  useEffect(() => off, []);
   const { x, y } = hand.value;
   const way = Math.hypot(x, y);
   return (
@@ -33,9 +40,10 @@ export function Stick() {
         field.current!.setPointerCapture(event.pointerId);
         event.preventDefault();
         field.current!.focus({ preventScroll: true });
-        follow(event);
+        if (tilts.value) tilting.current = followTilt((x, y) => push("stick", x, y));
+        else follow(event);
       }}
-      onPointerMove={(event) => { if (finger.current === event.pointerId) follow(event); }}
+      onPointerMove={(event) => { if (finger.current === event.pointerId && !tilting.current) follow(event); }}
       onPointerUp={drop} onPointerCancel={drop} onLostPointerCapture={drop} onContextMenu={(event) => event.preventDefault()}
     >
       <svg viewBox="-100 -100 200 200" aria-hidden="true">

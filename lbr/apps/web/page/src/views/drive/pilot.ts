@@ -20,7 +20,9 @@ effect(() => remember("top", top.value));
 
 const SLOW = 0.5;
 const DRIVES = new Set(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "KeyW", "KeyA", "KeyS", "KeyD"]);
-const TYPED = "input, textarea, select, [role=radiogroup], [role=dialog]";
+const TYPED = "input:not([type=range]):not([type=checkbox]), textarea, select, [role=dialog]";
+/** What arrow keys mean something to by itself. */
+const ARROWED = "input[type=range], [role=radiogroup]";
 const sources = new Map<string, { x: number; y: number }>();
 const held = new Set<string>();
 let to = "";
@@ -66,6 +68,7 @@ export function listenToHands(key: string): () => void {
   const down = (event: KeyboardEvent): void => {
     const target = event.target instanceof Element ? event.target : document.body;
     if (event.ctrlKey || event.metaKey || event.altKey || target.closest(TYPED)) return;
+    if (event.code.startsWith("Arrow") && target.closest(ARROWED)) return;
     slow = event.shiftKey;
     if (!DRIVES.has(event.code)) return update();
     event.preventDefault();

@@ -1,0 +1,375 @@
+"""A robot as a page sees it: the page's files, the API and its live socket on a real port, with a base in a room.
+
+What moves is held as the robot's server holds it: 0.25 s without a word, a socket that closes, a stop, and it stands.
+"""
+
+import asyncio
+import io
+import math
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import uvicorn
+from PIL import Image, ImageDraw
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from lbr.apps.web.page.files import INDEX, POLICY, built
+
+SILENT_S = 0.25
+ROOM = (-1.6, 3.4, -1.7, 2.1)
+TOP_MPS, TOP_RPS = 0.9, 2.4
+SENSORS = {"forward": (0.2, 0.0, 0.0), "back": (-0.2, 0.0, math.pi), "left": (0.0, 0.15, math.pi / 2), "right": (0.0, -0.15, -math.pi / 2)}  # fmt: skip
+OPERATE, VIEW = "operate", "view"
+
+
+def outputs(**types: str) -> dict[str, Any]:
+    return {name: {"$ref": f"#/$defs/{kind}", "$defs": {kind: {"title": kind, "type": "object"}}} for name, kind in types.items()}  # fmt: skip
+
+
+def commands(*leased: str, **roles: str) -> dict[str, Any]:
+    return {name: {"schema": {}, "role": OPERATE, "leased": True} for name in leased} | {
+        name: {"schema": {}, "role": role, "leased": False} for name, role in roles.items()
+    }
+
+
+def capability(name: str, kind: str, summary: str, out: dict[str, Any], can: dict[str, Any]) -> dict[str, Any]:
+    told = {"name": name, "kind": kind, "family": "operation", "summary": summary, "phase": "ready", "reason": ""}
+    return told | {"outputs": out, "commands": can}
+
+
+CAPABILITIES = [
+    capability("drive", "drive", "moves the base", outputs(state="DriveState", result="GoalResult"), commands("command", "turn", "heading", "twist", stop=VIEW)),
+    capability("ranges", "ultrasonic_ring", "measures distances", outputs(readings="Ranges"), {}),
+    capability("odometry", "odometry", "tells how far the base went", outputs(state="OdometryState"), {}),
+    capability("attitude", "attitude", "tells where the body points", outputs(state="AttitudeState"), {}),
+    capability("battery", "battery", "watches the battery", outputs(state="BatteryState"), {}),
+    capability("speech", "speech", "speaks", outputs(state="SpeechState"), commands(say=OPERATE, hush=OPERATE)),
+    capability("camera_front", "camera", "shows what is ahead", outputs(state="CameraState"), commands(switch=OPERATE)),
+    capability("camera_rear", "camera", "shows what is behind", outputs(state="CameraState"), commands(switch=OPERATE)),
+    capability("cameras", "cameras", "chooses one camera", outputs(state="CamerasState"), commands(select=OPERATE)),
+    capability("web", "web", "serves the robot over HTTP", outputs(state="WebState"), commands(address=VIEW)),
+]  # fmt: skip
+WORDS = [
+    {"word": word, "help": "", "role": OPERATE, "usage": word}
+    for word in ("autodock", "restart", "stop", "estop", "reset")
+]
+PHRASES = [
+    {"name": "hello", "language": "en", "text": "Hello, I am your robot."},
+    {"name": "hello", "language": "de", "text": "Hallo, ich bin dein Roboter."},
+    {"name": "follow_me", "language": "en", "text": "Please follow me."},
+    {"name": "battery_low", "language": "en", "text": "My battery is low."},
+]
+
+
+class Base:
+    """Two wheels in a rectangular room."""
+
+    def __init__(self) -> None:
+        self.x = self.y = 0.0
+        self.yaw = 0.35
+        self.left = self.right = 0.0
+        self.way = 0.0
+
+    def step(self, span_s: float) -> None:
+        ahead, turn = (self.left + self.right) / 2 * TOP_MPS, (self.right - self.left) / 2 * TOP_RPS
+        x, y = self.x + ahead * math.cos(self.yaw) * span_s, self.y + ahead * math.sin(self.yaw) * span_s
+        self.yaw += turn * span_s
+        if ROOM[0] + 0.25 < x < ROOM[1] - 0.25 and ROOM[2] + 0.25 < y < ROOM[3] - 0.25:
+            self.x, self.y = x, y
+            self.way += ahead * span_s
+
+    def distance(self, sensor: str) -> float:
+        ahead, aside, look = SENSORS[sensor]
+        angle = self.yaw + look
+        x = self.x + ahead * math.cos(self.yaw) - aside * math.sin(self.yaw)
+        y = self.y + ahead * math.sin(self.yaw) + aside * math.cos(self.yaw)
+        reach = []
+        for wall, place, step in ((ROOM[1], x, math.cos(angle)), (ROOM[0], x, math.cos(angle)), (ROOM[3], y, math.sin(angle)), (ROOM[2], y, math.sin(angle))):  # fmt: skip
+            if abs(step) > 1e-6 and (wall - place) / step > 0:
+                reach.append((wall - place) / step)
+        return min(reach)
+
+
+class PageRobot:
+    """What the pages are told, and what they said; `refusal` refuses all motion."""
+
+    def __init__(self) -> None:
+        self.base = Base()
+        self.role = "admin"
+        self.asked: list[tuple[str, Any]] = []
+        self.held: list[dict[str, Any]] = []
+        self.refusal: dict[str, str] | None = None
+        self.estop = ""
+        self.needs_token = False
+        self.muted: set[str] = set()
+        self.stopped_at = self.moved_at = 0.0
+        self.holder: str | None = None
+        self.goal = ""
+        self.sockets = 0
+        self.hears: list[list[str]] = []
+        self.closed = False
+        self.news: list[dict[str, Any]] = []
+        self._hold: tuple[Any, int] | None = None
+        self._until = math.inf
+
+    @property
+    def moves(self) -> bool:
+        return bool(self.base.left or self.base.right)
+
+    def move(self, viewer: Any, hold: dict[str, Any]) -> dict[str, Any]:
+        """Begin or change motion; return what the page is told."""
+        n, message = hold["n"], hold["message"]
+        self.held.append(hold)
+        refused = self.refusal or ({"code": "estop", "reason": "the emergency stop is latched"} if self.estop else None)
+        if refused:
+            return {"n": n, "holds": False, "code": "", "reason": "", "holder": "", **refused}
+        self._hold, self.holder = (viewer, n), "web:page"
+        power, angle = message.get("power", 0.5), math.radians(message.get("angle_deg", 0.0))
+        if hold["to"] == "drive/turn":
+            angle = math.copysign(math.pi / 2, message["angle_deg"])
+            self._until = time.monotonic() + 0.6
+        elif message.get("distance_cm"):
+            self._until = time.monotonic() + 0.6
+        else:
+            self._until = math.inf
+        self.goal = hold["to"].partition("/")[2]
+        throttle, steering = math.cos(angle), math.sin(angle)
+        scale = power / max(1.0, abs(throttle) + abs(steering))
+        self.base.left, self.base.right = (throttle + steering) * scale, (throttle - steering) * scale
+        self.moved_at = time.monotonic()
+        return {"n": n, "holds": True, "code": "", "reason": "", "holder": "web:page"}
+
+    def halt(self, viewer: Any = None) -> int | None:
+        """Have the wheels stand if this viewer, or any, moves them; return the number of what was held."""
+        if self._hold is None or (viewer is not None and self._hold[0] is not viewer):
+            return None
+        n = self._hold[1]
+        self._hold, self.holder = None, None
+        if self.moves:
+            self.stopped_at = time.monotonic()
+        self.base.left = self.base.right = 0.0
+        return n
+
+    def holds(self, viewer: Any) -> bool:
+        return self._hold is not None and self._hold[0] is viewer
+
+    def over(self) -> bool:
+        return time.monotonic() >= self._until
+
+    def streams(self) -> dict[str, Any]:
+        base = self.base
+        near = {f"{name}_m": round(distance, 3) if distance < 4 else None for name in SENSORS for distance in [base.distance(name)]}  # fmt: skip
+        status = {name: "ok" if near[f"{name}_m"] is not None else "over_range" for name in SENSORS}
+        loop = {"rate_hz": 50.0, "period_p99_ms": 20.4, "period_max_ms": 22.1, "overruns": 0}
+        drive = {
+            "moving": self.moves, "power": max(abs(base.left), abs(base.right)), "angle_deg": 0.0, "left": base.left, "right": base.right, "holder": self.holder,
+            "goal": self.goal if self.moves else None, "limited_by": "", "reason": "", "estop": bool(self.estop), "loop": loop, "code": "idle",
+        }  # fmt: skip
+        speed = (base.left + base.right) / 2 * TOP_MPS
+        return {
+            "drive/state": drive,
+            "ranges/readings": {**near, "bottom_m": 0.1, "status": status | {"bottom": "ok"}, "others_m": {}},
+            "odometry/state": {"valid": True, "epoch": "a", "x_m": base.x, "y_m": base.y, "yaw_rad": base.yaw, "distance_m": base.way, "speed_mps": speed, "turn_rps": 0.0},
+            "attitude/state": {"valid": True, "heading_deg": (90 - math.degrees(base.yaw)) % 360, "roll_rad": 0.0, "pitch_rad": 0.0, "yaw_rad": base.yaw},
+            "battery/state": {"valid": True, "voltage_v": 12.6, "charge": 0.82, "charging": False, "level": "ok"},
+            "speech/state": {"speaking": False, "text": "", "queued": 0, "spoken": 0, "failed": 0, "sink": "speaker"},
+            "camera_front/state": {"on": True, "phase": "streaming", "device": "/dev/video0", "width_px": 640, "height_px": 480, "fps": 15.0},
+            "camera_rear/state": {"on": False, "phase": "off", "device": "/dev/video2", "reason": "it is switched off"},
+        }  # fmt: skip
+
+    def status(self) -> dict[str, Any]:
+        parts = [
+            {"name": one["name"], "kind": one["kind"], "phase": "degraded" if one["name"] == "speech" else "ready", "pid": 100, "restarts": 0, "uptime_s": 300.0,
+             "reason": "no loudspeaker: /dev/snd is not there" if one["name"] == "speech" else "", "rates_hz": dict.fromkeys(one["outputs"], 20.0), "cpu_percent": 1.7, "memory_mb": 31.0}
+            for one in CAPABILITIES
+        ]  # fmt: skip
+        estop = {"engaged": bool(self.estop), "reason": self.estop, "source": "web:page" if self.estop else "", "acknowledged": [], "waiting": []}  # fmt: skip
+        return {"robot": "lbr", "profile": "lbr-sim", "ready": True, "pid": 1, "uptime_s": 300.0, "estop": estop, "capabilities": parts, "problems": [], "revision": 7}  # fmt: skip
+
+    def describe(self) -> dict[str, Any]:
+        ranges = [{"name": name, "kind": "ultrasonic", "x_m": x, "y_m": y, "yaw_rad": yaw, "fov_rad": 0.45, "max_m": 4.0} for name, (x, y, yaw) in SENSORS.items()]  # fmt: skip
+        return {
+            "robot": "lbr", "simulated": True, "version": "0.1.0", "revision": 7, "role": self.role, "capabilities": CAPABILITIES, "words": WORDS, "joints": [], "motions": [],
+            "cameras": [{"name": "front", "capability": "camera_front"}, {"name": "rear", "capability": "camera_rear"}], "wheels": [], "ranges": ranges, "buttons": [], "phrases": PHRASES,
+        }  # fmt: skip
+
+    def picture(self) -> bytes:
+        """Return a plain picture of a corridor, as a JPEG."""
+        image = Image.new("RGB", (640, 480), (58, 74, 80))
+        draw = ImageDraw.Draw(image)
+        shift = int(math.sin(self.base.yaw) * 120)
+        draw.polygon([(0, 480), (640, 480), (390 + shift, 250), (250 + shift, 250)], fill=(120, 104, 88))
+        draw.polygon([(0, 0), (640, 0), (390 + shift, 170), (250 + shift, 170)], fill=(196, 200, 196))
+        draw.rectangle([250 + shift, 170, 390 + shift, 250], fill=(150, 168, 170))
+        draw.rectangle([300 + shift, 190, 340 + shift, 250], fill=(94, 70, 52))
+        kept = io.BytesIO()
+        image.save(kept, "JPEG", quality=80)
+        return kept.getvalue()
+
+    # what is served
+
+    def application(self) -> Starlette:
+        post = ["POST"]
+        return Starlette(
+            routes=[
+                Route("/api", self._api),
+                Route("/api/pair", self._pair, methods=post),
+                Route("/api/{path:path}", self._command, methods=post),
+                WebSocketRoute("/api/live", self._live),
+                Route("/stop", self._stop, methods=post),
+                Route("/estop", self._engage, methods=post),
+                Route("/estop/reset", self._reset, methods=post),
+                Route("/session", self._session, methods=["POST", "DELETE"]),
+                Route("/stream.mjpg", self._stream),
+                Route("/{path:path}", self._file),
+            ]
+        )
+
+    def _known(self, request: Request | WebSocket) -> bool:
+        shown = request.headers.get("authorization", "") + request.headers.get("sec-websocket-protocol", "")
+        return not self.needs_token or "phone.secret" in shown
+
+    async def _api(self, request: Request) -> Response:
+        if not self._known(request):
+            return JSONResponse({"message": "show a token", "code": "token"}, 401)
+        return JSONResponse(self.describe())
+
+    async def _pair(self, request: Request) -> Response:
+        given = await request.json()
+        self.asked.append(("pair", given))
+        if given["code"] != "123456":
+            return JSONResponse({"message": "these are not the digits that are shown", "code": "denied"}, 403)
+        return JSONResponse({"token": "phone.secret.print", "role": OPERATE})
+
+    async def _session(self, request: Request) -> Response:
+        known = "phone.secret" in request.headers.get("authorization", "") or request.method == "DELETE"
+        return Response(status_code=204) if known else JSONResponse({"message": "unknown", "code": "token"}, 401)
+
+    async def _command(self, request: Request) -> Response:
+        given = await request.json()
+        self.asked.append((request.path_params["path"], given))
+        if request.path_params["path"] == "console":
+            return JSONResponse({"code": 0, "text": "accepted"})
+        return JSONResponse({"accepted": True})
+
+    async def _stop(self, _request: Request) -> Response:
+        self.asked.append(("stop", None))
+        self._tell_stopped("stopped by a page")
+        return JSONResponse({"message": "stopped"})
+
+    async def _engage(self, request: Request) -> Response:
+        self.asked.append(("estop", None))
+        self.estop = (await request.json()).get("reason", "")
+        self._tell_stopped("the emergency stop")
+        return JSONResponse({"message": "engaged", "engaged": True, "noticed": True})
+
+    async def _reset(self, _request: Request) -> Response:
+        self.asked.append(("reset", None))
+        self.estop = ""
+        return JSONResponse({"message": "released"})
+
+    def _tell_stopped(self, reason: str) -> None:
+        if (n := self.halt()) is not None:
+            self.news.append({"n": n, "holds": False, "code": "stopped", "reason": reason, "holder": ""})
+
+    async def _stream(self, _request: Request) -> Response:
+        async def parts() -> Any:
+            while not self.closed:
+                yield b"--FRAME\r\nContent-Type: image/jpeg\r\n\r\n" + self.picture() + b"\r\n--FRAME\r\nContent-Type: image/jpeg\r\n\r\n" + self.picture() + b"\r\n"  # fmt: skip
+                await asyncio.sleep(0.2)
+
+        return StreamingResponse(parts(), media_type="multipart/x-mixed-replace; boundary=FRAME")
+
+    async def _file(self, request: Request) -> Response:
+        found = {one.name: one for one in built()}.get(request.path_params["path"] or INDEX)
+        if found is None:
+            return JSONResponse({"message": "there is no such file", "code": "unknown_name"}, 404)
+        return Response(found.content, media_type=found.media, headers={"Content-Security-Policy": POLICY})
+
+    async def _live(self, socket: WebSocket) -> None:
+        if not self._known(socket):
+            await socket.close()
+            return
+        await socket.accept("lbr.live" if "lbr.live" in socket.headers.get("sec-websocket-protocol", "") else None)
+        viewer, heard = object(), {"keys": [], "last": time.monotonic()}
+        self.sockets += 1
+        telling = asyncio.create_task(self._tell(socket, viewer, heard))
+        try:
+            while True:
+                said = await socket.receive_json()
+                heard["last"] = time.monotonic()
+                if "hear" in said:
+                    heard["keys"] = said["hear"]
+                    self.hears.append(said["hear"])
+                if "hold" in said:
+                    await socket.send_json({"hold": self.move(viewer, said["hold"])})
+                if said.get("release"):
+                    self.halt(viewer)
+        except (WebSocketDisconnect, RuntimeError):
+            pass
+        finally:
+            self.sockets -= 1
+            self.halt(viewer)
+            telling.cancel()
+            with suppress(asyncio.CancelledError):
+                await telling
+
+    async def _tell(self, socket: WebSocket, viewer: object, heard: dict[str, Any]) -> None:
+        beat, news = 0, len(self.news)
+        while True:
+            if self.holds(viewer) and time.monotonic() - heard["last"] > SILENT_S:
+                self.news.append({"n": self.halt(viewer), "holds": False, "code": "lapsed", "reason": "the page fell silent", "holder": ""})  # fmt: skip
+            if self.holds(viewer) and self.over():
+                await socket.send_json({"hold": {"n": self.halt(viewer), "holds": False, "code": "done", "reason": "turned 90 degrees", "holder": ""}})  # fmt: skip
+            told = {key: {"age_ms": 4, "message": message} for key, message in self.streams().items() if key in heard["keys"] and key.partition("/")[0] not in self.muted}  # fmt: skip
+            if beat % 10 == 0:
+                told["@status"] = {"age_ms": 1, "message": self.status()}
+            await socket.send_json({"streams": told})
+            for one in self.news[news:]:
+                await socket.send_json({"hold": one})
+            if beat == 0:
+                started = {"kind": "ready", "subject": "drive", "text": "is ready", "level": "info", "wall_ns": time.time_ns()}  # fmt: skip
+                warned = {"kind": "degraded", "subject": "speech", "text": "no loudspeaker: /dev/snd is not there", "level": "warning", "wall_ns": time.time_ns(), "code": "unreachable"}  # fmt: skip
+                await socket.send_json({"events": [started, warned]})
+            news, beat = len(self.news), beat + 1
+            await asyncio.sleep(0.04)
+
+    async def go_on(self) -> None:
+        """Let time pass in the room."""
+        while not self.closed:
+            self.base.step(0.02)
+            await asyncio.sleep(0.02)
+
+
+@contextmanager
+def page_robot() -> Iterator[tuple[PageRobot, str]]:
+    """Serve such a robot until the end of a `with`; yields it and its address."""
+    robot = PageRobot()
+    sock = socket.create_server(("127.0.0.1", 0))
+    config = uvicorn.Config(robot.application(), log_level="error", lifespan="off", ws="websockets-sansio", timeout_graceful_shutdown=1)  # fmt: skip
+    server = uvicorn.Server(config)
+
+    async def run() -> None:
+        room = asyncio.create_task(robot.go_on())
+        await server.serve(sockets=[sock])
+        robot.closed = True
+        await room
+
+    thread = threading.Thread(target=lambda: asyncio.run(run()))
+    thread.start()
+    try:
+        yield robot, f"http://127.0.0.1:{sock.getsockname()[1]}"
+    finally:
+        robot.closed = True
+        server.should_exit = True
+        thread.join(5.0)
+        sock.close()
+        assert not thread.is_alive()

@@ -1,0 +1,339 @@
+"""The page in a browser, on a phone's screen and a desk's: what a hand on it moves, and what stops when the hand is off."""
+
+import re
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from tests.support import needs
+from tests.support.robot import until
+from tests.web.page_robot import PageRobot, page_robot
+
+needs.modules("playwright")
+
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright  # noqa: E402
+
+pytestmark = [needs.program("chromium", "chromium"), pytest.mark.timeout(30)]
+STANDS_S = 0.4
+SIZES: dict[str, dict[str, Any]] = {
+    "phone": {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True},
+    "desk": {"viewport": {"width": 1280, "height": 800}},
+}
+both = pytest.mark.parametrize("size", SIZES)
+HIDE = """() => {
+  Object.defineProperty(document, "hidden", {value: true, configurable: true});
+  document.dispatchEvent(new Event("visibilitychange"));
+}"""
+UNNAMED = """() => [...document.querySelectorAll("button, a, input, select, [role=application]")]
+  .filter((one) => one.offsetParent !== null || one.id === "stop")
+  .filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim() || one.labels?.length))
+  .map((one) => one.outerHTML)"""
+SMALL = """() => [...document.querySelectorAll("button, select, input:not([type=range]):not([type=checkbox]), .nav a")]
+  .filter((one) => one.offsetParent !== null).map((one) => [one.className, one.getBoundingClientRect()])
+  .filter(([, box]) => Math.min(box.width, box.height) < 37.5).map(([name, box]) => `${name} ${box.width}x${box.height}`)"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as started:
+        found = started.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[tuple[PageRobot, str]]:
+    with page_robot() as found:
+        yield found
+
+
+@pytest.fixture
+def robot(served) -> Iterator[PageRobot]:
+    found = served[0]
+    found.asked.clear()
+    found.held.clear()
+    yield found
+    found.refusal, found.estop, found.needs_token, found.role = None, "", False, "admin"
+    found.muted.clear()
+    found.halt()
+
+
+class Opened:
+    """Contexts of one test, and what went wrong in their pages."""
+
+    def __init__(self, browser: Browser, url: str) -> None:
+        self._browser, self._url = browser, url
+        self._contexts: list[BrowserContext] = []
+        self.errors: list[str] = []
+
+    def page(self, size: str = "desk", path: str = "/#drive", **more: Any) -> Page:
+        context = self._browser.new_context(**(SIZES[size] | {"locale": "en-GB"} | more))
+        self._contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda err: self.errors.append(str(err)))
+        page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
+        page.goto(self._url + path)
+        return page
+
+    def close(self) -> None:
+        for context in self._contexts:
+            context.close()
+
+
+@pytest.fixture
+def opened(browser, served, robot) -> Iterator[Opened]:
+    found = Opened(browser, served[1])
+    yield found
+    found.close()
+    assert until(lambda: robot.sockets == 0)
+    assert [one for one in found.errors if "401" not in one and "403" not in one] == []
+
+
+def within(page: Page, true: Callable[[], Any], s: float = 3.0) -> bool:
+    """Say whether something comes true while the page goes on."""
+    end = time.monotonic() + s
+    while time.monotonic() < end:
+        if true():
+            return True
+        page.wait_for_timeout(10)
+    return bool(true())
+
+
+def grip(page: Page, ahead: float = 0.32, right: float = 0.0) -> None:
+    """Put a finger on the stick and push it; as parts of its size."""
+    stick = page.locator(".drive-stick")
+    expect(stick).to_be_visible()
+    expect(page.locator('.linkdot[data-link="open"]')).to_be_visible()
+    stick.scroll_into_view_if_needed()
+    box = stick.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + right * box["width"], y - ahead * box["height"], steps=4)
+
+
+@both
+def test_a_thumb_drives_and_a_lifted_thumb_stops(opened, robot, size):
+    page = opened.page(size)
+    grip(page)
+    assert within(page, lambda: robot.moves)
+    assert robot.held[-1]["to"] == "drive/command"
+    assert robot.held[-1]["message"]["angle_deg"] == 0
+    page.wait_for_timeout(600)
+    assert robot.moves, "a thumb that rests on the stick goes on driving"
+    page.mouse.up()
+    lifted = time.monotonic()
+    assert within(page, lambda: not robot.moves)
+    assert robot.stopped_at - lifted < STANDS_S
+
+
+@both
+def test_keys_drive_while_they_are_held(opened, robot, size):
+    page = opened.page(size)
+    expect(page.locator(".drive-why")).to_contain_text("Ready")
+    page.keyboard.down("ArrowUp")
+    page.keyboard.down("d")
+    assert within(page, lambda: robot.moves and robot.held[-1]["message"]["angle_deg"] == 45)
+    page.keyboard.up("ArrowUp")
+    assert within(page, lambda: robot.held[-1]["message"]["angle_deg"] == 90)
+    page.keyboard.up("d")
+    assert within(page, lambda: not robot.moves)
+
+
+@both
+@pytest.mark.parametrize("how", ["close", "hide", "blur", "leave"])
+def test_a_page_that_goes_away_stops_what_it_drove(opened, robot, size, how):
+    page, other = opened.page(size), opened.page(size)
+    grip(page)
+    assert within(page, lambda: robot.moves)
+    began = time.monotonic()
+    if how == "close":
+        page.close()
+    elif how == "leave":
+        page.goto("about:blank")
+    else:
+        page.evaluate(HIDE if how == "hide" else "window.dispatchEvent(new Event('blur'))")
+    assert within(other, lambda: not robot.moves)
+    assert robot.stopped_at - began < STANDS_S
+
+
+@both
+def test_a_second_page_stops_the_first_which_must_let_go_before_it_drives_again(opened, robot, size):
+    page, other = opened.page(size), opened.page(size)
+    grip(page)
+    assert within(page, lambda: robot.moves)
+    began = time.monotonic()
+    other.get_by_role("button", name="Stop the robot").click()
+    assert within(other, lambda: not robot.moves)
+    assert robot.stopped_at - began < STANDS_S + 0.2  # a click of the test itself takes a moment
+    page.mouse.move(200, 300, steps=5)
+    page.wait_for_timeout(300)
+    assert not robot.moves
+    expect(page.locator(".drive-why")).to_contain_text("Release, then push again")
+    page.mouse.up()
+    grip(page)
+    assert within(page, lambda: robot.moves)
+    page.mouse.up()
+
+
+@pytest.mark.parametrize("key", ["Escape", "Space"])
+def test_escape_and_space_stop_and_escape_does_within_a_dialogue_too(opened, robot, key):
+    page = opened.page()
+    expect(page.locator(".drive-why")).to_contain_text("Ready")
+    page.keyboard.press(key)
+    assert within(page, lambda: ("stop", None) in robot.asked)
+    robot.asked.clear()
+    page.get_by_role("button", name="Settings").click()
+    page.get_by_role("dialog").wait_for()
+    page.keyboard.press("Escape")
+    assert within(page, lambda: ("stop", None) in robot.asked)
+
+
+@both
+def test_stop_is_above_a_dialogue_and_held_for_a_second_it_is_the_emergency_stop(opened, robot, size):
+    page = opened.page(size)
+    page.get_by_role("button", name="Settings").click()
+    page.get_by_role("dialog").wait_for()
+    stop = page.locator("#stop").bounding_box()
+    assert stop is not None
+    x, y = stop["x"] + stop["width"] / 2, stop["y"] + stop["height"] / 2
+    assert page.evaluate("([x, y]) => document.elementFromPoint(x, y).closest('#stop') !== null", [x, y])
+    assert min(stop["width"], stop["height"]) >= 60
+    page.mouse.move(x, y)
+    page.mouse.down()
+    assert within(page, lambda: ("stop", None) in robot.asked)
+    assert ("estop", None) not in robot.asked
+    assert within(page, lambda: ("estop", None) in robot.asked)
+    page.mouse.up()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("alert")).to_contain_text("Emergency stop is engaged")
+    page.get_by_role("button", name="Release").click()
+    page.get_by_role("dialog").get_by_role("button", name="Release").click()
+    assert within(page, lambda: ("reset", None) in robot.asked)
+    expect(page.get_by_role("alert")).to_have_count(0)
+
+
+def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_followed(opened, robot):
+    page = opened.page()
+    robot.refusal = {"code": "held", "reason": "console holds it", "holder": "console"}
+    grip(page)
+    expect(page.locator(".drive-why")).to_contain_text("Held by another")
+    expect(page.locator(".drive-why")).to_contain_text("console drives")
+    page.mouse.up()
+    page.get_by_role("button", name="Take over").click()
+    robot.refusal = None
+    grip(page)
+    assert within(page, lambda: robot.moves and robot.held[-1]["message"].get("take_over") is True)
+    page.mouse.up()
+    robot.refusal = {"code": "obstacle", "reason": "forward reads 18 cm"}
+    grip(page)
+    expect(page.locator(".drive-why")).to_contain_text("forward reads 18 cm")
+    page.mouse.up()
+
+
+def test_moves_that_end_by_themselves_are_kept_until_they_do(opened, robot):
+    page = opened.page()
+    page.get_by_role("button", name="Turn 90°", exact=True).click()
+    assert within(page, lambda: robot.moves and robot.held[-1] == {"to": "drive/turn", "message": {"angle_deg": 90}, "n": 1})  # fmt: skip
+    page.wait_for_timeout(350)
+    assert robot.moves
+    assert within(page, lambda: not robot.moves)
+    page.get_by_role("button", name="Dock").click()
+    assert within(page, lambda: ("console", {"line": "autodock"}) in robot.asked)
+
+
+def test_it_speaks_texts_and_phrases(opened, robot):
+    page = opened.page()
+    page.get_by_label("What the robot says").fill("Good morning")
+    page.keyboard.press("Enter")
+    assert within(page, lambda: ("speech/say", {"text": "Good morning"}) in robot.asked)
+    page.get_by_role("button", name="follow me").click()
+    assert within(page, lambda: ("speech/say", {"phrase": "follow_me", "language": "en"}) in robot.asked)
+
+
+def test_what_is_old_says_so(opened, robot):
+    page = opened.page()
+    expect(page.locator(".drive-why")).to_contain_text("Ready")
+    robot.muted |= {"drive"}
+    expect(page.locator(".drive-why")).to_contain_text(re.compile(r"\d s old"), timeout=6000)
+
+
+def test_a_robot_that_comes_back_is_found_again(opened, robot):
+    page = opened.page()
+    expect(page.locator('.linkdot[data-link="open"]')).to_be_visible()
+    page.context.set_offline(True)
+    page.evaluate("1")
+    expect(page.get_by_role("alert")).to_contain_text("lost", timeout=9000)
+    page.context.set_offline(False)
+    expect(page.locator('.linkdot[data-link="open"]')).to_be_visible(timeout=9000)
+    opened.errors.clear()  # the browser tells of each try
+
+
+def test_who_is_unknown_pairs_by_six_digits_and_is_known_from_then_on(opened, robot):
+    robot.needs_token = True
+    page = opened.page("phone")
+    page.get_by_label("Six digits").fill("654321")
+    page.get_by_role("button", name="Pair").click()
+    expect(page.locator(".notice")).to_contain_text("not the digits")
+    page.get_by_label("Six digits").fill("123 456")
+    page.get_by_role("button", name="Pair").click()
+    grip(page)
+    assert within(page, lambda: robot.moves)
+    page.mouse.up()
+    page.reload()
+    expect(page.locator(".drive-stick")).to_be_visible()
+
+
+def test_a_role_that_only_looks_moves_nothing_and_may_stop(opened, robot):
+    robot.role = "view"
+    page = opened.page()
+    expect(page.locator(".drive-why")).to_contain_text("may look and stop")
+    grip(page)
+    page.keyboard.down("w")
+    page.wait_for_timeout(200)
+    page.keyboard.up("w")
+    page.mouse.up()
+    assert not robot.held
+    page.locator("#stop").click()
+    assert within(page, lambda: ("stop", None) in robot.asked)
+
+
+@pytest.mark.parametrize("view", ["drive", "system"])
+@pytest.mark.parametrize(("width", "height"), [(320, 568), (844, 390), (768, 1024), (1280, 800), (3840, 2160)])
+def test_each_view_fits_each_screen_and_all_in_it_has_a_name(opened, robot, view, width, height):
+    page = opened.page(path=f"/#{view}", viewport={"width": width, "height": height})
+    expect(page.locator(f'main[data-view="{view}"] h2').first).to_be_attached()
+    page.wait_for_timeout(150)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.evaluate(UNNAMED) == []
+    assert page.evaluate(SMALL) == []
+
+
+def test_system_tells_of_parts_events_and_numbers(opened, robot):
+    page = opened.page(path="/#system")
+    expect(page.get_by_text("no loudspeaker").first).to_be_visible()
+    page.get_by_role("button", name="Restart: drive").click()
+    page.get_by_role("dialog").get_by_role("button", name="Restart").click()
+    assert within(page, lambda: ("console", {"line": "restart drive"}) in robot.asked)
+    page.get_by_role("radio", name="Events").click()
+    expect(page.locator(".system-events li")).to_have_count(2)
+    page.get_by_role("radio", name="Chart").click()
+    expect(page.locator(".system-plot canvas")).to_be_visible()
+    page.get_by_label("Stream").select_option("attitude/state")
+    expect(page.get_by_role("button", name="heading deg")).to_be_visible()
+
+
+def test_it_speaks_german_and_keeps_what_was_chosen(opened, robot):
+    page = opened.page(locale="de-DE")
+    expect(page.get_by_role("link", name="Fahren")).to_be_visible()
+    assert page.evaluate("document.documentElement.lang") == "de"
+    page.get_by_role("button", name="Einstellungen").click()
+    page.get_by_role("radio", name="Hell").click()
+    page.get_by_role("radio", name="English").click()
+    page.reload()
+    expect(page.get_by_role("link", name="Drive")).to_be_visible()
+    assert page.evaluate("document.documentElement.dataset.theme") == "light"
