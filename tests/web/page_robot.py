@@ -117,6 +117,10 @@ class PageRobot:
         self.hears: list[list[str]] = []
         self.closed = False
         self.news: list[dict[str, Any]] = []
+        self.stopped: set[Any] = set()
+        self.silent_s = SILENT_S
+        self.period_s = 0.04
+        self._pictures: dict[int, bytes] = {}
         self._hold: tuple[Any, int] | None = None
         self._until = math.inf
 
@@ -128,7 +132,12 @@ class PageRobot:
         """Begin or change motion; return what the page is told."""
         n, message = hold["n"], hold["message"]
         self.held.append(hold)
-        refused = self.refusal or ({"code": "estop", "reason": "the emergency stop is latched"} if self.estop else None)
+        rests = {"code": "rest_first", "reason": "it was stopped: release it first"} if viewer in self.stopped else None
+        refused = (
+            self.refusal
+            or rests
+            or ({"code": "estop", "reason": "the emergency stop is latched"} if self.estop else None)
+        )
         if refused:
             return {"n": n, "holds": False, "code": "", "reason": "", "holder": "", **refused}
         self._hold, self.holder = (viewer, n), "web:page"
@@ -203,16 +212,18 @@ class PageRobot:
 
     def picture(self) -> bytes:
         """Return a plain picture of a corridor, as a JPEG."""
+        shift = round(math.sin(self.base.yaw) * 12) * 10
+        if shift in self._pictures:
+            return self._pictures[shift]
         image = Image.new("RGB", (640, 480), (58, 74, 80))
         draw = ImageDraw.Draw(image)
-        shift = int(math.sin(self.base.yaw) * 120)
         draw.polygon([(0, 480), (640, 480), (390 + shift, 250), (250 + shift, 250)], fill=(120, 104, 88))
         draw.polygon([(0, 0), (640, 0), (390 + shift, 170), (250 + shift, 170)], fill=(196, 200, 196))
         draw.rectangle([250 + shift, 170, 390 + shift, 250], fill=(150, 168, 170))
         draw.rectangle([300 + shift, 190, 340 + shift, 250], fill=(94, 70, 52))
         kept = io.BytesIO()
         image.save(kept, "JPEG", quality=80)
-        return kept.getvalue()
+        return self._pictures.setdefault(shift, kept.getvalue())
 
     # what is served
 
@@ -277,6 +288,7 @@ class PageRobot:
         return JSONResponse({"message": "released"})
 
     def _tell_stopped(self, reason: str) -> None:
+        self.stopped |= {self._hold[0]} if self._hold else set()
         if (n := self.halt()) is not None:
             self.news.append({"n": n, "holds": False, "code": "stopped", "reason": reason, "holder": ""})
 
@@ -312,6 +324,7 @@ class PageRobot:
                 if "hold" in said:
                     await socket.send_json({"hold": self.move(viewer, said["hold"])})
                 if said.get("release"):
+                    self.stopped.discard(viewer)
                     self.halt(viewer)
         except (WebSocketDisconnect, RuntimeError):
             pass
@@ -325,12 +338,12 @@ class PageRobot:
     async def _tell(self, socket: WebSocket, viewer: object, heard: dict[str, Any]) -> None:
         beat, news = 0, len(self.news)
         while True:
-            if self.holds(viewer) and time.monotonic() - heard["last"] > SILENT_S:
+            if self.holds(viewer) and time.monotonic() - heard["last"] > self.silent_s:
                 self.news.append({"n": self.halt(viewer), "holds": False, "code": "lapsed", "reason": "the page fell silent", "holder": ""})  # fmt: skip
             if self.holds(viewer) and self.over():
                 await socket.send_json({"hold": {"n": self.halt(viewer), "holds": False, "code": "done", "reason": "turned 90 degrees", "holder": ""}})  # fmt: skip
             told = {key: {"age_ms": 4, "message": message} for key, message in self.streams().items() if key in heard["keys"] and key.partition("/")[0] not in self.muted}  # fmt: skip
-            if beat % 10 == 0:
+            if beat % 5 == 0:
                 told["@status"] = {"age_ms": 1, "message": self.status()}
             await socket.send_json({"streams": told})
             for one in self.news[news:]:
@@ -340,7 +353,7 @@ class PageRobot:
                 warned = {"kind": "degraded", "subject": "speech", "text": "no loudspeaker: /dev/snd is not there", "level": "warning", "wall_ns": time.time_ns(), "code": "unreachable"}  # fmt: skip
                 await socket.send_json({"events": [started, warned]})
             news, beat = len(self.news), beat + 1
-            await asyncio.sleep(0.04)
+            await asyncio.sleep(self.period_s)
 
     async def go_on(self) -> None:
         """Let time pass in the room."""

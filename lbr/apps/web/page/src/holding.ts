@@ -22,6 +22,8 @@ let wanted = "";
 let told_ = "";
 let toldAt = 0;
 let over = false;
+/** Since the last release something was asked for: the robot wants to hear of the rest, after a refusal and a stop too. */
+let begun = false;
 let once = false;
 let timer: ReturnType<typeof setInterval> | undefined;
 
@@ -54,6 +56,7 @@ function beat(): void {
   if (wanted !== told_ && now - toldAt >= CHANGE_MS) {
     const { to, message } = JSON.parse(wanted) as { to: string; message: object };
     if (send({ hold: { to, message, n: ++n }, ...heardTime(!told_) })) {
+      begun = true;
       told_ = wanted;
       toldAt = now;
     }
@@ -67,7 +70,8 @@ function release(): void {
   clearInterval(timer);
   timer = undefined;
   over = once = false;
-  if (told_) send({ release: true });
+  if (begun) send({ release: true });
+  begun = false;
   wanted = told_ = "";
   toldAt = 0;
   if (state.value === RESTS) return;

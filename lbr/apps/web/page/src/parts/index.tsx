@@ -127,7 +127,7 @@ export function Segments<T extends string>({ label, value, options, onChange }: 
     <div class="segments" role="radiogroup" aria-label={label} onKeyDown={move}>
       {options.map((one) => (
         <button key={one.value} type="button" role="radio" aria-checked={one.value === value} tabIndex={one.value === value ? 0 : -1} onClick={() => onChange(one.value)}>
-          {one.icon && <Icon name={one.icon} />}{one.text}
+          {one.icon && <Icon name={one.icon} />}<span>{one.text}</span>
         </button>
       ))}
     </div>

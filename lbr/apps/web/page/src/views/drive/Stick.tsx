@@ -39,7 +39,7 @@ export function Stick() {
         finger.current = event.pointerId;
         field.current!.setPointerCapture(event.pointerId);
         event.preventDefault();
-        field.current!.focus({ preventScroll: true });
+        if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
         if (tilts.value) tilting.current = followTilt((x, y) => push("stick", x, y));
         else follow(event);
       }}

@@ -32,8 +32,9 @@ function said(drive: DriveState | null): Line {
   if (drive?.estop) return { tone: "bad", icon: "stop", head: t("code.estop"), text: drive.reason };
   if (code && code !== "done" && !holds) {
     const text = code === "held" ? t("drive.holder", { holder: holder || drive?.holder || "?" }) : reason;
-    return { tone: "warn", icon: "warn", head: maybe(`code.${code}`) || told({ code: "", reason }), text: refused.value ? `${text} ${t("drive.again")}` : text, held: code === "held" };
+    return { tone: "warn", icon: "warn", head: maybe(`code.${code}`) || told({ code: "", reason }), text: refused.value ? `${text.replace(/[.\s]*$/, ". ")}${t("drive.again")}.`.replace(/^\. /, "") : text, held: code === "held" };
   }
+  if (refused.value) return { tone: "warn", icon: "warn", head: t("drive.again"), text: "" };
   if (!drive) return { tone: "calm", icon: "info", head: t("age.never"), text: "" };
   if (drive.limited_by) return { tone: "warn", icon: "warn", head: t("drive.limited", { by: plain(drive.limited_by) }), text: drive.reason };
   if (moving && holds) return { tone: "good", icon: "drive", head: t("drive.you"), text: drive.goal ?? "" };

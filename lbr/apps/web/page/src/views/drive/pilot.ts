@@ -56,10 +56,13 @@ export function push(source: string, x: number, y: number): void {
   update();
 }
 
+/** Takes every hand off; a thumb that is still on the stick has to be lifted first. */
 function rest(): void {
+  const pushed = sources.has("stick");
   sources.clear();
   held.clear();
   update();
+  refused.value = pushed;
 }
 
 /** Listens to keys and gamepads for the command `key` until the returned function is called. */
@@ -85,9 +88,10 @@ export function listenToHands(key: string): () => void {
   };
   const hidden = (): void => { if (document.hidden) rest(); };
   const ended = effect(() => {
-    const { moving, code } = holding.state.value;
-    if (!moving && last !== null && code) refused.value = true;
-    if (!moving) takeOver.value = false;
+    // Whatever ended it, a stop or a loss: a hand that is still on the stick begins nothing by itself.
+    if (holding.state.value.moving || last === null) return;
+    refused.value = true;
+    takeOver.value = false;
   });
   const pads = listenToGamepads();
   window.addEventListener("keydown", down);
