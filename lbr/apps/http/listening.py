@@ -9,8 +9,6 @@ from lbr.bus import certificates
 from lbr.errors import InputError
 
 BUFFER_BYTES = 64 * 1024
-RECEIVED_BYTES = 16 * 1024
-"""Of one connection, so that what is read of it at once takes milliseconds; the kernel doubles it."""
 BACKLOG = 256
 BESIDE = {"0.0.0.0": "::1", "127.0.0.1": "::1", "::1": "127.0.0.1"}  # noqa: S104 - compared
 """This machine's other address, for those that lead to it by one family alone."""
@@ -59,7 +57,6 @@ def _listen(host: str, port: int) -> socket.socket:
     try:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
-        listening.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
         if family == socket.AF_INET6:
             listening.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, int(host != "::"))
         listening.bind(address)
