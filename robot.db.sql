@@ -463,18 +463,20 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('lbr', 'world', 'world', '{}', '[]',
      'The simulated surroundings; runs only under a simulating launch profile');
 
+INSERT INTO capability (robot, name, kind, settings, help) VALUES
+    ('lbr', 'web', 'web', '{"port": 50001, "faces": ["cameras"]}',
+     'The robot over HTTP: its API, stop, cameras; on this machine only, unless the settings say otherwise');
+
 -- The robot's old API, for the clients it has always had: to this machine, without a token only while it is simulated.
 INSERT INTO capability (robot, name, kind, settings, help) VALUES
     ('lbr', 'web_api', 'web', '{"port": 9145, "faces": ["lbr_original"]}',
      'The robot''s HTTP API of old: drive, speak, telemetry, cameras; moved by this machine alone, or as legacy says');
 
 -- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
--- lets in whoever has a token (`lbr token add NAME`); the same with 'web' serves the robot over HTTP, to this machine.
+-- lets in whoever has a token (`lbr token add NAME`).
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('lbr', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
-     'The door to other machines: whoever has a token comes in'),
-    ('lbr', 'web', 'web', 0, '{"faces": ["cameras"]}',
-     'The robot over HTTP: its state, stop, cameras; on this machine only, unless the settings say otherwise');
+     'The door to other machines: whoever has a token comes in');
 
 INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),

@@ -27,8 +27,8 @@ from lbr.database.shipped import shipped
 from lbr.executive.planning import words
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_roles
+from lbr.executive.service.completion_values import REPORTS
 from lbr.executive.service.journal import CODES
-from lbr.executive.service.reports import NAMES as REPORTS
 from lbr.messages import codes, system
 from lbr.messages.system import Role, higher
 from lbr.simulation import faults

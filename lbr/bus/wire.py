@@ -1,5 +1,6 @@
 """Publishing, receiving, answering and asking: thin, so that nothing but a slot write happens on Zenoh's threads."""
 
+import contextlib
 import os
 import threading
 import time
@@ -166,11 +167,22 @@ class PolledSubscription:
         """Return what arrived since the last call, oldest first."""
         taken: list[RawMessage] = []
         now = time.monotonic()
-        while (sample := self._subscriber.try_recv()) is not None:
+        while (sample := self._received()) is not None:
             attachment = sample.attachment
             stamp = attachment.to_bytes() if attachment is not None else b""
             taken.append(RawMessage(self._key, sample.payload.to_bytes(), stamp, now))
         return taken
+
+    def close(self) -> None:
+        """Stop receiving."""
+        with contextlib.suppress(zenoh.ZError):  # of a session that is closed
+            self._subscriber.undeclare()
+
+    def _received(self) -> zenoh.Sample | None:
+        try:
+            return self._subscriber.try_recv()
+        except zenoh.ZError:  # its session is closed
+            return None
 
 
 class Request:

@@ -13,6 +13,7 @@ from msgspec import Struct
 
 from lbr.capability.word import Word
 from lbr.errors import LbrError
+from lbr.messages.camera import JpegFrame
 from lbr.messages.rows import Row
 from lbr.messages.system import Role
 
@@ -85,10 +86,11 @@ class Kind:
     nothing feeds them. `roles` are the commands that need another role than `operate`; anybody may stop. `words` are
     what the console of every robot with a capability of this kind understands, besides the robot's rows. `moves` marks
     a path to a motor: it gets the emergency stop on a session of its own and is stopped first. `serves` marks a way by
-    which people move and stop the robot: it ranks with what moves. `pairs` marks one by which their phones get tokens: by
-    its request `pair` it may show the executive the digits that a person read at the console, and the words `open` and
-    `close` change its setting `host`. `device` is the type of the device row that the setting `device` must name; empty
-    if it owns none. `device_settings` is what rows of a type of device may set for
+    which people move and stop the robot: it ranks with what moves. What `serves_people` may hear every stream, ask for
+    every command and say console lines of each role; it answers for who asks it. `pairs` marks one by which their phones get
+    tokens: by its request `pair` it may show the executive the digits that a person read at the console, and the words
+    `open` and `close` change its setting `host`. `device` is the type of the device row that the setting `device` must name;
+    empty if it owns none. `device_settings` is what rows of a type of device may set for
     it; a world that `emulates` every device that has a twin (see `lbr.capability.twins`) gets theirs. `line` says that
     its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked many times
     a second, so that what an adapter holds back matters. `emulated` is what stands in for its device in a simulation: a
@@ -114,6 +116,7 @@ class Kind:
     moves: bool = False
     serves: bool = False
     pairs: bool = False
+    serves_people: bool = False
     device: str = ""
     device_settings: Mapping[str, type[Struct]] = field(default_factory=dict)
     emulates: bool = False
@@ -143,6 +146,13 @@ class Kind:
     def role(self, command: str) -> Role:
         """Return the role that a command needs of a sender on another machine."""
         return self.roles.get(command, "view" if command == STOP else "operate")
+
+    def schema(self, name: str, message: type[Struct]) -> dict[str, Any]:
+        """Return the JSON Schema of a message of its, and for a command the role it needs of a sender elsewhere."""
+        if message is JpegFrame:
+            return {"title": message.__name__, "description": message.__doc__, "contentMediaType": "image/jpeg"}
+        found = msgspec.json.schema(message)
+        return found | {"x-role": self.role(name)} if name in self.commands else found
 
     def lacks(self) -> str:
         """Return what has to be installed before it can run at all, and how; empty if nothing has."""

@@ -369,14 +369,6 @@ def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> l
     own = {name: kind.outputs[name] for name in kind.outputs if keys.port(config.robot, config.name, name) in keyed}
     types = {**own, **kind.messages, **kind.setpoints}
     return [
-        wire.StaticReply(bus, keys.schema(config.robot, config.name, name), partial(_schema, kind, name, message))
+        wire.StaticReply(bus, keys.schema(config.robot, config.name, name), partial(kind.schema, name, message))
         for name, message in types.items()
     ]
-
-
-def _schema(kind: Kind, name: str, message: type[Struct]) -> dict[str, Any]:
-    """Return the JSON Schema of a message, and for a command the role it needs of a sender on another machine."""
-    if message is JpegFrame:
-        return {"title": message.__name__, "description": message.__doc__, "contentMediaType": "image/jpeg"}
-    found = msgspec.json.schema(message)
-    return found | {"x-role": kind.role(name)} if name in kind.commands else found

@@ -120,18 +120,19 @@ MEANINGS: dict[Code, str] = {
 class Reason(Struct, frozen=True):
     """A reason: its code, the sentence for people, and the cause where two things are told.
 
-    `note` is what the sentence says besides, by itself, for who passes that on.
+    `note` is what the sentence says besides, by itself, for who passes that on. `holder` is who has what is held.
     """
 
     code: Code
     text: str
     cause: str = ""
     note: str = ""
+    holder: str = ""
 
     def __str__(self) -> str:
         return self.text
 
 
-def heard(code: str, text: str, cause: str = "", note: str = "") -> Reason:
+def heard(code: str, text: str, cause: str = "", note: str = "", holder: str = "") -> Reason:
     """Return a reason as a message told it; a code that is not on the list, or none, is `failed`."""
-    return Reason(code if code in MEANINGS else "failed", text, cause, note)
+    return Reason(code if code in MEANINGS else "failed", text, cause, note, holder)

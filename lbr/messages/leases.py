@@ -38,7 +38,7 @@ class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """What became of a command: accepted, with the lease it lives by; or refused, with the reason.
 
     `code` says why it was refused, `cause` of a dead lease how that one ended; both are from the list of codes. `note`
-    is the sentence of the cause by itself.
+    is the sentence of the cause by itself, `holder` who has what is held.
     """
 
     accepted: bool
@@ -46,6 +46,7 @@ class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
     code: ReasonCode = ""
     cause: ReasonCode = ""
     note: str = ""
+    holder: str = ""
     lease: str = ""
     ttl_s: float | None = None
     goal: str = ""
@@ -53,9 +54,17 @@ class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
     @property
     def why(self) -> Reason:
         """Return why it was refused; of a dead lease, how that one ended."""
-        return heard(self.cause or self.code, self.note or self.reason or "it was refused without a reason")
+        text = self.note or self.reason or "it was refused without a reason"
+        return heard(self.cause or self.code, text, holder=self.holder)
 
 
 def refused(reason: Reason) -> CommandReply:
     """Return the reply that refuses a command."""
-    return CommandReply(accepted=False, reason=reason.text, code=reason.code, cause=reason.cause, note=reason.note)
+    return CommandReply(
+        accepted=False,
+        reason=reason.text,
+        code=reason.code,
+        cause=reason.cause,
+        note=reason.note,
+        holder=reason.holder,
+    )

@@ -116,10 +116,11 @@ def until(condition: Callable[[], object], what: str, within_s: float = 8.0) -> 
 
 
 def prepared(home: Path, edits: Iterable[str] = ()) -> Path:
-    """Make a home with the shipped rows, changed by SQL statements."""
+    """Make a home with the shipped rows, changed by SQL statements; what is served has any free port."""
     home.mkdir(mode=0o700, parents=True, exist_ok=True)
     store.create(home / "robot.db")
     with closing(sqlite3.connect(home / "robot.db")) as database, database:
+        database.execute("UPDATE capability SET settings = json_set(settings, '$.port', 0) WHERE kind = 'web'")
         for edit in edits:
             database.execute(edit)
     return home

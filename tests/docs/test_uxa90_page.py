@@ -9,7 +9,7 @@ from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS
 from lbr.database.store import Database
 from lbr.drivers.uxa90.messages import InquireCommand
-from lbr.executive.service.reports import NAMES
+from lbr.executive.service.completion_values import REPORTS
 from lbr.messages.joints import MotionRow
 from tests.docs.pages import ROOT, said
 from tests.support import databases
@@ -51,4 +51,4 @@ def test_whatever_the_page_has_somebody_ask_may_be_asked_at_the_console():
 
 
 def test_every_report_that_the_page_asks_for_is_one():
-    assert set(re.findall(r"/report/([a-z_]+)", PAGE.read_text())) <= set(NAMES)
+    assert set(re.findall(r"/report/([a-z_]+)", PAGE.read_text())) <= set(REPORTS)

@@ -26,8 +26,8 @@ BASE = ("motors", "ranges", "drive", "world")
 def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = False) -> Path:
     """Make a home with the shipped rows, whose world traces its motor outputs; the base runs, `also`, and after `edits`.
 
-    `whole` leaves lbr as it ships. Other robots run whole, unless an edit says otherwise (`only`). What is served has a
-    port of its own.
+    `whole` leaves robots as they ship. Other robots than lbr run whole, unless an edit says otherwise (`only`); the
+    Bioloid without its server, which most tests need not wait for. What is served has a port of its own.
     """
     home.mkdir(mode=0o700, parents=True, exist_ok=True)
     databases.fresh(home / "robot.db")
@@ -45,6 +45,8 @@ def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = F
                 " WHERE robot = ? AND name = ?",
                 (free_port(), *served),
             )
+        if not whole and "web" not in also:
+            database.execute("UPDATE capability SET enabled = 0 WHERE kind = 'web' AND robot = 'bioloid'")
         for edit in edits:
             database.execute(edit)
     database.close()

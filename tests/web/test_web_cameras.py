@@ -180,8 +180,7 @@ def test_streams_end_with_the_server(monkeypatch, tmp_path):
 @pytest.mark.slow_start
 @pytest.mark.timeout(30)
 def test_a_robots_camera_is_seen_by_its_own_server(tmp_path):
-    served = "UPDATE capability SET enabled = 1 WHERE robot = 'lbr' AND name = 'web'"
-    home = prepare(tmp_path / "home", "camera_front", "cameras", edits=(served,))
+    home = prepare(tmp_path / "home", "camera_front", "cameras", "web")
     with running(home) as robot:
         until(lambda: robot.capability("web")["phase"] == "ready", limit_s=10.0)
 

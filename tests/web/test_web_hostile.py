@@ -14,12 +14,14 @@ from websockets.sync.client import connect
 from lbr.apps.web.access import Access
 from lbr.messages.faces import EditCommand, EditReply
 from lbr.messages.leases import CommandReply
+from tests.support.robot import until
+from tests.web.api_stage import StageBus
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.uxa90_bench import SHIPPED
 from tests.web.web_stage import Served, serving
 
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "PROPFIND")
-HIDDEN = ("/docs", "/docs.js", "/docs.css", "/demo.js", "/demo.css", "/ws", "/nothing")
+HIDDEN = ("/docs", "/docs.js", "/docs.css", "/demo.js", "/demo.css", "/ws", "/api/live", "/nothing")
 PAGES = {"/", "/qr", "/qr.svg", "/openapi.json", "/docs", "/docs.js", "/docs.css", "/demo", "/demo.js", "/demo.css"}
 MOVING_GETS = ("/motor?id=23&pos=100&torq=2", "/motion/4", "/motion/reset", "/MOTION/4/", "/motion/%34")
 OTHER_USER = 1234
@@ -33,7 +35,10 @@ HOSTS = [
 
 @contextmanager
 def uxa90(**options: Any) -> Iterator[Served]:
-    with serving(rows=SHIPPED, faces=("uxa90",), requests_per_s=10_000.0, **options) as found:
+    bus = StageBus()
+    with serving(rows=SHIPPED, faces=("uxa90",), requests_per_s=10_000.0, bus=bus, **options) as found:
+        found.bus = bus  # type: ignore[attr-defined]
+        until(lambda: "/api/drive/command" in found.ask("GET", "/openapi.json").json["paths"])
         accepted = CommandReply(accepted=True, lease="1", goal="1")
         read = EditReply(accepted=True, revision=1)
         found.stage.answer = lambda request, _message: read if request == "edit" else accepted
@@ -94,6 +99,7 @@ def nothing_happens(served: Served) -> Iterator[Asker]:
     """Ask, and find that nobody was asked for anything by it."""
     served.stage.asked.clear()
     served.stage.engaged.clear()
+    served.bus.asked.clear()  # type: ignore[attr-defined]
     asker = Asker(served)
     try:
         yield asker
@@ -101,6 +107,8 @@ def nothing_happens(served: Served) -> Iterator[Asker]:
         asker._connection.close()
     assert [one for one in served.stage.asked if one != ("edit", EditCommand())] == []  # an empty edit only reads
     assert served.stage.engaged == []
+    asked = served.bus.asked  # type: ignore[attr-defined]
+    assert [key for key, _, _ in asked if not key.endswith("/state")] == []  # a stream is only looked at
 
 
 def bearer(name: str) -> dict[str, str]:

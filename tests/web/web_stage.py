@@ -152,15 +152,24 @@ class Answer:
 
 @contextmanager
 def serving(
-    *faces: Face, users: tuple[Any, ...] = (), rows: Any = None, simulated: bool = True, **settings: Any
+    *faces: Face,
+    users: tuple[Any, ...] = (),
+    rows: Any = None,
+    simulated: bool = True,
+    bus: Any = None,
+    **settings: Any,
 ) -> Iterator[Served]:
-    """Serve faces with these settings until the end of a `with`; `rows` are a robot's, for faces that need them."""
+    """Serve faces with these settings until the end of a `with`; `rows` are a robot's, for faces that need them.
+
+    `bus` is what the API has of the robot's.
+    """
     stage = Stage(WebSettings(**{"port": 0, "announce": False, **settings}), users)
     stage.simulated = simulated
     if rows is not None:
         stage.given = (*users, *rows.joints, *rows.motors, *rows.buttons)
         stage.given += tuple(row for motion in rows.motions for row in motion.rows)
     web = Web(stage)  # type: ignore[arg-type]
+    web._open_bus = lambda: bus  # type: ignore[method-assign]
     for face in faces:
         web._faces.add(face)
     ended = threading.Event()

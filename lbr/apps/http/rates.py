@@ -6,11 +6,11 @@ MOST_KNOWN = 1024
 
 
 class Bucket:
-    """Lets pass this many a second, and a quarter of a second's worth at once."""
+    """Lets pass this many a second, and `at_once` a quarter of a second's worth, or as many as are given."""
 
-    def __init__(self, rate_hz: float, now: float) -> None:
+    def __init__(self, rate_hz: float, now: float, at_once: float = 0.0) -> None:
         self._rate_hz = rate_hz
-        self._most = self._left = max(rate_hz / 4, 1.0)
+        self._most = self._left = at_once or max(rate_hz / 4, 1.0)
         self._at = now
 
     def take(self, now: float) -> bool:

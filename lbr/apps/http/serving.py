@@ -27,7 +27,7 @@ LARGEST_BODY = 128 * 1024
 MOST_PIECES = 256
 """Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading and
 took 0.2 s."""
-LARGEST_MESSAGE = 4096
+LARGEST_MESSAGE = 16 * 1024
 MOST_TOLD_BYTES = 32 * 1024
 """What a viewer may send in a second, pings and all; a browser sends six bytes in ten."""
 PING_S, PONG_S = 10.0, 10.0

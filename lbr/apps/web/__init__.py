@@ -142,6 +142,7 @@ KIND = Kind(
     family="app",
     serves=True,
     pairs=True,
+    serves_people=True,
     entry="lbr.apps.web.start:Web",
     settings=WebSettings,
     inputs=PORTS.inputs,

@@ -123,7 +123,7 @@ class Gate:
         address = address_of(scope)
         everybody = route.role is None or (route.regardless and names.is_loopback(address))
         try:
-            owner = not everybody and "authorization" not in headers and await _is_owners(scope, address)
+            owner = not everybody and "authorization" not in headers and await is_owners(scope, address)
             return await self.client(scope, headers, owner=owner, signs_in=route.private or route.signs_in)
         except Refused:
             if not everybody:
@@ -161,7 +161,7 @@ def application(
         found = _options(scope, endpoints, gate) if scope["method"] == "OPTIONS" else no_route(scope)
         await found(scope, receive, send)
 
-    closest = sorted(routes, key=lambda route: not route.accept)
+    closest = sorted(routes, key=lambda route: (not route.accept, route.path.count("{")))
     endpoints = [Endpoint(route, answer) for route in closest]
     stops = [endpoint for endpoint in endpoints if endpoint.route.regardless]
     return Router(
@@ -203,7 +203,7 @@ def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Respons
     return Response(status_code=204, headers=found)
 
 
-async def _is_owners(scope: Scope, address: str) -> bool:
+async def is_owners(scope: Scope, address: str) -> bool:
     """Say whether the robot's own user asks; looked up once for a connection, beside the server's thread."""
     connection = serving.connection_of(scope)
     if connection is None or not names.is_loopback(address):

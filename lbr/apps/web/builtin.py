@@ -12,6 +12,8 @@ from starlette.responses import Response
 from lbr import qr
 from lbr.apps.web import openapi
 from lbr.apps.web.advertised_address import AdvertisedAddress
+from lbr.apps.web.api.documented import with_robot
+from lbr.apps.web.api.service import Api
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import (
     HTML,
@@ -55,12 +57,14 @@ class EstopAnswer(Struct, frozen=True, kw_only=True):
 class BuiltinRoutes:
     """The server's own routes."""
 
-    def __init__(self, robot: Robot, states: States, place: AdvertisedAddress, faces: Faces) -> None:
+    def __init__(self, robot: Robot, states: States, place: AdvertisedAddress, faces: Faces, api: Api) -> None:
+        self._api = api
         self._robot = robot
         self._states = states
         self._place = place
         self._faces = faces
-        self._document = b""
+        self._document: dict[str, Any] = {}
+        self._encoded: tuple[object, bytes] = (self, b"")
         self._begun = self._ended = 0
         self._refused: Refused | None = None
 
@@ -112,13 +116,11 @@ class BuiltinRoutes:
 
     def describe(self, routes: Sequence[Route], version: str) -> None:
         """Make the document of all routes there are."""
-        self._document = msgspec.json.encode(
-            openapi.document(
-                routes,
-                title=f"The robot {self._robot.name}",
-                description='What this robot answers over HTTP. A refusal is {"message": "the reason", "code": "its_code"}.',
-                version=version,
-            )
+        self._document = openapi.document(
+            routes,
+            title=f"The robot {self._robot.name}",
+            description='What this robot answers over HTTP. A refusal is {"message": "the reason", "code": "its_code"}.',
+            version=version,
         )
 
     def _state(self, _request: Request) -> Response:
@@ -179,7 +181,11 @@ class BuiltinRoutes:
         return json(Message(message=reply.reason or "released"))
 
     def _openapi(self, _request: Request) -> Response:
-        return encoded(self._document)
+        known = self._api.known
+        if self._encoded[0] is not known:
+            whole = with_robot(self._document, known) if known is not None else self._document
+            self._encoded = known, msgspec.json.encode(whole)
+        return encoded(self._encoded[1])
 
     def _qr_svg(self, _request: Request) -> Response:
         if not self._place.open or not self._place.url:

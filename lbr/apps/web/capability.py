@@ -11,10 +11,14 @@ from lbr import home
 from lbr.apps.http import listening, names
 from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
+from lbr.apps.http.turns import Turns
 from lbr.apps.web import PORTS, WebSettings
 from lbr.apps.web.access import Access
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
+from lbr.apps.web.api.live import Live
+from lbr.apps.web.api.robot_bus import Bus, opened
+from lbr.apps.web.api.service import Api
 from lbr.apps.web.application import Gate, application
 from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.builtin import STOPS, BuiltinRoutes
@@ -26,11 +30,11 @@ from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.states import States
-from lbr.apps.web.streams import Streams
+from lbr.apps.web.streams import MOST_OF_ONE, MOST_VIEWERS, Streams
 from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
-from lbr.errors import DeviceError, InputError
+from lbr.errors import BusError, DeviceError, InputError
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.web import AddressReply, WebState
 
@@ -59,6 +63,8 @@ class Web(Capability[WebSettings]):
         self._told = ""
         self._serving: Serving | None = None
         self._streams: Streams | None = None
+        self._live: Live | None = None
+        self._api: Api | None = None
         self._announcer: Announcer | None = None
         self._place = AdvertisedAddress(ctx.settings, ctx.settings.port, here=tuple)
         self._tell_at = self._look_at = 0.0
@@ -74,8 +80,9 @@ class Web(Capability[WebSettings]):
         self._place = AdvertisedAddress(settings, sockets[0].getsockname()[1])
         self._bridge.open()
         try:
+            self._api = Api(self._robot, self._open_bus(), version("lbr"))
             self._serving = Serving(self._application(), sockets, tls=self._place.tls, beside=self._beside(sockets[0]))
-        except InputError as err:
+        except (InputError, BusError) as err:
             for one in sockets:
                 one.close()
             raise DeviceError(str(err)) from err
@@ -90,6 +97,8 @@ class Web(Capability[WebSettings]):
         self._robot.played = tuple(one.message for one in self.ctx.take("played"))
         if self.ctx.on_tick:
             self._look(now)
+        if self._api is not None:
+            self._api.step()
         self._bridge.serve()
         self._faces.step(now)
         if (trouble := self._faces.trouble) != self._told:
@@ -124,28 +133,43 @@ class Web(Capability[WebSettings]):
     def close(self) -> None:
         """Stop serving; what was asked for until now is refused."""
         self._bridge.close(ENDS)
-        if self._streams is not None:
-            self._streams.close(ENDS)
+        for sockets in (self._streams, self._live):
+            if sockets is not None:
+                sockets.close(ENDS)
+        if self._api is not None:
+            self._api.release(ENDS)
         self._faces.stopped(ENDS)
         self._faces.close()
         if self._serving is not None:
             self._serving.stop()
             self._serving = None
             self._bridge.close(ENDS)  # for what came meanwhile
+        if self._api is not None:
+            self._api.close()
+            self._api = None
+
+    def _open_bus(self) -> Bus | None:
+        """Return a way onto the bus for the API; None where there is none."""
+        return opened(self.ctx)
 
     def _application(self) -> ASGIApp:
+        assert self._api is not None
         settings, pages, states = self.ctx.settings, Pages(self.ctx.settings.cors), States(self.ctx.robot)
         login = Login(self._sessions, f"lbr_web_{self._place.port}", tls=self._place.tls)
         access = Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy, login=login)
         gate = Gate(access, pages)
-        self._streams = Streams(self._robot, states, gate)
-        builtin = BuiltinRoutes(self._robot, states, self._place, self._faces)
+        viewers = Turns(MOST_OF_ONE, MOST_VIEWERS)
+        self._streams = Streams(self._robot, states, gate, viewers)
+        self._live = Live(self._api, gate, viewers, self._sessions)
+        builtin = BuiltinRoutes(self._robot, states, self._place, self._faces, self._api)
         routes = [*builtin.routes(), *login.routes(), *PairingRoutes(self._robot, access, login).routes()]
+        routes += self._api.routes()
         routes += self._faces.open(routes)
         builtin.describe(routes, version("lbr"))
         return application(
             routes,
             self._streams,
+            self._live,
             gate=gate,
             pages=pages,
             rates=Rates(settings.requests_per_s),

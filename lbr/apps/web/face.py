@@ -207,7 +207,7 @@ class Route:
     replies: Mapping[int, Any]
     description: str = ""
     params: type[Struct] | None = None
-    body: type[Struct] | None = None
+    body: Any = None
     body_required: bool = True
     lenient: bool = False
     bare: bool = False

@@ -113,8 +113,8 @@ def converted(query: Iterable[tuple[str, str]], kind: type[Struct]) -> Any:
         raise Refused(400, plain(err)) from None
 
 
-def decoded(body: bytes, kind: type[Struct]) -> Any:
-    """Return a JSON body as a Struct; Refused (400) says where it does not fit."""
+def decoded(body: bytes, kind: Any) -> Any:
+    """Return a JSON body as what a route takes; Refused (400) says where it does not fit."""
     try:
         return msgspec.json.decode(body, type=kind)
     except (msgspec.DecodeError, UnicodeDecodeError) as err:

@@ -37,11 +37,11 @@ class StreamParams(Struct, frozen=True, kw_only=True):
 class Streams(BaseRoute):
     """The open WebSockets. All but `close` is for the server's thread."""
 
-    def __init__(self, robot: Robot, states: States, gate: Gate) -> None:
+    def __init__(self, robot: Robot, states: States, gate: Gate, viewers: Turns) -> None:
         self._robot = robot
         self._states = states
         self._gate = gate
-        self._viewers = Turns(MOST_OF_ONE, MOST_VIEWERS)
+        self._viewers = viewers
         self._over = ""
 
     def close(self, why: str) -> None:
@@ -57,7 +57,7 @@ class Streams(BaseRoute):
         """Serve one WebSocket; raise Refused."""
         client, rate_hz = await self._entry(scope)
         socket = WebSocket(scope, receive, send)
-        with self._viewers.taken(_who(client)), suppress(WebSocketDisconnect, OSError):
+        with self._viewers.taken(who(client)), suppress(WebSocketDisconnect, OSError):
             offered = scope.get("subprotocols", ())
             await socket.accept(PROTOCOL if PROTOCOL in offered else None)
             if (connection := serving.connection_of(scope)) is not None:
@@ -68,13 +68,12 @@ class Streams(BaseRoute):
         """Return who looks and how often; raise Refused."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
-        tokens = [one for one in scope.get("subprotocols", ()) if one.startswith(TOKEN_PROTOCOL)]
-        client = await self._gate.client(scope, headers, tokens[0].removeprefix(TOKEN_PROTOCOL) if tokens else "")
+        client = await self._gate.client(scope, headers, shown_token(scope))
         refuse_without(client, "view")
         params = routing.converted(routing.parameters(scope["query_string"]), StreamParams)
         if self._over:
             raise Refused(503, self._over, {"Retry-After": "2"})
-        if full := self._viewers.why_not(_who(client)):
+        if full := self._viewers.why_not(who(client)):
             raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
         return client, params.rate_hz
 
@@ -110,7 +109,14 @@ class Streams(BaseRoute):
         return (TALKS, why) if (why := gone.result()) else (0, "")
 
 
-def _who(client: Client) -> str:
+def shown_token(scope: Scope) -> str:
+    """Return the token that a script offers as a subprotocol; empty without one."""
+    offered = scope.get("subprotocols", ())
+    return next((one.removeprefix(TOKEN_PROTOCOL) for one in offered if one.startswith(TOKEN_PROTOCOL)), "")
+
+
+def who(client: Client) -> str:
+    """Return whose viewers are counted together."""
     return f"token {client.name}" if client.name else names.who(client.address)
 
 

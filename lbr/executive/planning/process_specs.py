@@ -35,6 +35,7 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
     family: str
     moves: bool
     serves: bool = False
+    serves_people: bool = False
     restart: str
     needs: tuple[str, ...]
     config: ProcessConfig
@@ -97,6 +98,7 @@ def unit(
         family=kind.family,
         moves=kind.moves,
         serves=kind.serves,
+        serves_people=kind.serves_people and not host,
         restart=row.restart,
         needs=tuple(need for need in row.needs if need in running),
         config=config,

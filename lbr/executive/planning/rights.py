@@ -1,11 +1,13 @@
 """From the plan to the bus's access control: who may put, ask and answer what. Pure."""
 
 from collections.abc import Iterable
+from typing import get_args
 
 from lbr.bus import keys
 from lbr.bus.access import Rights
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
+from lbr.messages.system import Role
 
 
 def of_unit(plan: Plan, unit: ProcessSpec) -> dict[str, Rights]:
@@ -64,15 +66,28 @@ def _of_process(plan: Plan, unit: ProcessSpec) -> Rights:
     requests = tuple(key for asked in config.requests.values() for key in asked.values())
     relayed = _relayed(unit.lan.commands, robot) if unit.lan is not None else ()
     watched = (keys.status(robot),) if unit.lan is not None else ()
+    people = _for_people(robot) if unit.serves_people else Rights()
     acknowledgement = (keys.estop_acknowledgement(robot, name),) if unit.moves else ()
     release = (keys.estop_release(robot, name),) if unit.moves else ()
     return Rights(
         put=(*outputs, *relayed, *acknowledgement, keys.event(robot), keys.estop(robot)),
-        ask=(*requests, *inputs, *relayed),
+        ask=(*requests, *inputs, *relayed, *people.ask),
         serve=(*outputs, *commands, *release, keys.event(robot), keys.schema(robot, name, "*")),
-        hear=(*inputs, *commands, *release, *watched, keys.estop(robot)),
+        hear=(*inputs, *commands, *release, *watched, *people.hear, keys.estop(robot)),
         alive=(keys.alive(robot, name),),
         watch=(keys.alive(robot, "*"),),
+    )
+
+
+def _for_people(robot: str) -> Rights:
+    """Return what a server for people may do in their names: look at everything, ask for any command, say any line.
+
+    By wildcards, so that a capability that an edit adds needs no other rights; no wildcard passes by keys with an `@`.
+    """
+    consoles = tuple(keys.console_of_pages(robot, role) for role in get_args(Role))
+    return Rights(
+        ask=(f"{robot}/**", *consoles, keys.status(robot)),
+        hear=(f"{robot}/**", keys.status(robot), keys.event(robot)),
     )
 
 

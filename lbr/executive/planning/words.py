@@ -13,7 +13,7 @@ from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_role
 from lbr.messages.system import higher
 
 OF_EVERY_ROBOT = (
-    Word("/report/{name}", "report", "Show telemetry, settings, statistics, health, events or wiring"),
+    Word("/report/{name}", "report", "Show telemetry, settings, statistics, health, events, wiring or robot"),
     Word("/restart/{name}", "restart", "Stop a capability and start it again, by its name", role="admin"),
 )
 """What lbr itself does, and what a robot may say otherwise, unlike the words of `lbr.database.builtin`."""

@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import TypeVar, get_args
 
 from lbr.executive.planning.plan import Plan
-from lbr.executive.service import reports
 from lbr.messages.rows import Row
 from lbr.messages.system import Role
 
 R = TypeVar("R", bound=Row)
+REPORTS = ("telemetry", "settings", "statistics", "health", "events", "wiring", "robot")
 
 
 class _Known:
@@ -29,7 +29,7 @@ class _Known:
 def choices(plan: Plan, home: Path) -> dict[str, Iterable[str]]:
     """Return the known values by `capability.command` for its first field, or with `.field` at its end for that one."""
     found: dict[str, Iterable[str]] = {
-        "executive.report": reports.NAMES,
+        "executive.report": REPORTS,
         "executive.restart": tuple(plan.units),
         "executive.pair": get_args(Role),
     }

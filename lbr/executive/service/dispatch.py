@@ -64,6 +64,11 @@ class _Speaker(NamedTuple):
         proven = f"by token '{found.token}'" if found is not None and found.token else "token not told"
         return f"{self.source} on another machine ({proven})"
 
+    @property
+    def is_recorded(self) -> bool:
+        """Return whether its lines go into the audit trail: those from another machine, and of people on a web page."""
+        return bool(self.remote_stamp) or self.page
+
     def holder(self, capability: str) -> tuple[str, str, bool]:
         """Return whose motion of what it is: a name from another machine is never that of a local one."""
         return capability, self.source, bool(self.remote_stamp)
@@ -135,7 +140,7 @@ class Dispatcher:
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
         if why := _not_allowed(needed, by) or _not_from_there(parsed, by) or self._too_late(parsed, needed, by):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
-        if by.remote_stamp and RANKS[needed] > RANKS["view"]:
+        if by.is_recorded and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.told, line[:MOST_RECORDED])
         if isinstance(parsed, ExternalStop):
             return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told, by.source))

@@ -56,6 +56,7 @@ AUDITED = frozenset(
         "python",
         "external",
         "listening",
+        "command",
     ]
 )
 """The kinds of events that go into the audit trail, from any source."""

@@ -8,17 +8,19 @@ from typing import Any
 
 import msgspec
 
+from lbr import home
 from lbr.bus import codec, stamp, wire
 from lbr.bus.session import Session
 from lbr.console import wiring
 from lbr.errors import InputError, MalformedError
+from lbr.executive.service.completion_values import REPORTS, choices
+from lbr.executive.service.description import describe
 from lbr.executive.service.robot import Robot
 from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import DriveState
 from lbr.messages.joints import JointsState
 from lbr.messages.telemetry import Telemetry
 
-NAMES = ("telemetry", "settings", "statistics", "health", "events", "wiring")
 ANSWERS_WITHIN_S = 1.0
 
 LONGEST_SHOWN = 400
@@ -40,15 +42,19 @@ class Reports:
             "health": lambda: msgspec.to_builtins(self._robot.status()),
             "events": lambda: [msgspec.to_builtins(event) for event in self._robot.recent_events()],
             "wiring": self._wiring,
+            "robot": self._description,
         }
         if name not in makers:
-            raise InputError(f"there is no report '{name}': {', '.join(NAMES)}", "unknown_name")
+            raise InputError(f"there is no report '{name}': {', '.join(REPORTS)}", "unknown_name")
         data = makers[name]()
         texts: dict[str, Callable[[], str]] = {
             "health": self.health,
             "events": lambda: _events_text(data),
             "telemetry": lambda: self._telemetry_text(data),
             "wiring": lambda: "\n".join(wiring.tree(wiring.from_plain(data))),
+            "robot": lambda: "\n".join(
+                f"{one['name']} ({one['kind']}): {one['summary']}" for one in data["capabilities"]
+            ),
         }
         return data, texts[name]() if name in texts else flat(data)
 
@@ -84,6 +90,12 @@ class Reports:
 
     def _wiring(self) -> dict[str, Any]:
         return wiring.plain(wiring.graph(self._robot.plan.rows, *wiring.running(self._robot.status())))
+
+    def _description(self) -> dict[str, Any]:
+        """Return what the robot is: its capabilities with their schemas, its words, and rows that people look at."""
+        plan = self._robot.plan
+        words = self._robot.vocabulary.entries(choices(plan, home.home()))
+        return dict(msgspec.to_builtins(describe(plan, words)))
 
     def _settings(self) -> dict[str, Any]:
         units = self._robot.plan.units.values()

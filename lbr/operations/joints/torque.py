@@ -109,7 +109,7 @@ def _holder(state: State, event: Torque) -> Reason | None:
         return None
     if lease:
         return not_live(state.leases, lease)
-    return Reason("held", f"held by {live.source}; stop it first") if live is not None else None
+    return Reason("held", f"held by {live.source}; stop it first", holder=live.source) if live is not None else None
 
 
 def _rest(state: State, event: Torque, now: float) -> Reason | None:

@@ -94,9 +94,8 @@ def _not_own(owner: Lease[M] | None, ask: LeaseRequest) -> Reason | None:
 
 def _held(lease: Lease[M], ask: LeaseRequest) -> Reason:
     own = lease.source == ask.source
-    return Reason(
-        "held", f"held by {lease.source}{', as you do: quote the lease to go on' if own else '; stop it first'}"
-    )
+    text = f"held by {lease.source}{', as you do: quote the lease to go on' if own else '; stop it first'}"
+    return Reason("held", text, holder=lease.source)
 
 
 def _waited(leases: LeaseTable[M], ask: LeaseRequest) -> Reason | None:

@@ -29,12 +29,14 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('bioloid', 'world', 'humanoid_world', '{"model": "bioloid"}', '[]',
      'The simulated body and floor; runs only under a simulating launch profile');
 
+INSERT INTO capability (robot, name, kind, settings, help) VALUES
+    ('bioloid', 'web', 'web', '{"port": 50002}',
+     'The robot over HTTP: its API, stop and emergency stop; on this machine only, unless the settings say otherwise');
+
 -- Off: nothing on the robot can be reached from other machines, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
-     'The door to other machines: whoever has a token comes in'),
-    ('bioloid', 'web', 'web', 0, '{}',
-     'The robot over HTTP: its state, stop and emergency stop; on this machine only, unless the settings say otherwise');
+     'The door to other machines: whoever has a token comes in');
 
 INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'joints.setpoint', 'servos.setpoint', 1),

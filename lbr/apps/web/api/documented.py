@@ -1,0 +1,135 @@
+"""The OpenAPI paths of a robot's streams and commands, by the schemas that the robot itself tells. Pure."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import msgspec
+
+from lbr.apps.web import openapi
+from lbr.apps.web.api.catalog import Catalog
+from lbr.apps.web.face import JSON, Message
+from lbr.messages.description import CapabilityDescription, CommandDescription, Schema
+from lbr.messages.leases import CommandReply
+
+_DEFS, _COMPONENTS = "#/$defs/", "#/components/schemas/"
+UNKNOWN = 404
+
+
+def with_robot(document: Mapping[str, Any], catalog: Catalog) -> dict[str, Any]:
+    """Return a server's document with a path for each stream and each command of its robot."""
+    components = Components(document["components"]["schemas"])
+    reply = components.add(msgspec.json.schema(CommandReply))
+    message = components.add(msgspec.json.schema(Message))
+    refusal = {JSON: {"schema": message}}
+    paths = dict(document["paths"])
+    for one in catalog.told.capabilities:
+        for path, operations in _paths(one, catalog, components, reply, refusal):
+            paths[path] = {**paths.get(path, {}), **operations}
+    return {**document, "paths": paths, "components": {**document["components"], "schemas": components.schemas}}
+
+
+class Components:
+    """The schemas of a document by name; of two that differ and have one name, the second gets another."""
+
+    def __init__(self, schemas: Mapping[str, Schema]) -> None:
+        self.schemas: dict[str, Schema] = dict(schemas)
+
+    def add(self, schema: Schema) -> Schema:
+        """Return a schema whose definitions are components of the document now."""
+        names: dict[str, str] = {}
+        definitions = {name: one for name, one in schema.get("$defs", {}).items() if isinstance(one, dict)}
+        for name, one in definitions.items():
+            names[name] = self._free(name, _moved(one, {}))
+        for name, one in definitions.items():
+            self.schemas[names[name]] = _moved(one, names)
+        return dict(_moved({key: value for key, value in schema.items() if key != "$defs"}, names))
+
+    def _free(self, name: str, schema: Schema) -> str:
+        found, number = name, 1
+        while found in self.schemas and self.schemas[found] != schema:
+            number += 1
+            found = f"{name}_{number}"
+        return found
+
+
+def _moved(schema: Any, names: Mapping[str, str]) -> Any:
+    """Return a schema that refers to the components of a document."""
+    if isinstance(schema, dict):
+        return {
+            key: _reference(value, names) if key == "$ref" else _moved(value, names) for key, value in schema.items()
+        }
+    return [_moved(one, names) for one in schema] if isinstance(schema, list) else schema
+
+
+def _reference(to: Any, names: Mapping[str, str]) -> Any:
+    if not isinstance(to, str) or not to.startswith(_DEFS):
+        return to
+    name = to.removeprefix(_DEFS)
+    return f"{_COMPONENTS}{names.get(name, name)}"
+
+
+def _paths(
+    one: CapabilityDescription, catalog: Catalog, components: Components, reply: Schema, refusal: Mapping[str, Any]
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    for name, schema in one.outputs.items():
+        if f"{one.name}/{name}" in catalog.streams:
+            yield f"/api/{one.name}/{name}", {"get": _stream(one, name, components.add(schema), refusal)}
+    for name, command in one.commands.items():
+        body = components.add(command.schema)
+        yield f"/api/{one.name}/{name}", {"post": _command(one, name, command, body, reply, refusal)}
+
+
+def _stream(one: CapabilityDescription, name: str, message: Schema, refusal: Mapping[str, Any]) -> dict[str, Any]:
+    newest = {
+        "type": "object",
+        "properties": {"age_s": {"type": "number", "minimum": 0}, "message": message},
+        "required": ["age_s", "message"],
+    }
+    return {
+        "operationId": f"get_api_{one.name}_{name}",
+        "summary": f"The newest of {one.name}/{name}",
+        "description": one.summary,
+        "tags": [one.name],
+        "x-role": "view",
+        "security": [{}, {"token": []}],
+        "responses": {
+            "200": {"description": "The message, and how old it is", "content": {JSON: {"schema": newest}}},
+            **_refusals({**openapi.ALWAYS, **openapi.WITH_ROLE}, refusal),
+        },
+    }
+
+
+def _command(
+    one: CapabilityDescription,
+    name: str,
+    command: CommandDescription,
+    body: Schema,
+    reply: Schema,
+    refusal: Mapping[str, Any],
+) -> dict[str, Any]:
+    held = (
+        " It is held by a lease: repeat it with the lease of the answer, ten times a second." if command.leased else ""
+    )
+    statuses = {**openapi.ALWAYS, **openapi.WITH_ROLE, **openapi.WITH_BODY, 409: "The robot refuses it now."}
+    return {
+        "operationId": f"post_api_{one.name}_{name}",
+        "summary": f"Ask {one.name} for {name}",
+        "description": f"{one.summary}.{held}",
+        "tags": [one.name],
+        "x-role": command.role,
+        "security": [{}, {"token": []}],
+        "requestBody": {"required": False, "content": {JSON: {"schema": body}}},
+        "responses": {
+            "200": {"description": "What became of it", "content": {JSON: {"schema": _answer(command, reply)}}},
+            **_refusals(statuses, refusal),
+        },
+    }
+
+
+def _answer(command: CommandDescription, reply: Schema) -> Schema:
+    """Return the schema of an answer: of what is held a reply; others may answer more, which their kinds alone know."""
+    return reply if command.leased else {"type": "object"}
+
+
+def _refusals(statuses: Mapping[int, str], refusal: Mapping[str, Any]) -> dict[str, Any]:
+    return {str(status): {"description": why, "content": refusal} for status, why in sorted(statuses.items())}

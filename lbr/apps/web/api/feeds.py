@@ -1,0 +1,150 @@
+"""The newest of each stream, heard once however many look at it; on the server's thread alone.
+
+Messages wait within the bus library until a viewer is due, and pass on as the bytes that they are.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from itertools import islice
+
+import msgspec
+
+from lbr.apps.web.api.catalog import EVENT
+from lbr.apps.web.api.robot_bus import Bus, Feed, Question
+from lbr.bus import stamp
+from lbr.bus.wire import RawMessage
+from lbr.errors import BusError
+
+KEPT_S = 5.0
+"""A stream that no viewer wants any more is heard a little longer: a page that is loaded again finds it there."""
+LOOK_S = 0.004
+FIRST_S = 1.0
+MOST_EVENTS = 128
+LARGEST_SHOWN = 256 * 1024
+_whole = msgspec.json.Decoder(msgspec.Raw)
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A message as the JSON that it came as; `number` counts them."""
+
+    text: bytes
+    sent_s: float
+    number: int
+
+
+@dataclass(slots=True)
+class _Heard:
+    feed: Feed
+    first: Question | None
+    unwanted_s: float | None = None
+    looked_s: float = 0.0
+    newest: Sample | None = None
+    recent: deque[Sample] = field(default_factory=deque)
+    count: int = 0
+
+
+class Feeds:
+    """The streams that viewers want; `key` makes of a name below the robot's its key on the bus."""
+
+    def __init__(
+        self, bus: Bus, key: Callable[[str], str], source: str, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._bus = bus
+        self._key = key
+        self._source = source
+        self._clock = clock
+        self._heard: dict[str, _Heard] = {}
+        self._wanted: dict[object, frozenset[str]] = {}
+
+    def want(self, viewer: object, names: Iterable[str]) -> None:
+        """Have a viewer's streams heard, in the place of those that it wanted before."""
+        self._wanted[viewer] = frozenset(names)
+        self.tidy()
+
+    def leave(self, viewer: object) -> None:
+        """Forget a viewer."""
+        self._wanted.pop(viewer, None)
+        self.tidy()
+
+    def newest(self, name: str) -> Sample | None:
+        """Return the newest message of a stream that is wanted, or None before the first."""
+        heard = self._heard.get(name)
+        if heard is None:
+            return None
+        self._look(heard)
+        return heard.newest
+
+    def events(self, after: int) -> tuple[Sample, ...]:
+        """Return the newest events of a number above `after`, oldest first."""
+        heard = self._heard.get(EVENT)
+        if heard is None:
+            return ()
+        self._look(heard)
+        new = heard.count - after
+        return tuple(islice(heard.recent, max(0, len(heard.recent) - new), None)) if new > 0 else ()
+
+    @property
+    def last_event(self) -> int:
+        """Return the number of the newest event."""
+        heard = self._heard.get(EVENT)
+        return heard.count if heard is not None else 0
+
+    def close(self) -> None:
+        """Hear nothing any more."""
+        self._wanted.clear()
+        for heard in self._heard.values():
+            heard.feed.close()
+        self._heard.clear()
+
+    def tidy(self) -> None:
+        """Hear what is wanted, and cease with what was not wanted for a while."""
+        now, wanted = self._clock(), frozenset().union(*self._wanted.values())
+        for name in wanted - self._heard.keys():
+            self._heard[name] = self._begun(name)
+        for name, heard in list(self._heard.items()):
+            if name in wanted:
+                heard.unwanted_s = None
+            elif heard.unwanted_s is None:
+                heard.unwanted_s = now
+            elif now - heard.unwanted_s > KEPT_S:
+                heard.feed.close()
+                del self._heard[name]
+
+    def _begun(self, name: str) -> _Heard:
+        feed = self._bus.hear(self._key(name), depth=MOST_EVENTS if name == EVENT else 1)
+        first = None
+        with suppress(BusError):  # then it is heard when it is said next
+            first = (
+                self._bus.ask(self._key(name), b"", source=self._source, timeout_s=FIRST_S) if name != EVENT else None
+            )
+        return _Heard(feed, first, recent=deque(maxlen=MOST_EVENTS if name == EVENT else 1))
+
+    def _look(self, heard: _Heard) -> None:
+        now = self._clock()
+        if now - heard.looked_s < LOOK_S:
+            return
+        heard.looked_s = now
+        came = heard.feed.take()
+        if heard.first is not None and (heard.first.replies or heard.first.done):
+            came = [*heard.first.replies[:1], *came] if heard.newest is None else came
+            heard.first = None
+        for raw in came:
+            if (sample := sample_of(raw, heard.count + 1)) is not None:
+                heard.count, heard.newest = sample.number, sample
+                heard.recent.append(sample)
+
+
+def sample_of(raw: RawMessage, number: int = 0) -> Sample | None:
+    """Return a message that is JSON, and not so large that it would fill a viewer's line; None for any other."""
+    if len(raw.payload) > LARGEST_SHOWN:
+        return None
+    try:
+        _whole.decode(raw.payload)
+        raw.payload.decode()
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        return None
+    return Sample(raw.payload, stamp.sent_s(stamp.read(raw.attachment), raw.arrived), number)

@@ -1,0 +1,254 @@
+"""Motion that pages hold: one lease for a socket, renewed in the capability's loop while its page says so, and no longer.
+
+    socket (server's thread)               loop
+      hold, keep ──► Hand.said ──────────►  Holds.step: begin · keep · release      LeaseClient ══ bus
+      the page is silent, gone, rests ──►   release within a round
+      Hand.news ◄───────────────────────    holds, refused, ended: why, and who has it
+
+A page is believed for `SILENT_S` after each message. It is not believed at all when it quotes a time of the server's that
+is too old: a network delivers what it has held back when it heals, and the hand may be off the stick since.
+"""
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from math import nan
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.apps.web.api.page_message import Wanted
+from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
+from lbr.errors import BusError
+from lbr.messages.codes import Reason
+
+SILENT_S = 0.25
+"""Wheels are to stand within 0.4 s of a page's last word: this, a round, and the way to the motors."""
+OLDEST_S = 0.5
+"""A page answers a frame at once; on a bad line of a phone that takes a third of a second."""
+AGAIN_S = 0.1
+"""A stick that is pushed against a refusal asks ten times a second at most."""
+ENDED_BY_OTHERS: frozenset[str] = frozenset(
+    [
+        "stopped",
+        "stopped_since",
+        "taken_over",
+        "estop",
+        "lapsed",
+        "holder_gone",
+        "dead_lease",
+        "rest_first",
+        "shutting_down",
+        "unreachable",
+        "failed",
+    ]
+)
+"""After these a stick that is still pushed moves nothing: its page has to rest first."""
+REST = "release it first, and begin again"
+RELEASED = "the page released it"
+GONE = "the page is gone"
+SILENT = f"the page said nothing for {SILENT_S:g} s"
+
+
+class HoldNews(Struct, frozen=True, kw_only=True):
+    """How it stands with the motion that a page holds: whether it does, why not, and who does."""
+
+    n: int
+    holds: bool
+    code: str = ""
+    reason: str = ""
+    holder: str = ""
+
+
+class Said(Struct, frozen=True, kw_only=True):
+    """The last word of a page: what it wants, and when it said so; `rests` counts how often it released."""
+
+    wanted: Wanted | None = None
+    at: float = nan
+    rests: int = 0
+    gone: bool = False
+
+
+class Hand:
+    """A page's hand on the robot: `said` is written by its socket, all else by the loop.
+
+    `may` says why what is wanted is not for this page; `tell` is called for news.
+    """
+
+    def __init__(self, source: str, may: Callable[[Wanted], Reason | None], tell: Callable[[HoldNews], None]) -> None:
+        self.source = source
+        self.may = may
+        self.tell = tell
+        self.said = Said()
+        self.lease: LeaseClient | None = None
+        self.wanted: Wanted | None = None
+        self.news = HoldNews(n=0, holds=False)
+        self.over_n: int | None = None
+        self.ended: Reason | None = None
+        self.rests = 0
+        self.refused_s = nan
+
+    def hold(self, wanted: Wanted, at: float) -> None:
+        """Want motion."""
+        self.said = replace(self.said, wanted=wanted, at=at)
+
+    def keep(self, n: int, at: float) -> None:
+        """Go on wanting what has that number."""
+        if self.said.wanted is not None and self.said.wanted.n == n:
+            self.said = replace(self.said, at=at)
+
+    def release(self, *, gone: bool = False) -> None:
+        """Want no motion; `gone`: never again."""
+        self.said = Said(rests=self.said.rests + 1, gone=gone or self.said.gone)
+
+
+class Holds:
+    """Every hand there is; all but `add` is for the loop.
+
+    `transport` is by what motion is borrowed in a source's name; `keys` are those of a held command (`motion`) and of the
+    stop of its capability (`halt`, if it has one).
+    """
+
+    def __init__(
+        self,
+        transport: Callable[[str, Mapping[str, str]], Transport],
+        keys: Callable[[Wanted], Mapping[str, str]],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._transport = transport
+        self._keys = keys
+        self._clock = clock
+        self._hands: set[Hand] = set()
+        self._leaving: list[tuple[LeaseClient, str, bool]] = []
+
+    def add(self, hand: Hand) -> None:
+        """Look after a hand, until it is gone."""
+        self._hands.add(hand)
+
+    def step(self) -> None:
+        """Do one round of work for each hand."""
+        for hand in tuple(self._hands):
+            self._step(hand, self._clock())
+            if hand.said.gone and hand.lease is None:
+                self._hands.discard(hand)
+        for one in tuple(self._leaving):
+            if self._left(*one):
+                self._leaving.remove(one)
+
+    def close(self, why: str) -> None:
+        """Release everything: the server ends."""
+        for hand in tuple(self._hands):
+            self._release(hand, Reason("shutting_down", why), lost=True)
+        self._hands.clear()
+
+    def _step(self, hand: Hand, now: float) -> None:
+        said = hand.said
+        fresh = now - said.at <= SILENT_S  # NaN is not
+        rested = said.rests != hand.rests
+        hand.rests = said.rests
+        if rested:
+            hand.over_n, hand.refused_s = None, nan
+        if rested or not fresh:
+            hand.ended = None
+        wanted = said.wanted if fresh else None
+        self._follow(hand)
+        if hand.lease is not None and (rested or wanted is None or hand.wanted is None or wanted.to != hand.wanted.to):
+            self._release(
+                hand, _why(said, rested=rested, wanted=wanted), lost=said.gone or (wanted is None and not rested)
+            )
+        if wanted is None or wanted.n == hand.over_n:
+            return
+        if hand.lease is None:
+            self._begin(hand, wanted, now)
+        else:
+            self._keep(hand, hand.lease, wanted)
+
+    def _follow(self, hand: Hand) -> None:
+        """Read what the robot answered, and note the end of a lease."""
+        if (lease := hand.lease) is None:
+            return
+        with self._bus_of(hand):
+            lease.step()
+        if lease.ended is not None and hand.lease is not None:
+            hand.lease = None
+            self._refuse(hand, lease.ended)
+
+    def _begin(self, hand: Hand, wanted: Wanted, now: float) -> None:
+        if now - hand.refused_s < AGAIN_S:
+            return
+        hand.wanted = wanted
+        if hand.ended is not None:
+            ended = hand.ended
+            self._refuse(hand, Reason("rest_first", f"{ended.text}: {REST}"))
+            hand.ended = ended
+        elif why := hand.may(wanted):
+            self._refuse(hand, why)
+        else:
+            keys = self._keys(wanted)
+            target = LeaseTarget("motion", halt="halt" if "halt" in keys else "")
+            with self._bus_of(hand):
+                hand.lease = LeaseClient(self._transport(hand.source, keys), target, wanted.message)
+
+    def _keep(self, hand: Hand, lease: LeaseClient, wanted: Wanted) -> None:
+        hand.wanted = wanted
+        with self._bus_of(hand):
+            lease.keep(wanted.message)
+        if hand.lease is not None and lease.holds:
+            self._tell(hand, HoldNews(n=wanted.n, holds=True))
+
+    def _release(self, hand: Hand, why: Reason, *, lost: bool) -> None:
+        """Give up a lease; one that was not granted yet is not ours to halt, and is given up once it is."""
+        lease, hand.lease = hand.lease, None
+        if lease is None:
+            return
+        if hand.wanted is not None and why.code != "cancelled":
+            hand.over_n = hand.wanted.n
+        if lease.accepted is None:
+            self._leaving.append((lease, why.text, lost))
+        else:
+            with self._bus_of(hand):
+                lease.release(why.text, lost=lost)
+        own = why.code == "cancelled"  # a page knows what it released itself
+        self._tell(
+            hand, HoldNews(n=_number(hand), holds=False, code="" if own else why.code, reason="" if own else why.text)
+        )
+
+    def _left(self, lease: LeaseClient, why: str, lost: bool) -> bool:
+        """Say whether a lease that is not wanted any more is none, or has been given up."""
+        try:
+            lease.step()
+            if lease.ended is None and lease.accepted is not None:
+                lease.release(why, lost=lost)
+        except BusError:
+            return True
+        return lease.ended is not None
+
+    def _refuse(self, hand: Hand, why: Reason) -> None:
+        hand.over_n, hand.refused_s = _number(hand), self._clock()
+        hand.ended = why if why.code in ENDED_BY_OTHERS else None
+        self._tell(hand, HoldNews(n=_number(hand), holds=False, code=why.code, reason=why.text, holder=why.holder))
+
+    @contextmanager
+    def _bus_of(self, hand: Hand) -> Iterator[None]:
+        """Where the bus is gone, so is the lease."""
+        try:
+            yield
+        except BusError as err:
+            hand.lease = None
+            self._refuse(hand, Reason("unreachable", str(err)))
+
+    def _tell(self, hand: Hand, news: HoldNews) -> None:
+        before, hand.news = hand.news, news
+        if news != before and not (news.holds and before.holds):
+            hand.tell(news)
+
+
+def _number(hand: Hand) -> int:
+    return hand.wanted.n if hand.wanted is not None else 0
+
+
+def _why(said: Said, *, rested: bool, wanted: Wanted | None) -> Reason:
+    """Return why a lease is given up; it lapses where the page did not say so."""
+    if said.gone:
+        return Reason("holder_gone", GONE)
+    return Reason("lapsed", SILENT) if wanted is None and not rested else Reason("cancelled", RELEASED)

@@ -1,0 +1,281 @@
+"""`/api/live`: the newest of the streams that a page wants, events, and the motion that it holds; on the server's thread.
+
+What a page says is read by a task of its own, so that one that reads slowly can still let go.
+"""
+
+import asyncio
+from collections import deque
+from contextlib import suppress
+from typing import Protocol
+
+import msgspec
+from msgspec import UNSET
+from starlette.routing import BaseRoute, Match
+from starlette.types import Message, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from lbr.apps.http import serving
+from lbr.apps.http.rates import Bucket
+from lbr.apps.http.turns import Turns
+from lbr.apps.web import routing
+from lbr.apps.web.api.catalog import EVENT
+from lbr.apps.web.api.feeds import KEPT_S, Feeds
+from lbr.apps.web.api.holds import OLDEST_S, Hand, HoldNews
+from lbr.apps.web.api.page_message import USUAL_HZ, PageMessage, Rubbish, Wanted, parse
+from lbr.apps.web.api.requests import source_of
+from lbr.apps.web.api.service import NO_BUS, Api
+from lbr.apps.web.application import Gate, is_owners
+from lbr.apps.web.face import Client, Refused, refuse_without
+from lbr.apps.web.guards import address_of, headers_of
+from lbr.apps.web.routing import Path
+from lbr.apps.web.streams import GOING_AWAY, STALLED, STALLED_S, TALKS, shown_token, who
+
+PATH = Path("/api/live")
+PROTOCOL = "lbr.live"
+SAID_HZ, SAID_AT_ONCE = 100.0, 200.0
+"""A page says 25 things a second; a mouse may have it say 60, and a network deliver some seconds at once."""
+MOST_NEWS = 16
+PULSE_S = 0.2
+"""A page that holds motion gets a frame this often at least, for the time that it quotes."""
+LOOK_S = 1.0
+_encode = msgspec.json.Encoder().encode
+
+
+class Sessions(Protocol):
+    """Who knows which sessions of browsers go on."""
+
+    def knows(self, mark: str) -> bool:
+        """Say whether a session goes on."""
+
+
+class Live(BaseRoute):
+    """The open sockets. All but `close` is for the server's thread."""
+
+    def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions) -> None:
+        self._api = api
+        self._gate = gate
+        self._viewers = viewers
+        self._sessions = sessions
+        self._over = ""
+
+    def close(self, why: str) -> None:
+        """End all of them, and begin none; takes effect at each one's next frame."""
+        self._over = why
+
+    def matches(self, scope: Scope) -> tuple[Match, Scope]:
+        """Say whether a WebSocket is asked for here."""
+        fits = scope["type"] == "websocket" and PATH.fits(routing.asked_path(scope))
+        return (Match.FULL if fits else Match.NONE), {}
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one WebSocket; raise Refused."""
+        client = await self._entry(scope)
+        feeds = self._api.feeds
+        if feeds is None:
+            raise Refused(503, NO_BUS, code="not_possible")
+        socket = WebSocket(scope, receive, send)
+        with self._viewers.taken(who(client)), suppress(WebSocketDisconnect, OSError):
+            await socket.accept(PROTOCOL if PROTOCOL in scope.get("subprotocols", ()) else None)
+            if (connection := serving.connection_of(scope)) is not None:
+                connection.mark("watching")
+            viewer = _Viewer(self._api, feeds, client)
+            try:
+                await self._serve(viewer, socket, receive)
+            finally:
+                viewer.leave()
+
+    async def _entry(self, scope: Scope) -> Client:
+        """Return who comes; raise Refused."""
+        headers = headers_of(scope)
+        self._gate.refuse_strangers(scope, headers)
+        shown = shown_token(scope)
+        owner = not shown and "authorization" not in headers and await is_owners(scope, address_of(scope))
+        client = await self._gate.client(scope, headers, shown, owner=owner)
+        refuse_without(client, "view")
+        if self._over:
+            raise Refused(503, self._over, {"Retry-After": "2"})
+        if full := self._viewers.why_not(who(client)):
+            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
+        return client
+
+    async def _serve(self, viewer: "_Viewer", socket: WebSocket, receive: Receive) -> None:
+        hearing = asyncio.create_task(viewer.hear_out(receive))
+        try:
+            code, why = await self._send_frames(viewer, socket, hearing)
+        finally:
+            viewer.let_go()
+            hearing.cancel()
+            with suppress(asyncio.CancelledError):
+                await hearing
+        if code:
+            async with asyncio.timeout(STALLED_S):
+                await socket.close(code, why[:120])
+
+    async def _send_frames(self, viewer: "_Viewer", socket: WebSocket, hearing: "asyncio.Task[str]") -> tuple[int, str]:
+        loop = asyncio.get_running_loop()
+        hearing.add_done_callback(lambda _done: viewer.wake())
+        due = look = loop.time()
+        while not hearing.done():
+            if self._over:
+                return GOING_AWAY, self._over
+            if loop.time() >= look:
+                look = loop.time() + LOOK_S
+                if viewer.client.session and not self._sessions.knows(viewer.client.session):
+                    return TALKS, "signed out"
+            if frame := viewer.frame():
+                try:
+                    async with asyncio.timeout(STALLED_S):
+                        await socket.send_text(frame)
+                except TimeoutError:
+                    return STALLED, f"nothing was read for {STALLED_S:g} s"
+            due = max(loop.time(), due + viewer.period_s)
+            await viewer.rest(due - loop.time())
+        return (TALKS, why) if (why := hearing.result()) else (0, "")
+
+
+class _Viewer:
+    """One socket: what it wants to hear, what it was sent, and its hand."""
+
+    def __init__(self, api: Api, feeds: Feeds, client: Client) -> None:
+        self.client = client
+        self.period_s = 1.0 / USUAL_HZ
+        self._api = api
+        self._feeds = feeds
+        self._loop = asyncio.get_running_loop()
+        self._asked: tuple[str, ...] = ()
+        self._wanted: tuple[str, ...] = ()
+        self._known: object = None
+        self._sent: dict[str, int] = {}
+        self._event = 0
+        self._news: deque[bytes] = deque(maxlen=MOST_NEWS)
+        self._woken = asyncio.Event()
+        self._frame_s = 0.0
+        self._hand = Hand(source_of(client), api.may(client), self._tell_from_loop)
+        self._has_hand = False
+        self._often = Bucket(SAID_HZ, self._loop.time(), SAID_AT_ONCE)
+
+    async def hear_out(self, receive: Receive) -> str:
+        """Do what the page says until it has gone; return why it is to go, if it is."""
+        while True:
+            message: Message = await receive()
+            if message["type"] == "websocket.disconnect":
+                return ""
+            said = message.get("bytes") or (message.get("text") or "").encode("utf-8", "surrogatepass")
+            if not self._often.take(self._loop.time()):
+                return "too much is said here"
+            self._do(said)
+
+    def frame(self) -> str:
+        """Return what there is to say; empty if nothing is new, and none is due."""
+        now = self._api.now()
+        if self._known is not self._api.known:
+            self._want()
+        parts = [part for part in (self._streams(now), self._events()) if part]
+        if self._news:
+            parts.append(self._news.popleft())
+        pulse_s = PULSE_S if self._hand.said.wanted is not None else LOOK_S
+        if not parts and now - self._frame_s < pulse_s:
+            return ""
+        self._frame_s = now
+        return b"".join((b'{"t":%d' % int(now * 1000), *(b"," + part for part in parts), b"}")).decode()
+
+    async def rest(self, seconds: float) -> None:
+        """Wait that long, or until there is news."""
+        if not self._news:
+            with suppress(TimeoutError):
+                async with asyncio.timeout(max(seconds, 0.001)):
+                    await self._woken.wait()
+        self._woken.clear()
+
+    def wake(self) -> None:
+        """Let it rest no longer."""
+        self._woken.set()
+
+    def let_go(self) -> None:
+        """Take the hand off for good."""
+        self._hand.release(gone=True)
+        if self._has_hand:
+            self._api.wake()
+
+    def leave(self) -> None:
+        """Want nothing any more."""
+        self._feeds.leave(self)
+        self._loop.call_later(KEPT_S + 0.1, self._feeds.tidy)
+
+    def _do(self, said: bytes) -> None:
+        try:
+            message = parse(said)
+        except Rubbish as err:
+            self._hand.release()  # what cannot be read may have been that
+            self._api.wake()
+            self._tell(b'"error":' + _encode({"code": "malformed", "reason": str(err)}))
+            return
+        if message.rate_hz is not UNSET:
+            self.period_s = 1.0 / message.rate_hz
+        if message.hear is not UNSET:
+            self._asked = message.hear
+            self._want()
+        self._move(message)
+
+    def _move(self, message: PageMessage) -> None:
+        now = self._api.now()
+        late = message.t is not UNSET and not 0.0 <= now - message.t / 1000 <= OLDEST_S
+        if message.release is True:
+            self._hand.release()
+        elif message.hold is not UNSET and late:
+            self._hand.release()
+            text = f"this came more than {OLDEST_S:g} s after it was said, or quotes no time of this server's"
+            self._tell(_hold(HoldNews(n=message.hold.n, holds=False, code="late", reason=text)))
+        elif message.hold is not UNSET:
+            self._hold(message.hold, now)
+        elif message.keep is not UNSET and not late:
+            self._hand.keep(message.keep, now)
+            return
+        else:
+            return
+        self._api.wake()
+
+    def _hold(self, wanted: Wanted, now: float) -> None:
+        self._hand.hold(wanted, now)
+        if not self._has_hand:
+            self._has_hand = True
+            self._api.holds.add(self._hand)
+
+    def _want(self) -> None:
+        """Hear what was asked for, as far as it is there."""
+        known = self._known = self._api.known
+        self._wanted = known.heard(self._asked) if known is not None else ()
+        if EVENT in self._wanted and EVENT not in self._sent:
+            self._sent[EVENT] = self._event = self._feeds.last_event
+        self._feeds.want(self, self._wanted)
+
+    def _streams(self, now: float) -> bytes:
+        """Return the streams that have said something since they were sent last, the newest of each only."""
+        found: list[bytes] = []
+        for name in self._wanted:
+            sample = self._feeds.newest(name) if name != EVENT else None
+            if sample is not None and sample.number != self._sent.get(name):
+                self._sent[name] = sample.number
+                age_ms = max(0, int((now - sample.sent_s) * 1000))
+                found.append(b'"%s":{"age_ms":%d,"message":%s}' % (name.encode(), age_ms, sample.text))
+        return b'"streams":{%s}' % b",".join(found) if found else b""
+
+    def _events(self) -> bytes:
+        new = self._feeds.events(self._event) if EVENT in self._wanted else ()
+        if not new:
+            return b""
+        self._event = new[-1].number
+        return b'"events":[%s]' % b",".join(one.text for one in new)
+
+    def _tell(self, news: bytes) -> None:
+        self._news.append(news)
+        self._woken.set()
+
+    def _tell_from_loop(self, news: HoldNews) -> None:
+        """Have news told; from the capability's loop."""
+        with suppress(RuntimeError):  # the server has ended, and with it the page
+            self._loop.call_soon_threadsafe(self._tell, _hold(news))
+
+
+def _hold(news: HoldNews) -> bytes:
+    return b'"hold":' + _encode(news)

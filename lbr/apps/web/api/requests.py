@@ -1,0 +1,211 @@
+"""The API's routes: what the robot is, one stream, one command, one console line. Each is asked once and answered once."""
+
+from typing import Annotated, Any, Protocol
+
+from msgspec import Meta, Struct
+from starlette.responses import Response
+
+from lbr.apps.web.api.catalog import WATCHED, Catalog
+from lbr.apps.web.api.feeds import sample_of
+from lbr.apps.web.api.robot_bus import Question
+from lbr.apps.web.bridge import until
+from lbr.apps.web.face import Client, Refused, Request, Route, encoded, json
+from lbr.bus import codec
+from lbr.bus.wire import RawMessage, encode
+from lbr.errors import MalformedError
+from lbr.messages.codes import MEANINGS
+from lbr.messages.leases import CommandReply
+from lbr.messages.system import RANKS, CapabilityStatus, Role
+
+COMMAND_S = 5.0
+STREAM_S = 1.0
+LINE_S = 30.0
+LONGEST_LINE = 4096
+TOLD = 400
+OF_PEOPLE = "web:"
+"""How the robot knows a sender for whom this server asks: a token's name, or an address, follows."""
+
+
+class ConsoleBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A line, as it would be typed at the console."""
+
+    line: Annotated[str, Meta(max_length=LONGEST_LINE)]
+
+
+class Described(Struct, frozen=True, kw_only=True):
+    """What the robot is, and what the asker may. Motions are without their key frames."""
+
+    robot: str
+    simulated: bool
+    version: str
+    revision: int
+    role: Role | None
+    capabilities: list[dict[str, Any]]
+    words: list[dict[str, Any]]
+    joints: list[dict[str, Any]]
+    motions: list[dict[str, Any]]
+    cameras: list[dict[str, Any]]
+    wheels: list[dict[str, Any]]
+    ranges: list[dict[str, Any]]
+    buttons: list[dict[str, Any]]
+    phrases: list[dict[str, Any]]
+
+
+class Newest(Struct, frozen=True, kw_only=True):
+    """The newest message of a stream, and how old it is."""
+
+    age_s: float
+    message: dict[str, Any]
+
+
+class ConsoleAnswer(Struct, frozen=True, kw_only=True):
+    """What became of a line: `code` 0 done, 1 refused or failed, 2 bad input; `reason_code` and `cause` say why.
+
+    `hold` is the lease of motion that a line began, to be renewed by its command; without that it is over in 0.3 s.
+    `confirm` is the line that does it after all.
+    """
+
+    code: int
+    text: str
+    reason_code: str = ""
+    cause: str = ""
+    hold: dict[str, Any] | None = None
+    data: Any = None
+    confirm: str = ""
+
+
+class Asks(Protocol):
+    """What the routes need: in the capability's loop."""
+
+    @property
+    def phases(self) -> tuple[CapabilityStatus, ...]:
+        """Return how each capability is."""
+
+    def catalog(self) -> Catalog:
+        """Return what there is; Refused (503) while that is not known."""
+
+    def document(self, role: Role | None) -> dict[str, Any]:
+        """Return what `GET /api` answers to one who has a role."""
+
+    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float) -> Question:
+        """Ask on a key below the robot's name; Refused (503) without a bus."""
+
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float) -> Question:
+        """Say a console line with the rights of a role."""
+
+    def now(self) -> float:
+        """Monotonic seconds."""
+
+    def tell(self, kind: str, text: str) -> None:
+        """Have an event published."""
+
+
+class Requests:
+    """The routes; they run in the capability's loop, where they are resumed once a round."""
+
+    def __init__(self, robot: Asks) -> None:
+        self._robot = robot
+
+    def routes(self) -> list[Route]:
+        """Return what is answered."""
+        unknown = {404: "There is nothing of this name on this robot."}
+        return [
+            Route(
+                method="GET", path="/api", handle=self._describe, summary="What the robot is, and what you may",
+                replies={200: Described},
+            ),
+            Route(
+                method="POST", path="/api/console", handle=self._console, summary="Say a console line",
+                description="With the rights of who asks. 200 whatever became of it: `code` says that.",
+                replies={200: ConsoleAnswer}, body=ConsoleBody, within_s=LINE_S + 1.0,
+            ),
+            Route(
+                method="GET", path="/api/{capability}/{name}", handle=self._newest, hidden=True,
+                summary="The newest message of a stream", replies={200: Newest}, refuses=unknown,
+            ),
+            Route(
+                method="POST", path="/api/{capability}/{name}", handle=self._command, hidden=True,
+                summary="Ask for a command", replies={200: CommandReply}, body=dict[str, Any], body_required=False,
+                refuses={**unknown, 409: "The robot refuses it now."}, within_s=COMMAND_S + 1.0,
+            ),
+        ]  # fmt: skip
+
+    async def _describe(self, request: Request) -> Response:
+        return json(self._robot.document(request.client.role))
+
+    async def _newest(self, request: Request) -> Response:
+        name = _name(request)
+        catalog = self._robot.catalog()
+        if name in WATCHED or name not in catalog.streams:
+            raise Refused(404, f"there is no stream '{name[:81]}' on this robot; GET /api names them")
+        question = self._robot.query(name, b"", source=source_of(request.client), timeout_s=STREAM_S)
+        await until(lambda: question.done or bool(question.replies))
+        sample = sample_of(question.replies[0]) if question.replies else None
+        if sample is None:
+            raise Refused(503, f"'{name}' has said nothing yet, or its process is gone", {"Retry-After": "1"})
+        age = max(0.0, self._robot.now() - sample.sent_s)
+        return encoded(b'{"age_s":%.3f,"message":%s}' % (age, sample.text))
+
+    async def _command(self, request: Request) -> Response:
+        name, asked = _name(request), request.data or {}
+        command = self._robot.catalog().commands.get(name)
+        if command is None:
+            raise Refused(404, f"there is no command '{name[:81]}' on this robot; GET /api names them")
+        request.require(command.role)
+        source, payload = source_of(request.client), _payload(asked)
+        if RANKS[command.role] > RANKS["view"] and not command.leased:
+            self._robot.tell("command", f"{source} asks {name}: {payload[:TOLD].decode(errors='replace')}")
+        question = self._robot.query(name, payload, source=source, timeout_s=COMMAND_S)
+        await until(lambda: question.done or bool(question.replies))
+        if not question.replies:
+            raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
+        return _replied(question.replies[0])
+
+    async def _console(self, request: Request) -> Response:
+        role: Role = request.client.role or "view"
+        question = self._robot.line(request.data.line, role=role, source=source_of(request.client), timeout_s=LINE_S)
+        await until(lambda: question.done or bool(question.replies))
+        if not question.replies:
+            raise Refused(503, f"the robot did not answer within {LINE_S:g} s", {"Retry-After": "1"}, "timeout")
+        answer = _decoded(question.replies[0])
+        return json(answer, 200, Reason_Code=_code(answer.get("reason_code", "")))
+
+
+def source_of(client: Client) -> str:
+    """Return who asks, as the robot is told: by a token's name, or from an address."""
+    name = client.name or client.session.partition(":")[0]
+    return f"{OF_PEOPLE}{name or client.address}"[:80]
+
+
+def _name(request: Request) -> str:
+    return f"{request.keys['capability']}/{request.keys['name']}".lower()
+
+
+def _payload(message: dict[str, Any]) -> bytes:
+    try:
+        return encode(message)
+    except (OverflowError, RecursionError) as err:
+        raise Refused(400, f"the message cannot be passed on: {err}") from None
+
+
+def _replied(raw: RawMessage) -> Response:
+    """Return a capability's reply; one that refuses says so by its status, and in the words of all refusals besides."""
+    answer = _decoded(raw)
+    if answer.get("accepted") is not False:
+        return json(answer)
+    code = str(answer.get("code") or "refused")
+    status = 400 if code in {"malformed", "bad_value"} else 409
+    return json({**answer, "message": str(answer.get("reason", "")), "code": code}, status, Reason_Code=_code(code))
+
+
+def _decoded(raw: RawMessage) -> dict[str, Any]:
+    try:
+        answer = codec.decode(raw.payload)
+    except MalformedError as err:
+        raise Refused(503, f"the answer cannot be read: {err}", code="malformed") from None
+    return answer if isinstance(answer, dict) else {"answer": answer}
+
+
+def _code(code: object) -> str:
+    """Return a code as a header may bear it: what a program answers may be anything."""
+    return code if isinstance(code, str) and code in MEANINGS else "refused" if code else ""

@@ -1,0 +1,76 @@
+"""The bus as the API uses it: a session beside the process's own, so that what pages look at delays no heartbeat."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from lbr.bus import session, wire
+from lbr.bus.lease_client import Transport
+from lbr.bus.over_session import OverSession
+from lbr.bus.wire import RawMessage
+from lbr.capability.config import ProcessConfig
+
+
+class Feed(Protocol):
+    """A stream that is heard."""
+
+    def take(self) -> list[RawMessage]:
+        """Return what came since the last call, oldest first."""
+
+    def close(self) -> None:
+        """Hear no more."""
+
+
+class Question(Protocol):
+    """A question under way."""
+
+    replies: list[RawMessage]
+    done: bool
+
+
+class Bus(Protocol):
+    """What the API needs of a bus; from any thread."""
+
+    def hear(self, key: str, *, depth: int = 1) -> Feed:
+        """Hear the newest `depth` messages of a key."""
+
+    def ask(
+        self, key: str, payload: bytes, *, source: str, timeout_s: float, wake: Callable[[], None] = lambda: None
+    ) -> Question:
+        """Ask by a query; BusError if that cannot even be sent."""
+
+    def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> Transport:
+        """Return by what motion is borrowed: `keys` by request."""
+
+    def close(self) -> None:
+        """Leave the bus."""
+
+
+class RobotBus:
+    """A session to the robot's own router."""
+
+    def __init__(self, config: ProcessConfig) -> None:
+        self._session = session.open_client(config.endpoints, config.credentials)
+
+    def hear(self, key: str, *, depth: int = 1) -> Feed:
+        """Hear the newest `depth` messages of a key, kept by the bus library until they are taken."""
+        return wire.PolledSubscription(self._session, key, depth=depth)
+
+    def ask(
+        self, key: str, payload: bytes, *, source: str, timeout_s: float, wake: Callable[[], None] = lambda: None
+    ) -> Question:
+        """Ask by a query."""
+        return wire.PendingQuery(self._session, key, payload, timeout_s=timeout_s, source=source, wake=wake)
+
+    def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> Transport:
+        """Return by what motion is borrowed."""
+        return OverSession(self._session, source, keys, wake=wake)
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._session.close()
+
+
+def opened(ctx: Any) -> RobotBus | None:
+    """Return a session for the API; None where the process runs on another machine, which has no rights for it."""
+    config = getattr(ctx, "config", None)
+    return RobotBus(config) if isinstance(config, ProcessConfig) and not config.host else None

@@ -1,0 +1,192 @@
+"""The API as the capability's loop runs it: knows what the robot is, asks it, and looks after what pages hold."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TypeVar
+
+import msgspec
+
+from lbr.apps.web.api.catalog import EVENT, STATUS, Catalog
+from lbr.apps.web.api.feeds import Feeds
+from lbr.apps.web.api.holds import Holds
+from lbr.apps.web.api.page_message import Wanted
+from lbr.apps.web.api.requests import Requests
+from lbr.apps.web.api.robot_bus import Bus, Feed, Question
+from lbr.apps.web.face import Client, Refused, Route
+from lbr.apps.web.robot import Robot
+from lbr.bus import keys
+from lbr.bus.codec import Decoder
+from lbr.bus.lease_client import Transport
+from lbr.capability.kind import STOP
+from lbr.errors import BusError, MalformedError
+from lbr.messages.codes import Reason
+from lbr.messages.description import RobotDescription
+from lbr.messages.system import CapabilityStatus, Role, Status
+
+NO_BUS = "the API serves where the robot runs; this server is on another machine"
+NOT_YET = "the robot has not said yet what it is; ask again"
+REPORT = b"/report/robot"
+REPORT_S, AGAIN_S = 2.0, 0.5
+T = TypeVar("T")
+_statuses = Decoder(Status)
+
+
+class _Told(msgspec.Struct):
+    """The answer to the report: its data, as a console line has it."""
+
+    data: RobotDescription
+
+
+_reports = Decoder(_Told)
+
+
+class Api:
+    """All but `known`, `may`, `feeds`, `wake`, `now` and `holds.add` is for the capability's loop alone."""
+
+    def __init__(self, robot: Robot, bus: Bus | None, version: str) -> None:
+        self._robot = robot
+        self._bus = bus
+        self._version = version
+        self._status: Status | None = None
+        self._described: tuple[int, int] | None = None
+        self._asked: Question | None = None
+        self._ask_at = 0.0
+        self._statuses: Feed | None = bus.hear(keys.status(robot.name)) if bus is not None else None
+        self.known: Catalog | None = None
+        self.feeds = Feeds(bus, self._key, robot.ctx.name, robot.now) if bus is not None else None
+        self.holds = Holds(self._transport, self._keys_of, robot.now)
+
+    def routes(self) -> list[Route]:
+        """Return what is answered."""
+        return Requests(self).routes()
+
+    def step(self) -> None:
+        """Do one round of work."""
+        self.holds.step()
+        if self._bus is not None and self._robot.ctx.on_tick:
+            self._look(self._bus, self._robot.now())
+
+    def release(self, why: str) -> None:
+        """Release what pages hold: the server ends."""
+        self.holds.close(why)
+
+    def close(self) -> None:
+        """Leave the bus."""
+        bus, self._bus = self._bus, None
+        if bus is not None:
+            bus.close()
+
+    @property
+    def phases(self) -> tuple[CapabilityStatus, ...]:
+        """Return how each capability is."""
+        return self._status.capabilities if self._status is not None else ()
+
+    def catalog(self) -> Catalog:
+        """Return what there is; Refused (503) while that is not known."""
+        if self.known is None:
+            raise Refused(503, NOT_YET if self._bus is not None else NO_BUS, {"Retry-After": "1"}, "not_ready")
+        return self.known
+
+    def document(self, role: Role | None) -> dict[str, object]:
+        """Return what `GET /api` answers to one who has a role."""
+        robot = self._robot
+        return self.catalog().document(
+            role=role,
+            version=self._version,
+            phases=self.phases,
+            joints=robot.joints,
+            motions=robot.motions,
+            buttons=robot.buttons,
+        )
+
+    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float) -> Question:
+        """Ask on a key below the robot's name."""
+        return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s)
+
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float) -> Question:
+        """Say a console line with the rights of a role."""
+        key = keys.console_of_pages(self._robot.name, role)
+        return self._ask(key, line.encode(errors="replace"), source=source, timeout_s=timeout_s)
+
+    def now(self) -> float:
+        """Monotonic seconds."""
+        return self._robot.now()
+
+    def wake(self) -> None:
+        """Have the loop look at what a page said; from any thread."""
+        self._robot.ctx.wake()
+
+    def tell(self, kind: str, text: str) -> None:
+        """Have an event published."""
+        self._robot.ctx.event(kind, text)
+
+    def may(self, client: Client) -> Callable[[Wanted], Reason | None]:
+        """Return what says why motion is not for a client, or not there."""
+        return partial(self._why_not, client)
+
+    def _why_not(self, client: Client, wanted: Wanted) -> Reason | None:
+        command = self.known.commands.get(wanted.to) if self.known is not None else None
+        if self.known is None:
+            return Reason("not_ready", NOT_YET)
+        if command is None:
+            return Reason("unknown_name", f"there is no command '{wanted.to}' on this robot")
+        if not command.leased:
+            return Reason("not_possible", f"'{wanted.to}' is not held: POST /api/{wanted.to} asks for it")
+        if not client.may(command.role):
+            return Reason("role", f"this needs the role '{command.role}', and you have '{client.role or 'none'}'")
+        return None
+
+    def _keys_of(self, wanted: Wanted) -> Mapping[str, str]:
+        stop = f"{wanted.capability}/{STOP}"
+        found = {"motion": self._key(wanted.to)}
+        return found | ({"halt": self._key(stop)} if self.known is not None and stop in self.known.commands else {})
+
+    def _transport(self, source: str, wanted: Mapping[str, str]) -> Transport:
+        if self._bus is None:
+            raise BusError(NO_BUS)
+        return self._bus.transport(source, wanted, self._robot.ctx.wake)
+
+    def _key(self, name: str) -> str:
+        system = {STATUS: keys.status, EVENT: keys.event}
+        return system[name](self._robot.name) if name in system else f"{self._robot.name}/{name}"
+
+    def _ask(self, key: str, payload: bytes, *, source: str, timeout_s: float) -> Question:
+        if self._bus is None:
+            raise Refused(503, NO_BUS, code="not_possible")
+        try:
+            return self._bus.ask(key, payload, source=source, timeout_s=timeout_s, wake=self._robot.ctx.wake)
+        except BusError as err:
+            raise Refused(503, str(err), {"Retry-After": "1"}) from None
+
+    def _look(self, bus: Bus, now: float) -> None:
+        """Hear how the robot is; ask what it is whenever its rows, or its processes, are others."""
+        for raw in self._statuses.take() if self._statuses is not None else ():
+            self._status = _read(_statuses, raw.payload) or self._status
+        if self._asked is not None and (self._asked.replies or self._asked.done):
+            self._take(self._asked)
+            self._asked = None
+        run = (self._status.pid, self._status.revision) if self._status is not None else None
+        if self._asked is None and now >= self._ask_at and (self.known is None or run != self._described):
+            self._ask_at = now + AGAIN_S
+            key = keys.console_of_pages(self._robot.name, "view")
+            try:
+                self._asked = bus.ask(
+                    key, REPORT, source=self._robot.ctx.name, timeout_s=REPORT_S, wake=self._robot.ctx.wake
+                )
+            except BusError:
+                self._asked = None
+
+    def _take(self, asked: Question) -> None:
+        told = _read(_reports, asked.replies[0].payload) if asked.replies else None
+        if told is None:
+            return
+        self.known = Catalog(told.data)
+        if self._status is not None:
+            self._described = self._status.pid, told.data.revision
+
+
+def _read(decoder: Decoder[T], payload: bytes) -> T | None:
+    try:
+        return decoder.decode(payload)
+    except MalformedError:
+        return None

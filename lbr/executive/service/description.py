@@ -1,0 +1,63 @@
+"""What the robot is, for programs and pages that come to it knowing nothing: out of the plan that runs. Pure."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import msgspec
+
+from lbr.bus import keys
+from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.process_specs import ProcessSpec
+from lbr.messages.description import CapabilityDescription, CommandDescription, RobotDescription, Schema
+from lbr.messages.kinematics import Wheel
+from lbr.messages.rows import Row
+from lbr.messages.sensing import RangeSensor
+from lbr.messages.speech import Phrase
+
+
+def describe(plan: Plan, words: Iterable[dict[str, Any]]) -> RobotDescription:
+    """Return what a robot is that runs by a plan; `words` are what can be said at its console."""
+    return RobotDescription(
+        robot=plan.robot,
+        simulated=any(unit.config.simulated for unit in plan.units.values()),
+        revision=plan.rows.revision,
+        capabilities=tuple(_capability(plan, unit) for unit in plan.units.values()),
+        words=tuple(words),
+        wheels=_rows(plan, Wheel),
+        ranges=_rows(plan, RangeSensor),
+        phrases=_rows(plan, Phrase),
+    )
+
+
+def _capability(plan: Plan, unit: ProcessSpec) -> CapabilityDescription:
+    kind = plan.kinds[unit.name]
+    return CapabilityDescription(
+        name=unit.name,
+        kind=unit.kind,
+        family=unit.family,
+        summary=kind.summary,
+        outputs={name: _schema(plan, unit, name) for name in _published(plan, unit)},
+        commands={name: _command(plan, unit, name) for name in plan.commands(unit.name)},
+    )
+
+
+def _published(plan: Plan, unit: ProcessSpec) -> list[str]:
+    """Return the outputs under the unit's own name; a setpoint goes to another's."""
+    wires = unit.config.outputs.items()
+    return [name for name, keyed in wires if keys.port(plan.robot, unit.name, name) in {wire.key for wire in keyed}]
+
+
+def _schema(plan: Plan, unit: ProcessSpec, name: str) -> Schema:
+    kind = plan.kinds[unit.name]
+    message = {**kind.outputs, **kind.messages}.get(name)
+    return kind.schema(name, message) if message is not None else {}
+
+
+def _command(plan: Plan, unit: ProcessSpec, name: str) -> CommandDescription:
+    kind = plan.kinds[unit.name]
+    leased = name in kind.commands and kind.command(name).leased
+    return CommandDescription(schema=_schema(plan, unit, name), role=kind.role(name), leased=leased)
+
+
+def _rows(plan: Plan, row: type[Row]) -> tuple[dict[str, Any], ...]:
+    return tuple(msgspec.to_builtins(one) for one in plan.rows.of(row))

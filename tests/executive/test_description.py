@@ -1,0 +1,80 @@
+"""What the robot says that it is: out of the plan that runs, for each robot that comes with lbr."""
+
+import msgspec
+import pytest
+
+from lbr.bus import keys, session
+from lbr.database import store
+from lbr.executive.planning import planner, rights
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.run_identity import RunIdentity
+from lbr.executive.service.description import describe
+
+SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
+ROBOTS = ("lbr", "bioloid", "uxa90")
+
+
+@pytest.fixture(scope="module")
+def plans(tmp_path_factory):
+    path = tmp_path_factory.mktemp("database") / "robot.db"
+    store.create(path)
+    with store.Database.open(path) as database:
+        made = {name: planner.make(database.load(name), Profile(robot=name, simulate=True), SITE) for name in ROBOTS}
+    assert not any(problems for _, problems in made.values())
+    return {name: plan for name, (plan, _) in made.items()}
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_each_capability_is_described_by_what_its_kind_declares(plans, name):
+    told = {one.name: one for one in describe(plans[name], ()).capabilities}
+    assert told.keys() == plans[name].units.keys()
+    for capability, kind in plans[name].kinds.items():
+        if capability in told:
+            assert told[capability].commands.keys() == kind.commands.keys()
+            assert told[capability].summary == kind.summary
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_description_passes_in_one_message(plans, name):
+    assert len(msgspec.json.encode(describe(plans[name], ()))) < session.MAX_MESSAGE_BYTES / 2
+
+
+def test_a_command_says_who_may_and_whether_it_is_held(plans):
+    drive = next(one for one in describe(plans["lbr"], ()).capabilities if one.name == "drive")
+    assert (drive.commands["command"].role, drive.commands["command"].leased) == ("operate", True)
+    assert (drive.commands["stop"].role, drive.commands["stop"].leased) == ("view", False)
+    assert "power" in str(drive.commands["command"].schema)
+
+
+def test_a_setpoint_is_no_stream(plans):
+    drive = next(one for one in describe(plans["lbr"], ()).capabilities if one.name == "drive")
+    assert set(drive.outputs) == {"state", "result"}
+
+
+def test_rows_that_people_look_at_are_told(plans):
+    told = describe(plans["lbr"], ({"word": "help"},))
+    assert [row["name"] for row in told.ranges] == sorted(row["name"] for row in told.ranges)
+    assert "forward" in {row["name"] for row in told.ranges}
+    assert told.words == ({"word": "help"},)
+    assert told.simulated
+
+
+def test_what_serves_people_may_look_at_all_and_say_every_line_and_put_nothing(plans):
+    plan = plans["uxa90"]
+    allowed = rights.of_unit(plan, plan.units["web"])["web"]
+    assert {"uxa90/**", keys.status("uxa90")} <= set(allowed.ask) & set(allowed.hear)
+    assert {keys.console_of_pages("uxa90", role) for role in ("view", "operate", "admin")} <= set(allowed.ask)
+    assert not any("command" in key or "**" in key for key in allowed.put)
+
+
+def test_nothing_else_may_say_lines(plans):
+    lines = {keys.console_of_pages("uxa90", role) for role in ("view", "operate", "admin")}
+    plan = plans["uxa90"]
+    for name in plan.units.keys() - {"web"}:
+        assert not lines & set(rights.of_unit(plan, plan.units[name])[name].ask)
+
+
+def test_on_another_machine_it_has_no_such_rights(plans):
+    plan = plans["uxa90"]
+    web = msgspec.structs.replace(plan.units["web"], serves_people=False)
+    assert "uxa90/**" not in rights.of_guest(plan, web).ask
