@@ -18,18 +18,21 @@ MAGIC = b"SQLite format 3\0"
 MOST_ROWS = 100_000
 COMPUTED_S = 5.0
 _MOST_PAGES = 16_384
-_LOOK_EVERY = 10_000
+_LOOK_EVERY = 1_000
 _OURS, _APPLICATION = b"LBR1", slice(68, 72)
 _MAKING = {
     sqlite3.SQLITE_CREATE_TABLE,
     sqlite3.SQLITE_CREATE_INDEX,
     sqlite3.SQLITE_INSERT,
-    sqlite3.SQLITE_READ,
-    sqlite3.SQLITE_SELECT,
+    sqlite3.SQLITE_SELECT,  # of several rows of values
     sqlite3.SQLITE_TRANSACTION,
-    sqlite3.SQLITE_UPDATE,  # of the schema, by CREATE TABLE
     sqlite3.SQLITE_REINDEX,
 }
+_SCHEMA = {"sqlite_master", "sqlite_schema", "sqlite_sequence"}
+"""What making a table reads and writes by itself; a dump begins the last of them again."""
+_OF_SCHEMA = {sqlite3.SQLITE_READ, sqlite3.SQLITE_UPDATE, sqlite3.SQLITE_DELETE}
+_FUNCTIONS = {"replace", "char", "unistr", "length", "lower", "upper", "typeof", "date", "datetime", "strftime"}
+"""By which dumps write texts of several lines, and tables their checks and defaults."""
 _READING = {sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ}
 _PRAGMAS = {"foreign_keys", "encoding", "user_version", "application_id"}
 
@@ -51,19 +54,28 @@ def of_database(content: bytes) -> ForeignTables:
 def of_sql(text: str) -> ForeignTables:
     """Return the rows of every table that a dump makes; InputError says what it asks for that is not done."""
     with _memory("it is no SQL that could be read") as connection:
-        connection.set_authorizer(_making)
+        connection.set_authorizer(_Making())
         connection.executescript(text)
         return _tables(connection)
 
 
-def _making(action: int, first: str | None, *_: str | None) -> int:
-    if action in _MAKING:
-        schema = action == sqlite3.SQLITE_UPDATE and first not in {"sqlite_master", "sqlite_schema"}
-        return sqlite3.SQLITE_DENY if schema else sqlite3.SQLITE_OK
-    if action == sqlite3.SQLITE_PRAGMA and first in _PRAGMAS:
-        return sqlite3.SQLITE_OK
-    counted = action == sqlite3.SQLITE_DELETE and first == "sqlite_sequence"  # as every dump begins that table
-    return sqlite3.SQLITE_OK if counted or action == sqlite3.SQLITE_FUNCTION else sqlite3.SQLITE_DENY
+class _Making:
+    """Allows to make and fill tables, but not from one another, so that nothing grows beyond what is written."""
+
+    def __init__(self) -> None:
+        self._selects = False
+
+    def __call__(self, action: int, first: str | None, second: str | None, *_: str | None) -> int:
+        """Say whether SQLite may; a statement begins with what it makes or fills."""
+        self._selects = action == sqlite3.SQLITE_SELECT or (self._selects and action != sqlite3.SQLITE_INSERT)
+        allowed = (
+            action in _MAKING
+            or (action in _OF_SCHEMA and first in _SCHEMA)
+            or (action == sqlite3.SQLITE_READ and not self._selects)  # a key, to see whether it is there already
+            or (action == sqlite3.SQLITE_PRAGMA and first in _PRAGMAS)
+            or (action == sqlite3.SQLITE_FUNCTION and second in _FUNCTIONS)
+        )
+        return sqlite3.SQLITE_OK if allowed else sqlite3.SQLITE_DENY
 
 
 def _reading(action: int, *_: str | None) -> int:
@@ -78,7 +90,7 @@ def _memory(failed: str) -> Iterator[sqlite3.Connection]:
         connection.execute("PRAGMA trusted_schema = OFF")
         connection.execute(f"PRAGMA max_page_count = {_MOST_PAGES}")
         connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 0)
-        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 1 << 24)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 1 << 20)
         connection.set_progress_handler(lambda: time.thread_time() > until, _LOOK_EVERY)
         try:
             yield connection

@@ -104,3 +104,45 @@ def test_western_texts_and_bytes_that_are_no_text():
     assert given_files.decoded("un café".encode("latin-1")) == "un café"
     assert given_files.decoded(b"a\0b") is None
     assert given_files.decoded(b"\xff\xfe\x00") is None
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "INSERT INTO a SELECT p.x FROM a p, a q, a r, a s, a t, a u, a v, a w;",
+        "INSERT INTO a VALUES (randomblob(10000000));",
+        "UPDATE a SET x = 1;",
+        "CREATE TRIGGER t AFTER INSERT ON a BEGIN INSERT INTO a VALUES (1); END;",
+        "CREATE VIEW v AS SELECT x FROM a;",
+        "CREATE TABLE b AS WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT i FROM n;",
+    ],
+)
+def test_a_dump_only_makes_tables_and_fills_them_with_what_it_says(more):
+    rows = ", ".join(f"({number})" for number in range(200))
+    with pytest.raises(InputError, match=r"it is no SQL that could be read: .*(authorized|prohibited)"):
+        foreign_tables.of_sql(f"CREATE TABLE a (x); INSERT INTO a VALUES {rows}; {more}")
+
+
+def test_a_dump_has_no_more_than_a_moment_and_a_little_room(monkeypatch):
+    begun = "CREATE TABLE a (x);"
+    one = f"INSERT INTO a VALUES (replace('{'a' * 1000}', 'a', '{'b' * 900}'));"
+    with pytest.raises(InputError, match="database or disk is full"):
+        foreign_tables.of_sql(begun + one * 100)
+    monkeypatch.setattr(foreign_tables, "COMPUTED_S", 0.0)
+    with pytest.raises(InputError, match="interrupted"):
+        foreign_tables.of_sql(begun + "INSERT INTO a VALUES (1);" * 2000)
+
+
+def test_texts_of_several_lines_are_read_as_dumps_write_them():
+    found = foreign_tables.of_sql("CREATE TABLE a (x); INSERT INTO a VALUES (replace('one\\ntwo', '\\n', char(10)));")
+    assert found == {"a": [{"x": "one\ntwo"}]}
+
+
+def test_a_dump_may_have_keys_checks_and_several_rows_at_once():
+    found = foreign_tables.of_sql(
+        "PRAGMA foreign_keys=OFF; BEGIN TRANSACTION;"
+        "CREATE TABLE m (a INT PRIMARY KEY, b TEXT CHECK (length(b) > 0)) WITHOUT ROWID; INSERT INTO m VALUES (1, 'x'), (3, 'y');"
+        "CREATE TABLE c (id INTEGER PRIMARY KEY AUTOINCREMENT); INSERT INTO c VALUES (4); DELETE FROM sqlite_sequence;"
+        "INSERT INTO sqlite_sequence VALUES ('c', 9); CREATE UNIQUE INDEX i ON m (b); COMMIT;"
+    )
+    assert found == {"m": [{"a": 1, "b": "x"}, {"a": 3, "b": "y"}], "c": [{"id": 4}]}
