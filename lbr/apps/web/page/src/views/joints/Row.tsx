@@ -81,26 +81,28 @@ function Range({ name, at, aim, lower, upper, disabled, onMove, onFocus }: { nam
 function Angle({ name, at, lower, upper, disabled, onMove }: { name: string; at: number | null; lower: number; upper: number; disabled: boolean; onMove: RowProps["onMove"] }) {
   const [typed, type] = useState<string | null>(null);
   const id = useId();
-  const box = useRef<HTMLInputElement>(null);
-  const value = typed === null || typed.trim() === "" ? NaN : Number(typed.replace(",", "."));
-  const wrong = typed !== null && !(value >= inDegrees(lower) - 0.05 && value <= inDegrees(upper) + 0.05);
-  const send = (): void => {
-    if (typed === null) return;
-    if (!wrong) onMove(name, Math.min(upper, Math.max(lower, (value * Math.PI) / 180)), false);
+  const parsed = (text: string): number => (text.trim() === "" ? NaN : Number(text.replace(",", ".")));
+  const fits = (value: number): boolean => value >= inDegrees(lower) - 0.05 && value <= inDegrees(upper) + 0.05;
+  const wrong = typed !== null && !fits(parsed(typed));
+  const editing = useRef(false);
+  const send = (text: string): void => {
+    if (!editing.current) return;
+    editing.current = false;
+    if (fits(parsed(text))) onMove(name, Math.min(upper, Math.max(lower, (parsed(text) * Math.PI) / 180)), false);
     type(null);
   };
   return (
     <span class="joints-angle" data-wrong={wrong || undefined}>
       <input
-        id={id} ref={box} class="joints-number" inputMode="decimal" autocomplete="off" disabled={disabled} aria-label={t("joints.angle", { joint: plain(name) })} aria-invalid={wrong}
+        id={id} class="joints-number" inputMode="decimal" autocomplete="off" disabled={disabled} aria-label={t("joints.angle", { joint: plain(name) })} aria-invalid={wrong}
         title={t("joints.limits", { lower: degrees(lower), upper: degrees(upper) })}
         value={typed ?? (at === null ? "–" : number((at * 180) / Math.PI, 1, "en"))}
-        onFocus={() => { type(at === null ? "" : String(inDegrees(at))); requestAnimationFrame(() => box.current?.select()); }}
-        onInput={(event) => type(event.currentTarget.value)}
+        onFocus={(event) => { type(event.currentTarget.value); event.currentTarget.select(); }}
+        onInput={(event) => { editing.current = true; type(event.currentTarget.value); }}
         onKeyDown={(event) => {
-          if (event.key === "Enter") { send(); event.currentTarget.blur(); }
+          if (event.key === "Enter") { send(event.currentTarget.value); event.currentTarget.blur(); }
         }}
-        onBlur={send}
+        onBlur={(event) => { send(event.currentTarget.value); type(null); }}
       />
       <span aria-hidden="true">°</span>
     </span>

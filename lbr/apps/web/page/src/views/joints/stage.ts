@@ -26,6 +26,11 @@ const TAP_PX = 6;
 const HALF_MS = 35;
 const GHOST_RAD = 0.05;
 const FOV_DEG = 34;
+/** Frames that come slower than this, so many times on end, are drawn with less effort: what holds the robot needs the time. */
+const SLOW_MS = 70;
+const SLOW_FRAMES = 5;
+/** Where even that is slow, it is drawn this often at most. */
+const RARE_MS = 120;
 
 interface Bone { link: Link; group: Group; hinge: Group; meshes: Mesh[]; joint: string }
 interface Built { root: Group; bones: Map<string, Bone>; byJoint: Map<string, Bone> }
@@ -84,7 +89,9 @@ export class Stage {
   private readonly shown = new Map<string, number>();
   private readonly aims = new Map<string, number>();
   private readonly tones = new Map<string, Tone>();
+  /** How large what there is to look at is, and all of it. */
   private readonly size: number;
+  private readonly wide: number;
   private readonly watch: ResizeObserver;
   private readonly sun = new DirectionalLight(0xffffff, 2.4);
   private readonly sky = new HemisphereLight(0xffffff, 0x445055, 1.5);
@@ -97,6 +104,9 @@ export class Stage {
   private frame = 0;
   private last = 0;
   private stale = true;
+  private slow = 0;
+  private drawnAt = 0;
+  private effort = 2;
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly model: BodyModel, private colours: Colours, private readonly hooks: Hooks) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "low-power" });
@@ -115,7 +125,9 @@ export class Stage {
     this.scene.add(this.upright);
     for (const bone of this.body.bones.values()) for (const mesh of bone.meshes) mesh.userData["colour"] = (mesh.material as MeshStandardMaterial).color.clone();
     const { low, high } = this.seen({});
-    this.size = Math.max(high[2] - low[2], high[0] - low[0], high[1] - low[1], 0.1);
+    const whole = extent(model, placed(model, {}));
+    this.size = largest(low, high);
+    this.wide = largest(whole.low, whole.high);
     this.addRings();
     this.addFloor();
     this.addLight();
@@ -135,7 +147,18 @@ export class Stage {
     this.watch = new ResizeObserver(() => this.resize());
     this.watch.observe(canvas.parentElement ?? canvas);
     this.resize();
+    this.warmUp();
     this.frame = requestAnimationFrame(this.draw);
+  }
+
+  /** Draws once all that may come, so that nothing is prepared while something moves. */
+  private warmUp(): void {
+    const ghosts = [...this.ghost.bones.values()].flatMap((bone) => bone.meshes);
+    for (const mesh of ghosts) mesh.visible = true;
+    this.select([...this.rings.keys()][0] ?? "");
+    this.renderer.render(this.scene, this.camera);
+    for (const mesh of ghosts) mesh.visible = false;
+    this.select("");
   }
 
   /** Where the joints were measured, and to where they are on their way. */
@@ -239,7 +262,7 @@ export class Stage {
   }
 
   private addRings(): void {
-    const radius = 0.062 * this.size;
+    const radius = 0.062 * (this.size < this.wide ? 2 : 1) * this.size;
     for (const [joint, bone] of this.body.byJoint) {
       if (this.model.joints[joint]?.kind === "wheel" || !(joint in this.model.joints)) continue;
       const ring = new Mesh(new TorusGeometry(radius, 0.075 * radius, 10, 48), new MeshBasicMaterial({ color: this.colours.muted, transparent: true, opacity: 0.9 }));
@@ -252,34 +275,34 @@ export class Stage {
   }
 
   private addFloor(): void {
-    const ground = new Mesh(new PlaneGeometry(8 * this.size, 8 * this.size), new ShadowMaterial({ opacity: 0.28 }));
+    const ground = new Mesh(new PlaneGeometry(8 * this.wide, 8 * this.wide), new ShadowMaterial({ opacity: 0.28 }));
     ground.rotation.x = -Math.PI / 2;
     ground.receiveShadow = true;
     this.scene.add(ground);
     const lines = new LineBasicMaterial({ color: this.colours.muted, transparent: true, opacity: 0.28 });
     for (const part of [0.45, 0.8, 1.15]) {
-      const circle = new CircleGeometry(part * this.size, 96);
+      const circle = new CircleGeometry(part * this.wide, 96);
       const ring = new LineLoop(new BufferGeometry().setAttribute("position", new Float32BufferAttribute(circle.attributes["position"]!.array.slice(3), 3)), lines);
       ring.rotation.x = -Math.PI / 2;
       ring.position.y = 0.0005;
       this.scene.add(ring);
     }
-    const ahead = new BufferGeometry().setAttribute("position", new Float32BufferAttribute([0.45, 0, 0, 0.62, 0, 0, 0.57, 0, 0.025, 0.62, 0, 0, 0.57, 0, -0.025, 0.62, 0, 0].map((value) => value * this.size), 3));
+    const ahead = new BufferGeometry().setAttribute("position", new Float32BufferAttribute([0.45, 0, 0, 0.62, 0, 0, 0.57, 0, 0.025, 0.62, 0, 0, 0.57, 0, -0.025, 0.62, 0, 0].map((value) => value * this.wide), 3));
     this.scene.add(new LineSegments(ahead, lines));
   }
 
   private addLight(): void {
-    this.sun.position.set(1.6 * this.size, 2.6 * this.size, -1.1 * this.size);
+    this.sun.position.set(1.6 * this.wide, 2.6 * this.wide, -1.1 * this.wide);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
     const camera = this.sun.shadow.camera;
-    camera.left = camera.bottom = -1.1 * this.size;
-    camera.right = camera.top = 1.1 * this.size;
-    camera.far = 8 * this.size;
+    camera.left = camera.bottom = -1.1 * this.wide;
+    camera.right = camera.top = 1.1 * this.wide;
+    camera.far = 8 * this.wide;
     this.sun.shadow.bias = -0.0006;
     this.sun.shadow.radius = 4;
     const rim = new DirectionalLight(0xbfe8ff, 0.9);
-    rim.position.set(-2 * this.size, 1.4 * this.size, 1.6 * this.size);
+    rim.position.set(-2 * this.wide, 1.4 * this.wide, 1.6 * this.wide);
     this.scene.add(this.sun, this.sky, rim);
   }
 
@@ -425,7 +448,7 @@ export class Stage {
     const place = this.canvas.parentElement ?? this.canvas;
     const [width, height] = [Math.max(1, place.clientWidth), Math.max(1, place.clientHeight)];
     const first = this.camera.aspect === 1;
-    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.renderer.setPixelRatio(this.effort > 0 ? Math.min(2, devicePixelRatio) : 0.6);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
@@ -440,10 +463,21 @@ export class Stage {
     const part = 1 - 0.5 ** (dt / HALF_MS);
     if (this.controls.update()) this.stale = true;
     if (this.follow(part)) this.stale = true;
-    if (!this.stale || document.hidden) return;
+    if (!this.stale || document.hidden || (this.effort === 0 && now - this.drawnAt < RARE_MS)) return;
     this.stale = false;
+    this.drawnAt = now;
+    this.slow = dt > SLOW_MS ? this.slow + 1 : 0;
+    if (this.slow >= SLOW_FRAMES && this.effort > 0) this.ease();
     this.renderer.render(this.scene, this.camera);
   };
+
+  /** Draws with less effort: without shadows first, then coarser. */
+  private ease(): void {
+    this.effort -= 1;
+    this.slow = 0;
+    this.sun.castShadow = false;
+    if (this.effort === 0) this.resize();
+  }
 
   /** Brings what is shown nearer to what was measured; says whether anything moved. */
   private follow(part: number): boolean {
@@ -506,6 +540,8 @@ export class Stage {
     this.upright.updateMatrixWorld(true);
   }
 }
+
+const largest = (low: Vec, high: Vec): number => Math.max(high[2] - low[2], high[0] - low[0], high[1] - low[1], 0.1);
 
 function turn(bone: Bone | undefined, model: BodyModel, angle: number): void {
   if (!bone) return;

@@ -60,7 +60,7 @@ export default function Motions() {
   return (
     <div class="motions-both">
     {tabs}
-    <div class="motions">
+    <div class="motions" data-remote={keys.length > 0 || undefined}>
       <div class="motions-main">
         <Playing state={state} part={part} onStop={end} />
         <Card class="motions-options">
@@ -72,7 +72,7 @@ export default function Motions() {
           </div>
         </Card>
         <ul class="motions-list">
-          {all.map((row) => <One key={row.name} row={row} model={body.value} can={can} now={state?.playing && state.motion === row.name ? part : null} onPlay={() => play(row.name)} onStop={end} />)}
+          {all.map((row) => <One key={row.name} row={row} model={body.value} cap={capOf(keys, row.name)} can={can} now={state?.playing && state.motion === row.name ? part : null} onPlay={() => play(row.name)} onStop={end} />)}
         </ul>
       </div>
       <div class="motions-side">
@@ -82,6 +82,12 @@ export default function Motions() {
     </div>
     </div>
   );
+}
+
+/** The sign of the remote control's key that plays a motion; empty if there is none. */
+function capOf(keys: ButtonRow[], motion: string): string {
+  const key = keys.find((one) => one.motion === motion);
+  return key ? keycap(key.button || String(key.id)) : "";
 }
 
 function Playing({ state, part, onStop }: { state?: MotionsState; part: number; onStop: () => void }) {
@@ -104,12 +110,12 @@ function Playing({ state, part, onStop }: { state?: MotionsState; part: number; 
   );
 }
 
-function One({ row, model, can, now, onPlay, onStop }: { row: MotionRow; model: BodyModel | null; can: boolean; now: number | null; onPlay: () => void; onStop: () => void }) {
+function One({ row, model, cap, can, now, onPlay, onStop }: { row: MotionRow; model: BodyModel | null; cap: string; can: boolean; now: number | null; onPlay: () => void; onStop: () => void }) {
   const pose = poses.value[row.name];
   const playing = now !== null;
   return (
     <li class="motions-one" data-playing={playing || undefined} data-motion={row.name}>
-      <div class="motions-picture">{model && model.links.length > 0 && pose ? <Figure model={model} pose={pose} /> : <Icon name="motions" />}</div>
+      <div class="motions-picture">{model && model.links.length > 0 && pose ? <Figure model={model} pose={pose} /> : cap ? <span class="motions-cap" aria-hidden="true">{cap}</span> : <Icon name="motions" />}</div>
       <div class="motions-text">
         <h3 class="motions-name">{plain(row.name)}</h3>
         <p>{row.help}</p>
