@@ -156,7 +156,7 @@ def test_commands_that_talk_to_a_robot_say_that_they_cannot_print(tmp_path):
                     input=b"s\n",
                     stdout=full,
                     stderr=subprocess.PIPE,
-                    timeout=5,
+                    timeout=8,  # less than what it would hold
                     check=False,
                 )
             assert done.returncode == 1

@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.robot import lbr, running, until
 
-pytestmark = pytest.mark.timeout(30)
+pytestmark = pytest.mark.timeout(60)
 
 GOOD = """
 from msgspec import Struct
@@ -33,14 +33,14 @@ def file(robot):
     yield path
     robot.edit("DELETE FROM capability WHERE name = 'greeter'")
     path.unlink(missing_ok=True)
-    until(lambda: "greeter" not in pids(robot) and robot.status()["problems"] == [])
+    until(lambda: "greeter" not in pids(robot) and robot.status()["problems"] == [], limit_s=15.0)
 
 
 @pytest.fixture
 def greeted(robot, file):
     file.write_text(GOOD)
     robot.edit(ROW)
-    until(lambda: pids(robot).get("greeter"), what="the file runs")
+    until(lambda: pids(robot).get("greeter"), limit_s=15.0, what="the file runs")
 
 
 def pids(robot):
@@ -60,7 +60,7 @@ def test_a_file_that_hangs_holds_up_neither_the_robot_nor_its_stops_nor_other_ed
     until(lambda: any(words in problem for problem in robot.status()["problems"]), limit_s=15.0)
     assert pids(robot) == before
     file.write_text(GOOD)
-    until(lambda: robot.status()["problems"] == [])
+    until(lambda: robot.status()["problems"] == [], limit_s=15.0)
 
 
 @pytest.mark.parametrize(
