@@ -464,8 +464,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The simulated surroundings; runs only under a simulating launch profile');
 
 INSERT INTO capability (robot, name, kind, settings, help) VALUES
-    ('lbr', 'web', 'web', '{"port": 50001, "faces": ["cameras"]}',
-     'The robot over HTTP: its API, stop, cameras; on this machine only, unless the settings say otherwise');
+    ('lbr', 'web', 'web', '{"port": 50001, "faces": ["page", "model", "cameras"]}',
+     'The robot over HTTP: its page and API, stop, cameras; on this machine only, unless the settings say otherwise');
 
 -- The robot's old API, for the clients it has always had: to this machine, without a token only while it is simulated.
 INSERT INTO capability (robot, name, kind, settings, help) VALUES

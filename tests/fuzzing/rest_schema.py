@@ -98,9 +98,17 @@ def wrong(document: Schema, schema: Schema, value: Any, at: str) -> str:
     if isinstance(value, dict):
         return _wrong_object(document, schema, value, at)
     if isinstance(value, list):
-        items = schema.get("items", {})
-        return next((why for n, one in enumerate(value) if (why := wrong(document, items, one, f"{at}[{n}]"))), "")
+        return _wrong_items(document, schema, value, at)
     return _wrong_scalar(schema, value, at)
+
+
+def _wrong_items(document: Schema, schema: Schema, value: list[Any], at: str) -> str:
+    first, others = schema.get("prefixItems", []), schema.get("items", {})
+    if others is False and len(value) > len(first):
+        return f"{at}: {len(value)} where the document has {len(first)}"
+    parts = [first[n] if n < len(first) else others for n in range(len(value))]
+    whys = (wrong(document, part, one, f"{at}[{n}]") for n, (part, one) in enumerate(zip(parts, value, strict=True)))
+    return next((why for why in whys if why), "")
 
 
 def _wrong_object(document: Schema, schema: Schema, value: dict[str, Any], at: str) -> str:

@@ -30,8 +30,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The simulated body and floor; runs only under a simulating launch profile');
 
 INSERT INTO capability (robot, name, kind, settings, help) VALUES
-    ('bioloid', 'web', 'web', '{"port": 50002}',
-     'The robot over HTTP: its API, stop and emergency stop; on this machine only, unless the settings say otherwise');
+    ('bioloid', 'web', 'web', '{"port": 50002, "faces": ["page", "model"]}',
+     'The robot over HTTP: its page and API, stop and emergency stop; on this machine only, unless the settings say otherwise');
 
 -- Off: nothing on the robot can be reached from other machines, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES

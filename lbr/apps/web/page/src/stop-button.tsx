@@ -32,7 +32,7 @@ export function StopButton() {
   const isPress = (event: KeyboardEvent): boolean => event.key === "Enter" || event.key === " ";
   return (
     <button
-      id="stop" type="button" class="stop" aria-label={t("stop.label")} data-pressed={pressed || undefined}
+      id="stop" type="button" class="stop" data-pressed={pressed || undefined}
       onPointerDown={(event) => { event.currentTarget.setPointerCapture?.(event.pointerId); down(); }}
       onPointerUp={up} onPointerCancel={up} onContextMenu={(event) => event.preventDefault()}
       onKeyDown={(event) => { if (isPress(event)) { event.preventDefault(); if (!event.repeat) down(); } }}
@@ -40,8 +40,9 @@ export function StopButton() {
       onClick={() => { if (performance.now() - pressedAt.current > 2 * HOLD_MS) void stop(); }}
     >
       <svg class="stop-ring" viewBox="0 0 36 36" aria-hidden="true"><circle cx="18" cy="18" r="15.915" pathLength="100" /></svg>
-      <span aria-hidden="true">{t("stop.stop")}</span>
-      <span class="stop-hint" aria-hidden="true">{t("stop.hint")}</span>
+      <span>{t("stop.stop")} </span>
+      <span class="stop-hint">{t("stop.hint")}</span>
+      <span class="sr"> {t("stop.label")}</span>
     </button>
   );
 }

@@ -1,13 +1,20 @@
 // The pieces that all views are made of.
 import type { AllCSSProperties, ComponentChildren, JSX, PartialInputHTMLAttributes } from "preact";
 import { render } from "preact";
-import { useEffect, useId, useLayoutEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { age } from "../format";
 import { clock, STALE_MS, type Sample } from "../live";
 import { t } from "../words";
 import { ICONS, type IconName } from "./icons";
 
 export type { IconName } from "./icons";
+
+let ids = 0;
+
+/** A name for an element that no other has: dialogues are trees of their own, whose `useId` would count from the start again. */
+export function useOwnId(): string {
+  return useState(() => `own-${++ids}`)[0];
+}
 
 export function Icon({ name, class: more = "" }: { name: IconName; class?: string }) {
   return <svg class={`icon ${more}`} viewBox="0 0 24 24" aria-hidden="true"><path d={ICONS[name]} /></svg>;
@@ -33,7 +40,7 @@ export function Button({ kind = "plain", icon, label, pressed, children, class: 
 }
 
 export function Card({ title, icon, actions, children, class: more = "" }: { title?: string; icon?: IconName; actions?: ComponentChildren; children?: ComponentChildren; class?: string }) {
-  const id = useId();
+  const id = useOwnId();
   return (
     <section class={`card ${more}`} aria-labelledby={title ? id : undefined}>
       {title && (
@@ -63,7 +70,7 @@ interface SliderProps {
 /** A slider that does not heed what the robot says of its value while a finger is on it. */
 export function Slider({ label, min, max, step = 1, value, unit = "", disabled, show, onInput, onChange }: SliderProps) {
   const [held, hold] = useState<number | null>(null);
-  const id = useId();
+  const id = useOwnId();
   const shown = held ?? value;
   const fill = `${max > min ? (100 * (Math.min(max, Math.max(min, shown)) - min)) / (max - min) : 0}%`;
   const text = show ? show(shown) : `${shown}${unit}`;
@@ -91,7 +98,7 @@ export function Toggle({ label, checked, disabled, onChange }: { label: string; 
 }
 
 export function Field({ label, class: more = "", ...rest }: { label: string; type?: string } & Omit<PartialInputHTMLAttributes<HTMLInputElement>, "label" | "ref" | "type" | "role">) {
-  const id = useId();
+  const id = useOwnId();
   return (
     <div class="field">
       <label class="field-label" for={id}>{label}</label>
@@ -101,7 +108,7 @@ export function Field({ label, class: more = "", ...rest }: { label: string; typ
 }
 
 export function Choice({ label, value, options, onChange }: { label: string; value: string; options: { value: string; text: string }[]; onChange: (value: string) => void }) {
-  const id = useId();
+  const id = useOwnId();
   return (
     <div class="field">
       <label class="field-label" for={id}>{label}</label>
@@ -161,7 +168,7 @@ export function Dialog(props: DialogProps) {
 }
 
 function Opened({ title, onClose, actions, children }: DialogProps) {
-  const id = useId();
+  const id = useOwnId();
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const before = document.activeElement as HTMLElement | null;

@@ -19,7 +19,7 @@ export const shell = {
   "link.lost.long": ["The link to the robot is lost. It has stopped by itself; trying again.", "Die Verbindung ist weg. Der Roboter hält von selbst an; neuer Versuch läuft."],
   "stop.stop": ["Stop", "Stopp"],
   "stop.hint": ["hold: e-stop", "halten: Notstopp"],
-  "stop.label": ["Stop the robot. Hold for one second for the emergency stop. Escape stops as well.", "Roboter anhalten. Eine Sekunde halten für den Notstopp. Auch Escape hält an."],
+  "stop.label": ["the robot. Hold for one second for the emergency stop. Escape stops as well.", "für den Roboter. Eine Sekunde halten für den Notstopp. Auch Escape hält an."],
   "stop.stopped": ["Stopped", "Angehalten"],
   "stop.failed": ["The stop was not answered: {reason}", "Der Stopp blieb ohne Antwort: {reason}"],
   "stop.estop": ["Emergency stop", "Notstopp"],

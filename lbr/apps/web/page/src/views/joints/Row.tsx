@@ -1,7 +1,7 @@
 // One joint: how it is, a slider and a number, its torque; more of it when it is chosen.
-import { useId, useRef, useState } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import { degrees, number, percent, plain } from "../../format";
-import { Badge, Button, Icon, type IconName } from "../../parts";
+import { Badge, Button, Icon, useOwnId, type IconName } from "../../parts";
 import { maybe, t } from "../../words";
 import type { JointRange, JointState } from "./model";
 import { BADGE, toneOf, type Tone } from "./tone";
@@ -80,7 +80,7 @@ function Range({ name, at, aim, lower, upper, disabled, onMove, onFocus }: { nam
 /** The angle as a number to type; what the robot says is not heeded while it is being typed. */
 function Angle({ name, at, lower, upper, disabled, onMove }: { name: string; at: number | null; lower: number; upper: number; disabled: boolean; onMove: RowProps["onMove"] }) {
   const [typed, type] = useState<string | null>(null);
-  const id = useId();
+  const id = useOwnId();
   const parsed = (text: string): number => (text.trim() === "" ? NaN : Number(text.replace(",", ".")));
   const fits = (value: number): boolean => value >= inDegrees(lower) - 0.05 && value <= inDegrees(upper) + 0.05;
   const wrong = typed !== null && !fits(parsed(typed));
