@@ -157,8 +157,19 @@ export class Stage {
     for (const mesh of ghosts) mesh.visible = true;
     this.select([...this.rings.keys()][0] ?? "");
     this.renderer.render(this.scene, this.camera);
+    const took = this.measured();
+    if (took > SLOW_MS) this.ease();
+    if (took > 2 * SLOW_MS) this.ease();
     for (const mesh of ghosts) mesh.visible = false;
     this.select("");
+  }
+
+  /** How long it takes to draw once more, until the last dot is there. */
+  private measured(): number {
+    const begun = performance.now();
+    this.renderer.render(this.scene, this.camera);
+    this.renderer.getContext().readPixels(0, 0, 1, 1, 6408, 5121, new Uint8Array(4));
+    return performance.now() - begun;
   }
 
   /** Where the joints were measured, and to where they are on their way. */
@@ -309,7 +320,7 @@ export class Stage {
   private paint(joint: string): void {
     const ring = this.rings.get(joint);
     const tone = this.tones.get(joint) ?? "unread";
-    const picked = joint === this.selected;
+    const picked = joint !== "" && joint === this.selected;
     const { accent, good, warn, bad, muted } = this.colours;
     const colour = { near: good, held: good, moving: accent, loaded: bad, fault: bad, hot: warn, limp: muted, unread: muted }[tone];
     if (ring) {
