@@ -36,7 +36,7 @@ SAID_HZ, SAID_AT_ONCE = 100.0, 200.0
 """A page says 25 things a second; a mouse may have it say 60, and a network deliver some seconds at once."""
 MOST_NEWS = 16
 PULSE_S = 0.2
-"""A page that holds motion gets a frame this often at least, for the time that it quotes."""
+"""A page gets a frame this often at least, for the time that it quotes: older than `OLDEST_S` it would begin nothing."""
 LOOK_S = 1.0
 _encode = msgspec.json.Encoder().encode
 
@@ -173,8 +173,7 @@ class _Viewer:
         parts = [part for part in (self._streams(now), self._events()) if part]
         if self._news:
             parts.append(self._news.popleft())
-        pulse_s = PULSE_S if self._hand.said.wanted is not None else LOOK_S
-        if not parts and now - self._frame_s < pulse_s:
+        if not parts and now - self._frame_s < PULSE_S:
             return ""
         self._frame_s = now
         return b"".join((b'{"t":%d' % int(now * 1000), *(b"," + part for part in parts), b"}")).decode()
