@@ -123,8 +123,15 @@ def explained(err: OSError) -> str:
         return size[err.errno]
     if err.errno in {errno.ENOSPC, errno.EDQUOT}:
         return f"{what or 'standard output or a file of its own: '}there is no room left on the disk: make some, or set LBR_HOME to another one"
-    if err.errno in {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR} and what:
+    return _in_the_way(err, what) if what else ""
+
+
+def _in_the_way(err: OSError, what: str) -> str:
+    if err.errno in {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR}:
         return f"{what}{err.strerror}; give yourself the right to it, or set LBR_HOME to a directory of your own"
+    stray = err.errno == errno.ENOENT and Path(os.fsdecode(err.filename)).is_symlink()
+    if stray or err.errno in {errno.EEXIST, errno.ELOOP}:
+        return f"{what}{err.strerror}; something stands in its place, or a link that leads nowhere: move that away"
     return ""
 
 

@@ -2,6 +2,7 @@
 
 import json
 import time
+from functools import partial
 
 import pytest
 import zenoh
@@ -51,6 +52,26 @@ def test_a_viewer_cannot_drive_by_query_or_put(door: Door, message):
         assert answer(bus, "lbr/@estop/reset", {}) is None
         settle(door)
     assert not door.moving()
+
+
+def test_who_looks_hears_what_the_robot_says_and_declares_nothing_else_to_it(door: Door):
+    with door.client("eye") as bus:
+        every, one, stray = (
+            wire.Subscription(bus, f"lbr/{key}", depth=512) for key in ("**", "motors/setpoint", "x/y")
+        )
+        heard: set[str] = set()
+
+        def hears(key: str) -> bool:
+            door.robot.put("x/y", {"stray": True})
+            door.robot.put("motors/setpoint", {})
+            heard.update(raw.key for raw in every.take())
+            return key in heard
+
+        for key in ("lbr/motors/state", "lbr/drive/state", "lbr/ranges/readings"):
+            until(partial(hears, key), what=key)
+        until(one.take, what="setpoints, by their name")
+        assert not stray.take()
+        assert "lbr/x/y" not in heard
 
 
 def test_a_viewer_can_stop_who_drives(door: Door):

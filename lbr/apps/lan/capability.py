@@ -64,6 +64,8 @@ class Lan(Capability[LanSettings]):
         self._outer = wire.Subscription(robot_side, keys.status(self.ctx.robot))
         self._passage, self._question = Passage(), None
         self._still = Standstill()
+        self._router, self._here = router, set[str]()
+        self._streams: list[wire.PolledSubscription] = []
         self._links = Links(router, ("tls", "tcp"))
         self._relay = Relay(
             inside,
@@ -86,6 +88,7 @@ class Lan(Capability[LanSettings]):
             self.ctx.event("login_refused", refusal.text, level="warning", data={"address": refusal.host})
         for one in self._links.take():
             self._tell_link(one)
+        self._hear_streams()
         while self._too_much:
             self.ctx.event("refused", self._too_much.popleft(), level="warning")
         self._check()
@@ -140,6 +143,14 @@ class Lan(Capability[LanSettings]):
                 raise BusError("the door is open, but nothing passes through it to the robot")
             time.sleep(ASK_AGAIN_S)
 
+    def _hear_streams(self) -> None:
+        """While clients are here, have the robot send each stream that it names: of what a client declares besides, such
+        as a wildcard, only the door hears, so that no number of declarations holds up the robot's own router."""
+        if self._here and not self._streams:
+            self._streams = [wire.PolledSubscription(self._router, key) for key in self._lan.heard]
+        while self._streams and not self._here:
+            self._streams.pop().close()
+
     def _check(self) -> None:
         """The robot's status comes every second on both sides of the door, and the relay goes round."""
         self._passage.heard(outside=bool(self._outer.take()), inside=bool(self._inner.take()))
@@ -170,6 +181,7 @@ class Lan(Capability[LanSettings]):
 
     def _tell_link(self, one: Coming) -> None:
         what, did = ("login", "came in") if one.here else ("logout", "went")
+        (self._here.add if one.here else self._here.discard)(one.session_id)
         self.ctx.event(what, f"a client at {one.address} {did} (session {one.session_id[:8]})")
 
 

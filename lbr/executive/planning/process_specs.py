@@ -1,6 +1,6 @@
 """From a row to the one document that its process gets: settings, wiring, devices, ways onto the bus. Pure."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -138,6 +138,7 @@ def with_lan(
         link=site.credentials(f"@{unit.name}"),
         users=_users(rows, site, "bus"),
         streams=streams_of(robot, others),
+        heard=tuple(sorted({key for _unit, key in _put(others)})),
         stops=tuple(key for key, role in (here | away).items() if role == "view"),
         commands={key: role for key, role in here.items() if role != "view"},
         guests=tuple(
@@ -174,8 +175,12 @@ def commands_of(unit: ProcessSpec, kind: Kind) -> tuple[str, ...]:
 
 def streams_of(robot: str, units: Iterable[ProcessSpec]) -> tuple[str, ...]:
     """Return the keys of the streams that units publish under their own names."""
-    keyed = ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
-    return tuple(sorted({key for unit, key in keyed if key.startswith(f"{robot}/{unit.name}/")}))
+    return tuple(sorted({key for unit, key in _put(units) if key.startswith(f"{robot}/{unit.name}/")}))
+
+
+def _put(units: Iterable[ProcessSpec]) -> Iterator[tuple[ProcessSpec, str]]:
+    """Yield the keys on which units put anything: streams, and setpoints for others."""
+    return ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
 
 
 def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity) -> RowSet:

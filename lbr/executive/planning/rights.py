@@ -94,7 +94,8 @@ def _for_people(robot: str) -> Rights:
 def _of_lan(plan: Plan, unit: ProcessSpec) -> Rights:
     """Return what may come in from other machines without passing the relay: looking, and stopping.
 
-    So may what processes say that run there, but for what they ask of others: that is relayed.
+    So may what processes say that run there, but for what they ask of others: that is relayed. What may be heard is named
+    key by key: all else that a client declares to hear ends at the door, and holds up no other router.
     """
     assert unit.lan is not None
     robot, lan = plan.robot, unit.lan
@@ -112,7 +113,7 @@ def _of_lan(plan: Plan, unit: ProcessSpec) -> Rights:
             *sorted(asked),
         ),
         serve=_all(rights.serve for rights in guests),
-        hear=(f"{robot}/**", keys.estop(robot), *keys.looked_at(robot)),
+        hear=(*lan.heard, *_all(rights.hear for rights in guests), keys.estop(robot), *keys.looked_at(robot)),
         alive=(*_all(rights.alive for rights in guests), *agents),
         watch=(keys.alive(robot, "*"),),
     )
