@@ -145,7 +145,7 @@ export class Stage {
     canvas.addEventListener("pointerup", this.lift);
     canvas.addEventListener("pointercancel", this.lift);
     this.watch = new ResizeObserver(() => this.resize());
-    this.watch.observe(canvas.parentElement ?? canvas);
+    this.watch.observe(canvas);
     this.resize();
     this.warmUp();
     this.frame = requestAnimationFrame(this.draw);
@@ -456,8 +456,7 @@ export class Stage {
   }
 
   private resize(): void {
-    const place = this.canvas.parentElement ?? this.canvas;
-    const [width, height] = [Math.max(1, place.clientWidth), Math.max(1, place.clientHeight)];
+    const [width, height] = [Math.max(1, this.canvas.clientWidth), Math.max(1, this.canvas.clientHeight)];
     const first = this.camera.aspect === 1;
     this.renderer.setPixelRatio(this.effort > 0 ? Math.min(2, devicePixelRatio) : 0.6);
     this.renderer.setSize(width, height, false);
