@@ -280,23 +280,33 @@ def test_another_user_changes_no_rows_of_a_simulated_robot_either(simulated, met
         assert asked_as_another(simulated, method, path) == 401
 
 
+PASSED_ON = [
+    {"X-Forwarded-For": "8.8.8.8"},
+    {"X-Real-IP": "127.0.0.1"},
+    {"Forwarded": "for=127.0.0.1"},
+    {"Via": "1.1 x"},
+    {"CF-Ray": "x"},
+    {"Host": "localhost:1"},
+]
+
+
 @pytest.mark.parametrize(("method", "path"), OPERATING + CHANGING + LOOKING)
-@pytest.mark.parametrize(
-    "passed_on",
-    [
-        {"X-Forwarded-For": "8.8.8.8"},
-        {"X-Real-IP": "127.0.0.1"},
-        {"Forwarded": "for=127.0.0.1"},
-        {"Via": "1.1 x"},
-        {"CF-Ray": "x"},
-        {"Host": "localhost:1"},
-    ],
-)
+@pytest.mark.parametrize("passed_on", PASSED_ON)
 def test_what_a_proxy_of_the_owners_passes_on_is_not_the_owners(served, method, path, passed_on):
     with nothing_happens(served) as asker:
         assert asker.ask(method, path, passed_on) == 401
-    assert served.ask("POST", "/stop", headers=passed_on).status == 200
-    assert served.ask("POST", "/estop", headers=passed_on).status == 200
+
+
+@pytest.mark.parametrize("passed_on", PASSED_ON)
+def test_what_a_proxy_passes_on_stops_the_robot_all_the_same(served, passed_on):
+    assert asked_of(served, passed_on, *CHANGING, *OPERATING) == {401}
+    for method, path in STOPPING:
+        assert served.ask(method, path, headers=passed_on).status == 200
+
+
+def asked_of(served: Served, headers: dict[str, str], *requests: tuple[str, str]) -> set[int]:
+    with nothing_happens(served) as asker:
+        return {asker.ask(method, path, headers) for method, path in requests}
 
 
 @pytest.mark.parametrize(
