@@ -15,7 +15,7 @@ def test_a_command_raises_an_arm_of_a_robot_that_stands_by_itself(tmp_path):
     home = prepare(tmp_path / "home", edits=(others,))
     with running(home, profile="bioloid-sim") as robot:
         until(lambda: robot.line("/torque/on")["code"] == 0, what="the servos are known")
-        until(lambda: not robot.ask("world/pose")["held"], what="the hand lets go")
+        until(lambda: not robot.ask("world/pose")["held"], limit_s=15.0, what="the hand lets go")
         lease = ""
 
         def raised():
