@@ -10,6 +10,8 @@ JOINT, RAISED_RAD = "left_shoulder_roll", radians(40.0)
 NEEDED = ("world", "servos", "joints")
 
 
+@pytest.mark.slow_start
+@pytest.mark.timeout(40)
 def test_a_command_raises_an_arm_of_a_robot_that_stands_by_itself(tmp_path):
     others = f"UPDATE capability SET enabled = 0 WHERE robot = 'bioloid' AND name NOT IN {NEEDED}"
     home = prepare(tmp_path / "home", edits=(others,))
