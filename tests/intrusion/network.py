@@ -1,4 +1,4 @@
-"""A1: what a robot with the default profile shows and sends to the network: nothing."""
+"""A1: what a robot as it ships shows and sends to the network: nothing. Its web servers are at the loopback alone."""
 
 import json
 import subprocess
@@ -11,6 +11,8 @@ from tests.support.netns import Network, network, why_not
 from tests.support.robot import start
 
 ALL_HOSTS = "010000E0"
+LOOPBACK = "0100007F:"
+"""127.0.0.1, as the kernel writes it; there is no IPv6 in this network."""
 SETTLE_S = 1.0
 PORTS = 65535
 SPOKEN, ARP = b"our own", "0806"
@@ -48,7 +50,7 @@ def possible() -> bool:
 
 def silence(results: Results, seconds: float) -> None:
     """Run a robot on a machine of its own and drive it; listen for `seconds`, then knock at every port."""
-    with network() as net, temporary_home() as home:
+    with network() as net, temporary_home(whole=True) as home:
         for place in (net.robot, net.client):
             programs.run([*place, "sh", "-c", NO_IPV6], check=False)
         programs.run([*net.robot, "ip", "route", "add", "default", "via", net.client_address], check=True)
@@ -82,10 +84,11 @@ def _packets(frames: list[str]) -> list[str]:
 
 
 def _sockets(net: Network) -> list[str]:
-    """Return every TCP and UDP socket, and every multicast group beyond the one that all hosts are in."""
+    """Return every TCP and UDP socket beyond the loopback, and every multicast group beyond the one that all hosts are in."""
     found = []
     for table in ("tcp", "tcp6", "udp", "udp6", "raw", "raw6", "udplite"):
-        found += [f"{table}: {line.split()[1]}" for line in _read(net, table)[1:]]
+        places = [line.split()[1] for line in _read(net, table)[1:]]
+        found += [f"{table}: {place}" for place in places if not place.startswith(LOOPBACK)]
     groups = [line.split()[0] for line in _read(net, "igmp") if line[:1] == "\t"]
     return found + [f"multicast group {group}" for group in groups if group != ALL_HOSTS]
 
