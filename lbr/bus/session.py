@@ -12,6 +12,9 @@ from typing import Any
 LEAF_RUNTIME = "(rx: (worker_threads: 2), acc: (handover: app), tx: (handover: app), net: (handover: app))"
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 
+if os.environ.get(RUNTIME_VARIABLE) != LEAF_RUNTIME:
+    os.environ.pop(RUNTIME_VARIABLE, None)  # a shell's own wish, which the library may not understand, and then panics
+
 import zenoh  # noqa: E402 - the runtime reads its environment when the library loads
 from msgspec import Struct  # noqa: E402
 
