@@ -247,9 +247,11 @@ class Terminal:
             self._stop(stop)
 
     def _flooded(self) -> None:
-        much = f"more than {LINES_AT_ONCE} lines, or {CHARACTERS_AT_ONCE} characters"
-        said = f"{much}, came at once, and nothing of it was run: paste one line at a time"
-        self._print(said, "error")
+        self._print(
+            f"more than {LINES_AT_ONCE} lines, or {CHARACTERS_AT_ONCE} characters, came at once, and nothing of it was run:"
+            " paste one line at a time",
+            "error",
+        )
         app = self._session.app
         if app.loop is not None:  # the beginning of a line that is too long is no line
             app.loop.call_soon(app.current_buffer.reset, context=app.context)
