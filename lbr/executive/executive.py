@@ -92,6 +92,7 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
             copies.refuse_if_lost(path)
             _tell(*joining.create(path))
         with store.Database.open(path) as opened:
+            lock.claim(path)
             _tell(joining.join(opened, profile.robot))
             opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)

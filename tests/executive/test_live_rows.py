@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from tests.support.machine import Stopwatch
-from tests.support.robot import Robot, running, until
+from tests.support.robot import Robot, lbr, running, until
 
 pytestmark = pytest.mark.timeout(20)
 
@@ -288,3 +288,10 @@ def test_what_a_capability_measures_is_written_down_and_restarts_nothing(robot):
     robot.edit("DELETE FROM calibration")
     robot.edit("DELETE FROM capability WHERE name = 'compass'")
     until(lambda: phase(robot, "compass") == "absent")
+
+
+def test_another_home_does_not_run_the_same_rows(robot, home):
+    done = lbr(home, "run", "--no-console", "--db", str(robot.home / "robot.db"))
+    assert done.returncode == 3, done.stderr
+    assert f"'lbr' already runs from {robot.home / 'robot.db'}, in another home" in done.stderr
+    assert phase(robot, "drive") == "ready"
