@@ -38,7 +38,7 @@ CACHES = {".cache", ".config"}
 settings.register_profile("lbr", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("lbr")  # how long an example takes is the machine's affair; in CI, too, examples are random
 
-WAITERS = 3
+WAITERS = 2
 """Tests wait more than they compute, for lines, clocks and robots: this many more at a time than there are cores."""
 ROBOTS = 1
 """This many more of them than there are cores have whole robots. With two more, on two cores, four robots at once went

@@ -20,6 +20,10 @@ _WORDS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
     (r"(?P<x>pattern) = word OR .*", lambda _: "the row's word, or a path that begins with it: /word/{field}"),
     (r"CASE WHEN slot IS NULL .*", lambda _: "above 0 and at most 600 if there is a slot, and NULL if there is none"),
     (rf"{_X} IN \((?P<list>.*)\)", lambda m: "one of " + m["list"].replace("'", "")),
+    (
+        r"(?P<x>\w+) IS NULL OR length\(\w+\) BETWEEN (?P<a>\d+) AND (?P<b>\d+)",
+        lambda m: f"{m['a']} to {m['b']} characters, or NULL for none",
+    ),
     (r"length\((?P<x>\w+)\) BETWEEN (?P<a>\d+) AND (?P<b>\d+)", lambda m: f"{m['a']} to {m['b']} characters"),
     (r"length\((?P<x>\w+)\) >= (?P<a>\d+)", lambda m: f"at least {m['a']} characters"),
     (rf"{_X} BETWEEN (?P<a>\S+) AND (?P<b>\S+)", lambda m: f"from {m['a']} to {m['b']}"),

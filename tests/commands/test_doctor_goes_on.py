@@ -90,7 +90,9 @@ def test_rows_that_are_bad_are_counted_with_the_first_and_what_to_type(tmp_path,
         client.execute("UPDATE capability SET needs = '[\"nothing\"]' WHERE robot = 'lbr' AND name = 'drive'")
     found = list(checks._database())
     bad = {one.about: one for one in found if one.level == "bad"}
-    assert {about: one.do for about, one in bad.items()} == dict.fromkeys(("port of 'web'", "database"), "lbr db check")
+    assert {about: one.do for about, one in bad.items()} == dict.fromkeys(
+        ("port of 'web'", "port of 'web_api'", "database"), "lbr db check"
+    )
     assert "has 1 bad rows; the first: capability 'lbr/drive'" in bad["database"].text
     assert "`$.port`" in bad["port of 'web'"].text
 

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from importlib import resources
 from pathlib import Path
 
@@ -156,4 +157,6 @@ def test_a_wheel_has_the_templates():
     """What is a file of the package is in the wheel, unless the project file leaves it out."""
     found = {path for path, _ in scaffold._templates(resources.files("lbr.commands") / "templates" / "new")}
     assert {"robot/NAME/rows.sql.in", "driver/NAME/twin.py.in", "capability/.gitignore.in"} <= found
-    assert "exclude" not in (ROOT / "pyproject.toml").read_text().partition("[tool.hatch")[2].partition("[tool.ruff")[0]
+    build = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]
+    left_out = [pattern for part in (build, *build["targets"].values()) for pattern in part.get("exclude", ())]
+    assert all(pattern.startswith("/lbr/apps/web/page/") for pattern in left_out), left_out

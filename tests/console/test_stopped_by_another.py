@@ -77,6 +77,9 @@ def test_a_script_ends_at_a_stop_by_another(robot, trace, stop):
         theirs.type(f"{stop}\r".encode())
         at_rest(trace)
         if stop == "estop":
+            until(
+                lambda: robot.status()["estop"]["engaged"], what="the emergency stop, and not a machine that was busy"
+            )
             robot.line("reset")
         since_ns = time.monotonic_ns()
         _, err = ours.communicate(timeout=8)

@@ -54,12 +54,13 @@ class Wheels:
         ended = threading.Event()
 
         def drive() -> None:
-            lease = ""
+            lease, begun = "", False
             while not ended.wait(RENEW_S):
                 command = {"power": 0.3, "angle_deg": 90, "lease": lease, "ttl_s": 0.5}
                 lease = (self.robot.ask("drive/command", command, source="somebody") or {}).get("lease", "")
-                if not lease:
+                if begun and not lease:
                     return
+                begun = begun or bool(lease)
 
         thread = threading.Thread(target=drive)
         thread.start()

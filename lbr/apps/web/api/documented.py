@@ -13,6 +13,13 @@ from lbr.messages.leases import CommandReply
 
 _DEFS, _COMPONENTS = "#/$defs/", "#/components/schemas/"
 UNKNOWN = 404
+REFUSED: Schema = {
+    "type": "object",
+    "properties": {"message": {"type": "string"}, "code": {"type": "string"}},
+    "required": ["message"],
+    "additionalProperties": {},
+}
+"""A refusal as all are, with the rest of what the capability answered."""
 
 
 def with_robot(document: Mapping[str, Any], catalog: Catalog) -> dict[str, Any]:
@@ -110,7 +117,8 @@ def _command(
     held = (
         " It is held by a lease: repeat it with the lease of the answer, ten times a second." if command.leased else ""
     )
-    statuses = {**openapi.ALWAYS, **openapi.WITH_ROLE, **openapi.WITH_BODY, 409: "The robot refuses it now."}
+    statuses = {**openapi.ALWAYS, **openapi.WITH_ROLE, **openapi.WITH_BODY}
+    refused = {400: statuses[400], 409: "The robot refuses it now."}
     return {
         "operationId": f"post_api_{one.name}_{name}",
         "summary": f"Ask {one.name} for {name}",
@@ -122,6 +130,7 @@ def _command(
         "responses": {
             "200": {"description": "What became of it", "content": {JSON: {"schema": _answer(command, reply)}}},
             **_refusals(statuses, refusal),
+            **_refusals(refused, {JSON: {"schema": REFUSED}}),
         },
     }
 
