@@ -16,8 +16,12 @@ def test_a_command_raises_an_arm_of_a_robot_that_stands_by_itself(tmp_path):
     others = f"UPDATE capability SET enabled = 0 WHERE robot = 'bioloid' AND name NOT IN {NEEDED}"
     home = prepare(tmp_path / "home", edits=(others,))
     with running(home, profile="bioloid-sim") as robot:
-        until(lambda: robot.line("/torque/on")["code"] == 0, what="the servos are known")
-        until(lambda: not robot.ask("world/pose")["held"], limit_s=15.0, what="the hand lets go")
+
+        def stands_by_itself():
+            robot.line("/torque/on")  # a machine that held the joints up has had the servos let go
+            return not robot.ask("world/pose")["held"]
+
+        until(stands_by_itself, limit_s=15.0, what="the hand lets go")
         lease = ""
 
         def raised():
