@@ -101,7 +101,7 @@ def _stream(one: CapabilityDescription, name: str, message: Schema, refusal: Map
         "security": [{}, {"token": []}],
         "responses": {
             "200": {"description": "The message, and how old it is", "content": {JSON: {"schema": newest}}},
-            **_refusals({**openapi.ALWAYS, **openapi.WITH_ROLE}, refusal),
+            **_refusals({**openapi.ALWAYS, **openapi.WITH_ROLE, 404: "It has said nothing yet."}, refusal),
         },
     }
 

@@ -142,7 +142,9 @@ class Requests:
         await until(lambda: question.done or bool(question.replies))
         sample = sample_of(question.replies[0]) if question.replies else None
         if sample is None:
-            raise Refused(503, f"'{name}' has said nothing yet, or its process is gone", {"Retry-After": "1"})
+            raise Refused(
+                404, f"'{name}' has said nothing yet, or its process is gone", {"Retry-After": "1"}, "unreachable"
+            )
         age = max(0.0, self._robot.now() - sample.sent_s)
         return encoded(b'{"age_s":%.3f,"message":%s}' % (age, sample.text))
 
